@@ -1,0 +1,403 @@
+//! The whole effect: drive, both engines, mix, with transport and automation.
+//!
+//! Time is an internal sample counter, anchored to the host's position at reset; it runs free when
+//! the host stops or tells nothing. A jump, a loop or a start of playback elsewhere starts a second
+//! [`Voice`](voice) at the new position exactly as a fresh instance would start there; once what was
+//! played before the jump has come out of the first one, the second takes over in a crossfade of
+//! 10 ms. So whatever was played before, two passes from one place sound the same.
+
+mod delay;
+mod voice;
+
+use std::sync::Arc;
+
+use crate::error::in_range;
+use crate::mix::{Layers, Mix};
+use crate::texture::{Dictionary, Distribution, Shape, offline};
+use crate::{Controls, Error, Structure, drive::Drive};
+use delay::Delay;
+use voice::{MAX_CHANNELS, Voice};
+
+/// Samples that are processed at once.
+const CHUNK: usize = 256;
+/// Length in seconds of the crossfade after a jump.
+const CROSSFADE_S: f64 = 0.01;
+/// Hosts that derive their position from beats round it; this much is no jump.
+const POSITION_TOLERANCE_SAMPLES: u64 = 1;
+/// Input beyond this magnitude (+80 dBFS) is a broken signal and is cut there.
+const LARGEST_INPUT: f32 = 1e4;
+/// Input below this magnitude is silence; it keeps denormals out of every engine.
+const SMALLEST_INPUT: f32 = 1e-15;
+
+/// Channels of the effect's buses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Channels {
+    /// Channels of the main input, 1-8.
+    pub input: usize,
+    /// Channels of the sidechain, 0-8; 0 = not connected.
+    pub sidechain: usize,
+    /// Channels of the output, 1-8, at least as many as of the input.
+    pub output: usize,
+}
+
+/// What the host says of its timeline for one call of [`Chain::process`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Transport {
+    /// Whether the host plays.
+    pub playing: bool,
+    /// Position of the call's first sample on the host's timeline, in samples; may be negative.
+    pub position: Option<i64>,
+}
+
+/// Largest magnitudes since the last [`Chain::take_meters`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Meters {
+    /// Main input.
+    pub input: f32,
+    /// Drive, after its high-pass.
+    pub drive: f32,
+    /// Low layer, after its level.
+    pub low: f32,
+    /// Extension layer, after its level.
+    pub extension: f32,
+    /// Texture layer, after its level.
+    pub texture: f32,
+    /// Output.
+    pub output: f32,
+    /// The last window's fitted noise factor beta (§4).
+    pub beta: f32,
+    /// Whether the input's channels cancel in the mean that drives the engines.
+    pub cancels: bool,
+    /// Whether texture lacks a recording.
+    pub no_recording: bool,
+}
+
+/// A jump under way: the other voice was started and takes over later.
+#[derive(Debug, Clone, Copy)]
+struct Takeover {
+    /// Samples processed since the jump.
+    age: usize,
+}
+
+/// The whole effect.
+pub struct Chain {
+    channels: Channels,
+    sample_rate_hz: f64,
+    shape: Shape,
+    voices: [Voice; 2],
+    /// The voice that is heard.
+    active: usize,
+    takeover: Option<Takeover>,
+    /// A jump came while another was under way: start anew as soon as that is over.
+    restart_pending: bool,
+    /// Position of the next sample, once anchored.
+    position: Option<i64>,
+    crossfade_samples: usize,
+    dry_delays: Vec<Delay<f32>>,
+    mix: Mix,
+    latency_samples: usize,
+    has_dictionary: bool,
+    /// Samples for which input and output have been silent.
+    silent_samples: usize,
+    meters: Meters,
+    main: Vec<Vec<f64>>,
+    sidechain: Vec<Vec<f64>>,
+    dry: Vec<Vec<f32>>,
+    top_magnitudes: Vec<f64>,
+}
+
+/// Most top-level magnitudes that one call hands out; no call of up to 8192 samples has more.
+const TOP_CAPACITY: usize = 8192;
+
+impl Chain {
+    /// Builds the effect for one sample rate (8-384 kHz) and structure; allocates all it will need.
+    pub fn new(sample_rate_hz: f64, channels: Channels, structure: &Structure) -> Result<Self, Error> {
+        in_range("sample rate in Hz", sample_rate_hz, 8_000.0, 384_000.0)?;
+        let most = MAX_CHANNELS as f64;
+        in_range("input channels", channels.input as f64, 1.0, most)?;
+        in_range("sidechain channels", channels.sidechain as f64, 0.0, most)?;
+        in_range("output channels", channels.output as f64, channels.input as f64, most)?;
+        structure.validate()?;
+        let voice = || Voice::new(sample_rate_hz, channels, structure);
+        let voices = [voice()?, voice()?];
+        let latency_samples = voices[0].latency_samples();
+        let block = |count: usize| vec![vec![0.0; CHUNK]; count];
+        Ok(Self {
+            shape: Shape::at_rate(structure, sample_rate_hz),
+            voices,
+            active: 0,
+            takeover: None,
+            restart_pending: false,
+            position: None,
+            crossfade_samples: (CROSSFADE_S * sample_rate_hz).round() as usize,
+            dry_delays: vec![Delay::new(latency_samples); channels.input],
+            mix: Mix::new(latency_samples, sample_rate_hz),
+            latency_samples,
+            has_dictionary: false,
+            silent_samples: 0,
+            meters: Meters::default(),
+            main: block(channels.input),
+            sidechain: block(channels.sidechain),
+            dry: vec![vec![0.0; CHUNK]; channels.output],
+            top_magnitudes: Vec::with_capacity(TOP_CAPACITY),
+            channels,
+            sample_rate_hz,
+        })
+    }
+
+    /// Delay of the output in samples: a function of sample rate and structure alone.
+    pub fn latency_samples(&self) -> usize {
+        self.latency_samples
+    }
+
+    /// Samples that may still sound after the input has fallen silent.
+    pub fn tail_samples(&self) -> usize {
+        self.voices[0].tail_samples() + self.crossfade_samples
+    }
+
+    /// Whether input and output have been silent for longer than the tail.
+    pub fn is_silent(&self) -> bool {
+        self.silent_samples > self.tail_samples()
+    }
+
+    /// Shape of the dictionaries that it takes.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// Sample rate in Hz.
+    pub fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
+    }
+
+    /// Back to the state of a fresh instance; recording and learned distribution stay.
+    pub fn reset(&mut self) {
+        self.active = 0;
+        self.takeover = None;
+        self.restart_pending = false;
+        self.position = None;
+        self.dry_delays.iter_mut().for_each(Delay::reset);
+        self.mix.reset();
+        self.silent_samples = 0;
+        self.meters = Meters::default();
+        self.top_magnitudes.clear();
+    }
+
+    /// Exchanges the recording's dictionary; the caller drops the old one elsewhere than on the
+    /// audio thread. A dictionary made for another sample rate or structure is handed back
+    /// unused.
+    pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+        let fits = |x: &Arc<Dictionary>| *x.shape() == self.shape && x.sample_rate_hz() == self.sample_rate_hz;
+        if dictionary.as_ref().is_some_and(|x| !fits(x)) {
+            return dictionary;
+        }
+        self.has_dictionary = dictionary.is_some();
+        let [first, second] = &mut self.voices;
+        // Of the two references to the old one, the second lives on, so this one frees nothing.
+        drop(first.swap_dictionary(dictionary.clone()));
+        second.swap_dictionary(dictionary)
+    }
+
+    /// Exchanges the learned distribution of the drive's amplitudes, likewise.
+    pub fn swap_distribution(&mut self, distribution: Option<Arc<Distribution>>) -> Option<Arc<Distribution>> {
+        let [first, second] = &mut self.voices;
+        drop(first.swap_distribution(distribution.clone()));
+        second.swap_distribution(distribution)
+    }
+
+    /// Processes one block of any length in place. `main` has as many channels as the output; the
+    /// first `channels.input` of them hold the input. A sidechain channel that is missing is
+    /// silent. `controls` hold for the whole call.
+    pub fn process(&mut self, main: &mut [&mut [f32]], sidechain: &[&[f32]], controls: &Controls, transport: Transport) {
+        self.top_magnitudes.clear();
+        let samples = main.iter().map(|x| x.len()).min().unwrap_or(0);
+        if samples == 0 || main.len() < self.channels.output {
+            return;
+        }
+        self.follow(transport);
+        let mut start = 0;
+        while start < samples {
+            // A takeover ends at its own sample, however the host cuts its blocks.
+            let until_takeover = self.takeover.map_or(CHUNK, |x| self.takeover_samples() - x.age);
+            let end = samples.min(start + CHUNK.min(until_takeover));
+            self.take_input(main, sidechain, start, end);
+            self.process_voices(controls, end - start);
+            self.mix_down(main, controls, start, end);
+            self.finish_takeover();
+            start = end;
+        }
+    }
+
+    /// Samples from a jump until the voice that it started has taken over.
+    fn takeover_samples(&self) -> usize {
+        self.latency_samples + self.crossfade_samples
+    }
+
+    fn finish_takeover(&mut self) {
+        if self.takeover.is_some_and(|x| x.age >= self.takeover_samples()) {
+            self.active = 1 - self.active;
+            self.takeover = None;
+            if self.restart_pending {
+                self.start_over();
+            }
+        }
+    }
+
+    /// Anchors the counter, or notices a jump.
+    fn follow(&mut self, transport: Transport) {
+        let Some(position) = self.position else {
+            let position = transport.position.unwrap_or(0);
+            self.voices[self.active].reset(position);
+            self.position = Some(position);
+            return;
+        };
+        if let (true, Some(told)) = (transport.playing, transport.position)
+            && told.abs_diff(position) > POSITION_TOLERANCE_SAMPLES
+        {
+            self.position = Some(told);
+            if self.takeover.is_some() {
+                self.restart_pending = true;
+            } else {
+                self.start_over();
+            }
+        }
+    }
+
+    /// Starts the other voice at the present position.
+    fn start_over(&mut self) {
+        self.restart_pending = false;
+        self.voices[1 - self.active].reset(self.position.unwrap_or(0));
+        self.takeover = Some(Takeover { age: 0 });
+    }
+
+    fn take_input(&mut self, main: &[&mut [f32]], sidechain: &[&[f32]], start: usize, end: usize) {
+        let samples = end - start;
+        let mut peak = 0.0f32;
+        for (channel, delay) in self.dry_delays.iter_mut().enumerate() {
+            let dry = &mut self.dry[channel][..samples];
+            for ((x, wide), dry) in main[channel][start..end].iter().zip(&mut self.main[channel]).zip(dry.iter_mut()) {
+                let x = clean(*x);
+                peak = peak.max(x.abs());
+                *wide = f64::from(x);
+                *dry = x;
+            }
+            delay.process(dry);
+        }
+        let (inputs, copies) = self.dry.split_at_mut(self.channels.input);
+        for copy in copies {
+            copy[..samples].copy_from_slice(&inputs[inputs.len() - 1][..samples]);
+        }
+        for (channel, buffer) in self.sidechain.iter_mut().enumerate() {
+            let buffer = &mut buffer[..samples];
+            match sidechain.get(channel).and_then(|x| x.get(start..end)) {
+                Some(input) => buffer.iter_mut().zip(input).for_each(|(out, x)| *out = f64::from(clean(*x))),
+                None => buffer.fill(0.0),
+            }
+            peak = buffer.iter().fold(peak, |peak, x| peak.max(x.abs() as f32));
+        }
+        self.meters.input = self.meters.input.max(peak);
+        self.silent_samples = if peak == 0.0 { self.silent_samples } else { 0 };
+    }
+
+    fn process_voices(&mut self, controls: &Controls, samples: usize) {
+        let mut main: [&[f64]; MAX_CHANNELS] = Default::default();
+        let mut sidechain: [&[f64]; MAX_CHANNELS] = Default::default();
+        for (block, channel) in main.iter_mut().zip(&self.main) {
+            *block = &channel[..samples];
+        }
+        for (block, channel) in sidechain.iter_mut().zip(&self.sidechain) {
+            *block = &channel[..samples];
+        }
+        let main = &main[..self.channels.input];
+        let sidechain = &sidechain[..self.channels.sidechain];
+
+        let [first, second] = &mut self.voices;
+        let (heard, next) = if self.active == 0 { (first, second) } else { (second, first) };
+        heard.process(main, sidechain, controls, samples);
+        let newest = if let Some(takeover) = &mut self.takeover {
+            next.process(main, sidechain, controls, samples);
+            let (age, latency, fade) = (takeover.age, self.latency_samples, self.crossfade_samples);
+            let ramp = |i: usize| ((age + i) as f64 - latency as f64 + 1.0) / fade as f64;
+            heard.layers.fade_to(&next.layers, samples, ramp);
+            takeover.age += samples;
+            next
+        } else {
+            heard
+        };
+        let drive = newest.drive_block(samples);
+        self.meters.drive = drive.iter().fold(self.meters.drive, |peak, x| peak.max(x.abs() as f32));
+        self.meters.beta = newest.beta() as f32;
+        self.meters.cancels |= newest.cancels();
+        for magnitude in newest.top_magnitudes() {
+            if self.top_magnitudes.len() < TOP_CAPACITY {
+                self.top_magnitudes.push(*magnitude);
+            }
+        }
+        self.position = self.position.map(|position| position.wrapping_add(samples as i64));
+    }
+
+    fn mix_down(&mut self, main: &mut [&mut [f32]], controls: &Controls, start: usize, end: usize) {
+        let samples = end - start;
+        let heard = &self.voices[self.active].layers;
+        let layers = Layers { low: &heard.low[..samples], extension: &heard.extension, texture: &heard.texture, dry: &self.dry };
+        let mut outputs: [&mut [f32]; MAX_CHANNELS] = Default::default();
+        for (output, channel) in outputs.iter_mut().zip(main.iter_mut()) {
+            *output = &mut channel[start..end];
+        }
+        let peaks = self.mix.process(&layers, &controls.mix, &mut outputs[..self.channels.output]);
+        self.meters.low = self.meters.low.max(peaks.low as f32);
+        self.meters.extension = self.meters.extension.max(peaks.extension as f32);
+        self.meters.texture = self.meters.texture.max(peaks.texture as f32);
+        self.meters.output = self.meters.output.max(peaks.output as f32);
+        self.silent_samples = if peaks.output == 0.0 { self.silent_samples.saturating_add(samples) } else { 0 };
+    }
+
+    /// The meters since the last call, which are then cleared.
+    pub fn take_meters(&mut self) -> Meters {
+        let no_recording = !self.has_dictionary;
+        Meters { no_recording, ..std::mem::take(&mut self.meters) }
+    }
+
+    /// Magnitudes of the drive pyramid's top level that arose in the last call of `process`, for
+    /// learning a distribution from one pass; valid until the next call.
+    pub fn top_level(&self) -> &[f64] {
+        &self.top_magnitudes
+    }
+}
+
+/// A sample that no engine can be harmed by.
+fn clean(x: f32) -> f32 {
+    if !x.is_finite() || x.abs() < SMALLEST_INPUT { 0.0 } else { x.clamp(-LARGEST_INPUT, LARGEST_INPUT) }
+}
+
+/// Learns the distribution of the drive's amplitudes from a whole file, as texture synthesis of
+/// this file would (reference padding; algorithms §3). `sidechain` may be empty. Fails where the
+/// file is too short for the levels.
+pub fn learn(
+    sample_rate_hz: f64,
+    structure: &Structure,
+    controls: &Controls,
+    input: &[Vec<f32>],
+    sidechain: &[Vec<f32>],
+) -> Result<Distribution, Error> {
+    in_range("input channels", input.len() as f64, 1.0, MAX_CHANNELS as f64)?;
+    in_range("sidechain channels", sidechain.len() as f64, 0.0, MAX_CHANNELS as f64)?;
+    let samples = input.iter().map(Vec::len).min().unwrap_or(0);
+    let wide = |channel: &Vec<f32>| -> Vec<f64> {
+        let mut wide: Vec<f64> = channel.iter().map(|x| f64::from(clean(*x))).collect();
+        wide.resize(samples, 0.0);
+        wide
+    };
+    let main: Vec<Vec<f64>> = input.iter().map(wide).collect();
+    let sidechain: Vec<Vec<f64>> = sidechain.iter().map(wide).collect();
+    let mut drive = Drive::new(sample_rate_hz)?;
+    drive.reset(0);
+    let mut signal = vec![0.0; samples];
+    for start in (0..samples).step_by(CHUNK) {
+        let end = samples.min(start + CHUNK);
+        let main: Vec<&[f64]> = main.iter().map(|x| &x[start..end]).collect();
+        let sidechain: Vec<&[f64]> = sidechain.iter().map(|x| &x[start..end]).collect();
+        drive.process(&main, &sidechain, &controls.drive, &mut signal[start..end]);
+    }
+    offline::learn(&signal, &Shape::at_rate(structure, sample_rate_hz))
+}

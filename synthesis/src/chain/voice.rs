@@ -1,0 +1,178 @@
+//! Drive and both engines, from one starting point on the host's timeline.
+
+use std::sync::Arc;
+
+use super::delay::Delay;
+use super::{CHUNK, Channels};
+use crate::drive::Drive;
+use crate::extend::Extend;
+use crate::texture::{Dictionary, Distribution, Shape, Texture};
+use crate::{Controls, Error, Structure};
+
+/// The layers that a voice makes of one chunk.
+#[derive(Debug)]
+pub struct VoiceLayers {
+    /// The drive's low part.
+    pub low: Vec<f64>,
+    /// Extension noise by channel.
+    pub extension: Vec<Vec<f64>>,
+    /// Texture by channel.
+    pub texture: Vec<Vec<f64>>,
+}
+
+impl VoiceLayers {
+    fn new(channels: usize) -> Self {
+        let channel = || vec![0.0; CHUNK];
+        let all = || (0..channels).map(|_| channel()).collect();
+        Self { low: channel(), extension: all(), texture: all() }
+    }
+
+    /// Replaces these layers by `other` at the part that `ramp` tells for every sample, 0-1.
+    pub fn fade_to(&mut self, other: &Self, samples: usize, ramp: impl Fn(usize) -> f64) {
+        let channels = self.extension.iter_mut().chain(&mut self.texture).chain([&mut self.low]);
+        let others = other.extension.iter().chain(&other.texture).chain([&other.low]);
+        for (mine, theirs) in channels.zip(others) {
+            for i in 0..samples {
+                let part = ramp(i);
+                // At the ends exactly one of the two, whatever the other holds.
+                if part >= 1.0 {
+                    mine[i] = theirs[i];
+                } else if part > 0.0 {
+                    mine[i] += part * (theirs[i] - mine[i]);
+                }
+            }
+        }
+    }
+}
+
+/// Drive and both engines, their outputs aligned to the larger latency of the two.
+pub struct Voice {
+    drive: Drive,
+    extend: Extend,
+    texture: Texture,
+    drive_block: Vec<f64>,
+    /// What it made of the last chunk.
+    pub layers: VoiceLayers,
+    low_delay: Delay<f64>,
+    extension_delays: Vec<Delay<f64>>,
+    texture_delays: Vec<Delay<f64>>,
+    latency_samples: usize,
+    top_magnitudes: Vec<f64>,
+}
+
+impl Voice {
+    /// Builds drive and engines; allocates all they will need.
+    pub fn new(sample_rate_hz: f64, channels: Channels, structure: &Structure) -> Result<Self, Error> {
+        let outputs = channels.output;
+        let extend = Extend::new(structure, outputs, sample_rate_hz)?;
+        let texture = Texture::new(&Shape::at_rate(structure, sample_rate_hz), outputs, sample_rate_hz)?;
+        let latency = extend.latency_samples().max(texture.latency_samples());
+        let extend_wait = latency - extend.latency_samples();
+        let texture_wait = latency - texture.latency_samples();
+        Ok(Self {
+            drive: Drive::new(sample_rate_hz)?,
+            extend,
+            texture,
+            drive_block: vec![0.0; CHUNK],
+            layers: VoiceLayers::new(outputs),
+            low_delay: Delay::new(extend_wait),
+            extension_delays: vec![Delay::new(extend_wait); outputs],
+            texture_delays: vec![Delay::new(texture_wait); outputs],
+            latency_samples: latency,
+            top_magnitudes: Vec::with_capacity(CHUNK),
+        })
+    }
+
+    /// Delay of all layers in samples.
+    pub fn latency_samples(&self) -> usize {
+        self.latency_samples
+    }
+
+    /// Samples that may sound after the input has fallen silent, latency included.
+    pub fn tail_samples(&self) -> usize {
+        self.latency_samples + self.texture.tail_samples().max(self.extend.tail_samples())
+    }
+
+    /// Starts anew at `position` of the host's timeline.
+    pub fn reset(&mut self, position: i64) {
+        self.drive.reset(position);
+        self.extend.reset(position);
+        self.texture.reset(position);
+        self.low_delay.reset();
+        self.extension_delays.iter_mut().chain(&mut self.texture_delays).for_each(Delay::reset);
+    }
+
+    /// Exchanges the recording.
+    pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+        self.texture.swap_dictionary(dictionary)
+    }
+
+    /// Exchanges the learned distribution.
+    pub fn swap_distribution(&mut self, learned: Option<Arc<Distribution>>) -> Option<Arc<Distribution>> {
+        self.texture.swap_distribution(learned)
+    }
+
+    /// The drive's samples of the last chunk.
+    pub fn drive_block(&self, samples: usize) -> &[f64] {
+        &self.drive_block[..samples]
+    }
+
+    /// Magnitudes of the drive's top level that arose in the last chunk.
+    pub fn top_magnitudes(&self) -> &[f64] {
+        &self.top_magnitudes
+    }
+
+    /// Whether the input's channels cancel.
+    pub fn cancels(&self) -> bool {
+        self.drive.cancels()
+    }
+
+    /// The last window's noise factor.
+    pub fn beta(&self) -> f64 {
+        self.extend.last_fit(0).applied
+    }
+
+    /// Processes one chunk of up to [`CHUNK`] samples into `layers`.
+    pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &Controls, samples: usize) {
+        let drive = &mut self.drive_block[..samples];
+        self.drive.process(main, sidechain, &controls.drive, drive);
+
+        let mut extend = controls.extend;
+        if controls.mix.extension == 0.0 {
+            // A layer that is off need not be computed.
+            extend.noise_amount = 0.0;
+        }
+        let low = &mut self.layers.low[..samples];
+        with_blocks(&mut self.layers.extension, samples, |noise| self.extend.process(drive, &extend, low, noise));
+
+        let mut texture = controls.texture;
+        if controls.mix.texture == 0.0 {
+            // Likewise: nothing exceeds this threshold.
+            texture.gate = f64::INFINITY;
+        }
+        with_blocks(&mut self.layers.texture, samples, |outputs| self.texture.process(drive, &texture, outputs));
+        self.top_magnitudes.clear();
+        self.top_magnitudes.extend_from_slice(self.texture.top_magnitudes());
+
+        self.low_delay.process(low);
+        for (delay, channel) in self.extension_delays.iter_mut().zip(&mut self.layers.extension) {
+            delay.process(&mut channel[..samples]);
+        }
+        for (delay, channel) in self.texture_delays.iter_mut().zip(&mut self.layers.texture) {
+            delay.process(&mut channel[..samples]);
+        }
+    }
+}
+
+/// Most channels of any bus.
+pub(super) const MAX_CHANNELS: usize = 8;
+
+/// Calls `process` with the first `samples` of every channel, without allocating.
+fn with_blocks(channels: &mut [Vec<f64>], samples: usize, process: impl FnOnce(&mut [&mut [f64]])) {
+    let mut blocks: [&mut [f64]; MAX_CHANNELS] = Default::default();
+    let count = channels.len().min(MAX_CHANNELS);
+    for (block, channel) in blocks.iter_mut().zip(channels) {
+        *block = &mut channel[..samples];
+    }
+    process(&mut blocks[..count]);
+}

@@ -1,0 +1,160 @@
+//! Everything that may change while sound runs.
+//!
+//! A control acts on the sound it arrived with: windows use the value at their centre, levels are
+//! delayed by the latency.
+
+/// All of the effect's controls.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Controls {
+    /// What the engines feed on.
+    pub drive: DriveControls,
+    /// Spectral bandwidth extension.
+    pub extend: ExtendControls,
+    /// Texture synthesis.
+    pub texture: TextureControls,
+    /// Levels of the layers.
+    pub mix: MixControls,
+}
+
+/// How the input becomes the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DriveMode {
+    /// The main input is the flame's low-frequency pressure.
+    #[default]
+    Pressure,
+    /// The main input is the flame's velocity flux; its derivative is the pressure.
+    Flux,
+    /// The envelope of the sidechain (of the main input where no sidechain is connected) modulates
+    /// a band-limited rumble.
+    Envelope,
+}
+
+/// Controls of [`crate::drive`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveControls {
+    /// What the input is.
+    pub mode: DriveMode,
+    /// Level of the drive as a factor, 0 or more; it acts before the engines.
+    pub gain: f64,
+    /// Envelope attack in seconds, 0.0001-1.
+    pub attack_s: f64,
+    /// Envelope release in seconds, 0.001-5.
+    pub release_s: f64,
+    /// Envelope threshold as an amplitude, 0-1; below it the envelope is 0.
+    pub threshold: f64,
+    /// Corner of the high-pass in Hz; 0 switches it off.
+    pub high_pass_hz: f64,
+    /// Seed of the rumble.
+    pub seed: u32,
+}
+
+impl Default for DriveControls {
+    fn default() -> Self {
+        Self {
+            mode: DriveMode::Pressure,
+            gain: 1.0,
+            attack_s: 0.005,
+            release_s: 0.08,
+            threshold: 0.001,
+            high_pass_hz: 30.0,
+            seed: 42,
+        }
+    }
+}
+
+/// Controls of [`crate::extend`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExtendControls {
+    /// Power-law exponent: the noise's power falls as frequency^(-alpha); 0-6.
+    pub alpha: f64,
+    /// Frequency in Hz where the drive ends and the noise begins, 40-1000: centre of the
+    /// blend, of the fit, and corner of the envelope's low-pass.
+    pub cutoff_hz: f64,
+    /// Width of the blend in Hz, 2-400.
+    pub blend_width_hz: f64,
+    /// Factor on the fitted noise, 0-4.
+    pub noise_amount: f64,
+    /// Seed of the noise.
+    pub seed: u32,
+    /// 0 = the same noise in all channels, 1 = independent noise in each.
+    pub width: f64,
+}
+
+impl Default for ExtendControls {
+    /// The paper's values (§4), full width.
+    fn default() -> Self {
+        Self { alpha: 2.5, cutoff_hz: 180.0, blend_width_hz: 30.0, noise_amount: 1.0, seed: 42, width: 1.0 }
+    }
+}
+
+/// Where the distribution of the drive's amplitudes comes from (§5.3).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DynamicRange {
+    /// No mapping.
+    Off,
+    /// From a distribution learned beforehand; no mapping until there is one.
+    Learned,
+    /// Estimated while it plays.
+    #[default]
+    Running,
+}
+
+/// How many candidates one search may look at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quality {
+    /// At most this many candidates per window.
+    Bounded {
+        /// Candidates compared per search, at least 1.
+        candidates: u32,
+    },
+    /// As many as it takes to be sure.
+    Exact,
+}
+
+impl Default for Quality {
+    fn default() -> Self {
+        Self::Bounded { candidates: 1024 }
+    }
+}
+
+/// Controls of [`crate::texture`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TextureControls {
+    /// How far the recording's amplitudes are mapped onto the drive's, 0-1 (1: the paper).
+    pub scaling_alpha: f64,
+    /// Where the drive's amplitude distribution comes from.
+    pub dynamic_range: DynamicRange,
+    /// Amplitude of the pyramid's top level below which, once it lasts longer than the look-ahead, nothing is synthesized; 0 = no gate.
+    pub gate: f64,
+    /// Bound on each search.
+    pub quality: Quality,
+}
+
+impl Default for TextureControls {
+    fn default() -> Self {
+        Self { scaling_alpha: 1.0, dynamic_range: DynamicRange::Running, gate: 1e-4, quality: Quality::default() }
+    }
+}
+
+/// Controls of [`crate::mix`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MixControls {
+    /// Factor on the drive's own low part.
+    pub low: f64,
+    /// Factor on the extension's noise.
+    pub extension: f64,
+    /// Factor on the texture.
+    pub texture: f64,
+    /// Stereo width of the texture: 0 = mono, 1 = as recorded.
+    pub width: f64,
+    /// Factor on the sum.
+    pub output: f64,
+    /// The input, delayed by the latency, instead of the effect.
+    pub bypass: bool,
+}
+
+impl Default for MixControls {
+    fn default() -> Self {
+        Self { low: 1.0, extension: 1.0, texture: 1.0, width: 1.0, output: 1.0, bypass: false }
+    }
+}

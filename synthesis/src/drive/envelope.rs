@@ -1,0 +1,75 @@
+//! Envelope follower.
+
+use crate::controls::DriveControls;
+
+/// A falling envelope ends here: -240 dBFS.
+const SILENCE: f64 = 1e-12;
+
+/// Follows a signal's magnitude, rising with the attack and falling with the release.
+#[derive(Debug)]
+pub(super) struct Envelope {
+    sample_rate_hz: f64,
+    state: f64,
+}
+
+impl Envelope {
+    pub fn new(sample_rate_hz: f64) -> Self {
+        Self { sample_rate_hz, state: 0.0 }
+    }
+
+    pub fn reset(&mut self) {
+        self.state = 0.0;
+    }
+
+    /// Replaces the signal by its envelope less the threshold, and not below 0, so that crossing
+    /// the threshold does not click.
+    pub fn process(&mut self, controls: &DriveControls, signal: &mut [f64]) {
+        let attack = self.step(controls.attack_s, 1e-4, 1.0);
+        let release = self.step(controls.release_s, 1e-3, 5.0);
+        let threshold = controls.threshold.max(0.0).min(1.0);
+        for sample in signal {
+            let magnitude = sample.abs();
+            let step = if magnitude > self.state { attack } else { release };
+            self.state += step * (magnitude - self.state);
+            if self.state < SILENCE {
+                self.state = 0.0;
+            }
+            *sample = (self.state - threshold).max(0.0);
+        }
+    }
+
+    /// Part of the way covered in one sample, for a time constant in seconds.
+    fn step(&self, seconds: f64, shortest: f64, longest: f64) -> f64 {
+        -(-1.0 / (seconds.max(shortest).min(longest) * self.sample_rate_hz)).exp_m1()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rises_and_falls_by_its_time_constants() {
+        let controls = DriveControls { attack_s: 0.01, release_s: 0.1, threshold: 0.0, ..DriveControls::default() };
+        let mut envelope = Envelope::new(48_000.0);
+        let mut signal = vec![0.5; 480];
+        envelope.process(&controls, &mut signal);
+        let one = 1.0 - (-1.0f64).exp();
+        assert!((signal[479] - 0.5 * one).abs() < 1e-12);
+        let mut silence = vec![0.0; 4800];
+        envelope.process(&controls, &mut silence);
+        assert!((silence[4799] - 0.5 * one * (-1.0f64).exp()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn below_the_threshold_and_after_silence_it_is_exactly_zero() {
+        let controls = DriveControls { threshold: 0.1, ..DriveControls::default() };
+        let mut envelope = Envelope::new(44_100.0);
+        let mut quiet = vec![0.09; 10_000];
+        envelope.process(&controls, &mut quiet);
+        assert!(quiet.iter().all(|value| *value == 0.0));
+        let mut silence = vec![0.0; 200_000];
+        envelope.process(&DriveControls { threshold: 0.0, ..controls }, &mut silence);
+        assert_eq!(silence[199_999], 0.0);
+    }
+}

@@ -1,0 +1,138 @@
+//! What the engines feed on.
+//!
+//! Main input as pressure or flux, or an envelope on a rumble; then the high-pass (Chadwick &
+//! James 2011, §3: 30 Hz, before either engine). No latency.
+
+mod envelope;
+mod high_pass;
+mod rumble;
+
+use envelope::Envelope;
+use high_pass::HighPass;
+use rumble::Rumble;
+
+use crate::controls::{DriveControls, DriveMode};
+use crate::error::{Error, in_range};
+
+/// The frequency in Hz at which differentiating flux leaves its level alone.
+const FLUX_UNITY_HZ: f64 = 100.0;
+
+/// Over which time, in seconds, channels are compared.
+const CANCEL_S: f64 = 0.1;
+
+/// Channels cancel where their mean holds less than this part of their mean power: -30 dB.
+const CANCEL_RATIO: f64 = 1e-3;
+
+/// Mean power below which cancelling is not worth a word: -80 dBFS.
+const CANCEL_FLOOR: f64 = 1e-8;
+
+/// The drive's signal path.
+#[derive(Debug)]
+pub struct Drive {
+    flux_gain: f64,
+    /// The mean input before this one; none right after reset, where a flux has no past.
+    previous: Option<f64>,
+    envelope: Envelope,
+    rumble: Rumble,
+    high_pass: HighPass,
+    /// Smoothed power of the channels' mean, and mean power of the channels.
+    powers: [f64; 2],
+    power_step: f64,
+    position: i64,
+}
+
+impl Drive {
+    /// A drive at position 0; `sample_rate_hz` is 8,000-384,000.
+    pub fn new(sample_rate_hz: f64) -> Result<Self, Error> {
+        in_range("sample rate in Hz", sample_rate_hz, 8000.0, 384_000.0)?;
+        Ok(Self {
+            flux_gain: 0.5 / (std::f64::consts::PI * FLUX_UNITY_HZ / sample_rate_hz).sin(),
+            previous: None,
+            envelope: Envelope::new(sample_rate_hz),
+            rumble: Rumble::new(sample_rate_hz),
+            high_pass: HighPass::new(sample_rate_hz),
+            powers: [0.0; 2],
+            power_step: 1.0 - (-1.0 / (CANCEL_S * sample_rate_hz)).exp(),
+            position: 0,
+        })
+    }
+
+    /// The drive is not delayed.
+    pub fn latency_samples(&self) -> usize {
+        0
+    }
+
+    /// Back to silence; the next sample stands at `position` on the host's timeline.
+    pub fn reset(&mut self, position: i64) {
+        self.previous = None;
+        self.envelope.reset();
+        self.high_pass.reset();
+        self.powers = [0.0; 2];
+        self.position = position;
+    }
+
+    /// Whether the channels that feed the drive cancel in their mean.
+    pub fn cancels(&self) -> bool {
+        self.powers[1] > CANCEL_FLOOR && self.powers[0] < CANCEL_RATIO * self.powers[1]
+    }
+
+    /// Makes the drive of one block of any length. `controls` hold for the whole block. Every
+    /// channel of `main` and `sidechain` is as long as `drive`; `sidechain` may be empty, and the
+    /// envelope is then that of the main input.
+    pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &DriveControls, drive: &mut [f64]) {
+        let follows = controls.mode == DriveMode::Envelope;
+        let source = if follows && !sidechain.is_empty() { sidechain } else { main };
+        self.mean(source, drive);
+        match controls.mode {
+            DriveMode::Pressure => self.previous = drive.last().copied().or(self.previous),
+            DriveMode::Flux => {
+                for sample in drive.iter_mut() {
+                    let before = self.previous.replace(*sample).unwrap_or(*sample);
+                    *sample = (*sample - before) * self.flux_gain;
+                }
+            }
+            DriveMode::Envelope => {
+                self.previous = None;
+                self.envelope.process(controls, drive);
+                self.rumble.modulate(controls.seed, self.position, drive);
+            }
+        }
+        if controls.gain != 1.0 {
+            drive.iter_mut().for_each(|sample| *sample *= controls.gain);
+        }
+        self.high_pass.process(controls.high_pass_hz, drive);
+        self.position = self.position.wrapping_add(drive.len() as i64);
+    }
+
+    /// Mean of the channels into `out`, watching whether they cancel.
+    fn mean(&mut self, channels: &[&[f64]], out: &mut [f64]) {
+        let Some((first, others)) = channels.split_first() else {
+            out.fill(0.0);
+            return;
+        };
+        if others.is_empty() {
+            // One channel is its own mean, bit for bit.
+            let count = out.len().min(first.len());
+            out[..count].copy_from_slice(&first[..count]);
+            out[count..].fill(0.0);
+            self.powers = [0.0; 2];
+            return;
+        }
+        let share = 1.0 / channels.len() as f64;
+        for (at, mean) in out.iter_mut().enumerate() {
+            let (mut sum, mut power) = (0.0, 0.0);
+            for channel in channels {
+                let sample = channel.get(at).copied().unwrap_or(0.0);
+                sum += sample;
+                power += sample * sample;
+            }
+            *mean = sum * share;
+            for (state, now) in self.powers.iter_mut().zip([*mean * *mean, power * share]) {
+                *state += self.power_step * (now - *state);
+                if *state < 1e-30 {
+                    *state = 0.0;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! What can be wrong with a configuration or a signal handed to an engine.
+
+/// Why an engine could not be made or a signal could not be processed.
+///
+/// Every message names the value found and the value allowed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A setting lies outside its range.
+    #[error("{what} is {found}, but must lie between {low} and {high}; choose a value in that range")]
+    OutOfRange {
+        /// The setting, in the user's words.
+        what: &'static str,
+        /// The value found.
+        found: f64,
+        /// The smallest value allowed.
+        low: f64,
+        /// The largest value allowed.
+        high: f64,
+    },
+    /// A signal is too short for what is asked of it.
+    #[error("{what} has {found} samples, but at least {least} are needed; use a longer sound or {remedy}")]
+    TooShort {
+        /// Which signal.
+        what: &'static str,
+        /// Its length in samples.
+        found: usize,
+        /// The least length in samples.
+        least: usize,
+        /// What else would help.
+        remedy: &'static str,
+    },
+    /// A signal holds a NaN or an infinity.
+    #[error("{what} holds a value that is not a number at sample {at}; repair or re-export the file")]
+    NotFinite {
+        /// Which signal.
+        what: &'static str,
+        /// Index of the first bad sample.
+        at: usize,
+    },
+    /// Channels of one signal differ in length.
+    #[error("{what}: channel {channel} has {found} samples, channel 0 has {expected}; all channels must be equally long")]
+    UnequalChannels {
+        /// Which signal.
+        what: &'static str,
+        /// The channel that differs.
+        channel: usize,
+        /// Its length in samples.
+        found: usize,
+        /// The length of channel 0 in samples.
+        expected: usize,
+    },
+    /// Work was called off by its progress callback.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Fails unless `low <= found <= high`; NaN fails too.
+pub(crate) fn in_range(what: &'static str, found: f64, low: f64, high: f64) -> Result<(), Error> {
+    if found >= low && found <= high {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange { what, found, low, high })
+    }
+}

@@ -1,0 +1,95 @@
+//! Filtering by real Fourier transforms of one fixed length.
+
+use std::sync::Arc;
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex64};
+
+/// Forward and inverse transforms of one length, and zero-phase filters for them. Nothing
+/// allocates after `new`.
+pub(crate) struct Transform {
+    len: usize,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+    scratch: Vec<Complex64>,
+    /// Time signal: the input of `forward`, the output of `inverse`.
+    pub time: Vec<f64>,
+    /// Spectrum of bins 0..=len/2.
+    pub spectrum: Vec<Complex64>,
+}
+
+impl std::fmt::Debug for Transform {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Transform").field("len", &self.len).finish_non_exhaustive()
+    }
+}
+
+impl Transform {
+    /// Transforms of `len` samples; `len` is even.
+    pub fn new(len: usize) -> Self {
+        let mut planner = RealFftPlanner::new();
+        let forward = planner.plan_fft_forward(len);
+        let inverse = planner.plan_fft_inverse(len);
+        let scratch = forward.get_scratch_len().max(inverse.get_scratch_len());
+        Self {
+            len,
+            scratch: vec![Complex64::default(); scratch],
+            time: vec![0.0; len],
+            spectrum: vec![Complex64::default(); len / 2 + 1],
+            forward,
+            inverse,
+        }
+    }
+
+    /// Length in samples.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Number of bins from 0 Hz to half the sample rate.
+    pub fn bins(&self) -> usize {
+        self.len / 2 + 1
+    }
+
+    /// `time` to `spectrum`; overwrites `time`.
+    pub fn forward(&mut self) {
+        let scratch = &mut self.scratch[..self.forward.get_scratch_len()];
+        let done = self.forward.process_with_scratch(&mut self.time, &mut self.spectrum, scratch);
+        debug_assert!(done.is_ok());
+    }
+
+    /// `spectrum` to `time`, scaled by `len`; overwrites `spectrum`.
+    pub fn inverse(&mut self) {
+        self.spectrum[0].im = 0.0;
+        self.spectrum[self.len / 2].im = 0.0;
+        let scratch = &mut self.scratch[..self.inverse.get_scratch_len()];
+        let done = self.inverse.process_with_scratch(&mut self.spectrum, &mut self.time, scratch);
+        debug_assert!(done.is_ok());
+    }
+
+    /// Multiplies `spectrum` by a zero-phase filter's, made by [`response`](Self::response), and
+    /// transforms back. Sample i of `time` is then sample i of the filtered signal wherever the
+    /// filter did not reach around the ends.
+    pub fn filter(&mut self, response: &[f64]) {
+        for (bin, gain) in self.spectrum.iter_mut().zip(response) {
+            *bin *= gain;
+        }
+        self.inverse();
+    }
+
+    /// Spectrum of the zero-phase filter whose taps at 0, 1, 2, ... are `half`, and which mirrors
+    /// them at -1, -2, ...; divided by `len`, so that [`filter`](Self::filter) has gain 1.
+    /// Overwrites `time` and `spectrum`.
+    pub fn response(&mut self, half: &[f64], out: &mut [f64]) {
+        let scale = 1.0 / self.len as f64;
+        self.time.fill(0.0);
+        self.time[0] = half[0] * scale;
+        for (tap, value) in half.iter().enumerate().skip(1) {
+            self.time[tap] = value * scale;
+            self.time[self.len - tap] = value * scale;
+        }
+        self.forward();
+        for (gain, bin) in out.iter_mut().zip(&self.spectrum) {
+            *gain = bin.re;
+        }
+    }
+}

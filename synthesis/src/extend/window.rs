@@ -1,0 +1,168 @@
+//! Windows, the grid they stand on, and the buffers that follow it.
+//!
+//! Window k is a triangle of half-width h centred at sample k h of the host's timeline (§4): the
+//! windows sum to 1, and where they stand does not depend on where playing started.
+
+/// Triangle of half-width `half_width`, peak 1 at index `half_width`; the first of its
+/// 2 `half_width` values is 0.
+pub fn triangle(half_width: usize) -> Vec<f64> {
+    let h = half_width as f64;
+    (0..2 * half_width).map(|i| 1.0 - (i as f64 - h).abs() / h).collect()
+}
+
+/// The first position after `position` that is `offset` plus a multiple of `hop`.
+pub(crate) fn next_on_grid(position: i64, offset: usize, hop: usize) -> i64 {
+    let hop = hop as i64;
+    position + hop - (position - offset as i64).rem_euclid(hop)
+}
+
+/// The latest samples of a signal, read by their position on the timeline.
+#[derive(Debug)]
+pub(crate) struct History {
+    data: Vec<f64>,
+    /// Samples that must stay readable.
+    keep: usize,
+    len: usize,
+    /// Position of the sample after the newest.
+    end: i64,
+}
+
+impl History {
+    /// Keeps at least the newest `keep` samples.
+    pub fn new(keep: usize) -> Self {
+        Self { data: vec![0.0; 3 * keep], keep, len: keep, end: 0 }
+    }
+
+    /// Zeros everywhere before `position`.
+    pub fn reset(&mut self, position: i64) {
+        self.data[..self.keep].fill(0.0);
+        self.len = self.keep;
+        self.end = position;
+    }
+
+    /// Appends at most `keep` samples.
+    pub fn push(&mut self, samples: &[f64]) {
+        if self.len + samples.len() > self.data.len() {
+            self.data.copy_within(self.len - self.keep..self.len, 0);
+            self.len = self.keep;
+        }
+        self.data[self.len..self.len + samples.len()].copy_from_slice(samples);
+        self.len += samples.len();
+        self.end += samples.len() as i64;
+    }
+
+    /// Position of the sample after the newest.
+    pub fn end(&self) -> i64 {
+        self.end
+    }
+
+    /// `count` samples from `start` on, which lie within the newest `keep`.
+    pub fn slice(&self, start: i64, count: usize) -> &[f64] {
+        let from = self.len - (self.end - start) as usize;
+        &self.data[from..from + count]
+    }
+}
+
+/// A sum of overlapping pieces, taken out in order.
+#[derive(Debug)]
+pub(crate) struct Overlap {
+    ring: Vec<f64>,
+    /// Position of the next sample to be taken.
+    front: i64,
+}
+
+impl Overlap {
+    /// Pieces may reach `span` samples past the next one to be taken.
+    pub fn new(span: usize) -> Self {
+        Self { ring: vec![0.0; span], front: 0 }
+    }
+
+    /// Empty, with `position` the next to be taken.
+    pub fn reset(&mut self, position: i64) {
+        self.ring.fill(0.0);
+        self.front = position;
+    }
+
+    /// Adds a piece whose first sample stands at `start`; what comes too late is dropped.
+    pub fn add(&mut self, start: i64, piece: impl ExactSizeIterator<Item = f64>) {
+        let skip = (self.front - start).max(0) as usize;
+        let room = (self.front - start + self.ring.len() as i64).max(0) as usize - skip;
+        let mut at = self.index(start + skip as i64);
+        for value in piece.skip(skip).take(room) {
+            self.ring[at] += value;
+            at += 1;
+            if at == self.ring.len() {
+                at = 0;
+            }
+        }
+    }
+
+    /// Takes the next samples.
+    pub fn take(&mut self, out: &mut [f64]) {
+        let mut at = self.index(self.front);
+        for sample in out.iter_mut() {
+            *sample = std::mem::take(&mut self.ring[at]);
+            at += 1;
+            if at == self.ring.len() {
+                at = 0;
+            }
+        }
+        self.front += out.len() as i64;
+    }
+
+    fn index(&self, position: i64) -> usize {
+        position.rem_euclid(self.ring.len() as i64) as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_sum_to_one() {
+        for half_width in [1, 7, 500] {
+            let window = triangle(half_width);
+            for i in 0..half_width {
+                assert!((window[i] + window[i + half_width] - 1.0).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn the_grid_is_absolute() {
+        assert_eq!(next_on_grid(0, 0, 10), 10);
+        assert_eq!(next_on_grid(9, 0, 10), 10);
+        assert_eq!(next_on_grid(-1, 0, 10), 0);
+        assert_eq!(next_on_grid(-25, 3, 10), -17);
+    }
+
+    #[test]
+    fn history_reads_what_was_pushed() {
+        let mut history = History::new(20);
+        history.reset(-7);
+        let mut next = 0.0;
+        for step in 0..200 {
+            let samples: Vec<f64> = (0..step % 21).map(|i| next + i as f64).collect();
+            history.push(&samples);
+            next += samples.len() as f64;
+            let newest = history.slice(history.end() - 20, 20);
+            for (i, value) in newest.iter().enumerate() {
+                assert_eq!(*value, (next - 20.0 + i as f64).max(0.0), "step {step}");
+            }
+        }
+    }
+
+    #[test]
+    fn overlap_sums_and_drops_what_is_late() {
+        let mut overlap = Overlap::new(8);
+        overlap.reset(-3);
+        overlap.add(-5, [1.0, 1.0, 1.0, 1.0].into_iter());
+        overlap.add(-2, [2.0; 7].into_iter());
+        let mut out = [0.0; 6];
+        overlap.take(&mut out);
+        assert_eq!(out, [1.0, 3.0, 2.0, 2.0, 2.0, 2.0]);
+        overlap.take(&mut out);
+        assert_eq!(out, [2.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
+    }
+}

@@ -1,0 +1,32 @@
+//! Pyrophone's sound engines, real-time safe.
+//!
+//! The modules read as the signal path:
+//!
+//! | module | does | source |
+//! |---|---|---|
+//! | [`drive`] | what the engines feed on: pressure, flux or a sidechain's envelope, then the 30 Hz high-pass | Chadwick & James 2011, §3-4 |
+//! | [`extend`] | spectral bandwidth extension | Chadwick & James 2011, §4 |
+//! | [`texture`] | synchronized texture synthesis | Chadwick & James 2011, §5 |
+//! | [`mix`] | layer levels, width, output level | |
+//! | [`chain`] | all of these, aligned, with transport and automation: the whole effect | |
+//!
+//! Every stage has the same verbs: `new`, `latency_samples`, `reset`, `process`. `reset` brings it
+//! to the state of a fresh instance. `process` never allocates, locks or frees, and its output
+//! does not depend on how the input was cut into blocks.
+//!
+//! This crate knows nothing of plugins, windows or files.
+
+pub mod chain;
+pub mod controls;
+pub mod drive;
+pub mod error;
+pub mod extend;
+pub mod mix;
+pub mod noise;
+pub mod structure;
+pub mod texture;
+pub mod timeline;
+
+pub use controls::Controls;
+pub use error::Error;
+pub use structure::Structure;

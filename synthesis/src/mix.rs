@@ -1,0 +1,207 @@
+//! Levels of the layers, width, output level, bypass.
+
+use crate::controls::MixControls;
+use crate::timeline::Timeline;
+
+/// Time constant in seconds with which levels follow their controls.
+const SMOOTHING_S: f64 = 0.005;
+/// Closer than this, a level takes its control's value.
+const CLOSE: f64 = 1e-5;
+
+/// A level that follows its control without a click.
+#[derive(Debug, Clone, Copy)]
+struct Smoothed {
+    value: f64,
+    coefficient: f64,
+}
+
+impl Smoothed {
+    fn new(sample_rate_hz: f64) -> Self {
+        Self { value: 0.0, coefficient: 1.0 - (-1.0 / (SMOOTHING_S * sample_rate_hz)).exp() }
+    }
+
+    #[inline]
+    fn next(&mut self, target: f64) -> f64 {
+        let missing = target - self.value;
+        self.value = if missing.abs() <= CLOSE { target } else { self.value + self.coefficient * missing };
+        self.value
+    }
+}
+
+/// The layers of one block, all delayed by the effect's latency.
+#[derive(Debug, Clone, Copy)]
+pub struct Layers<'a> {
+    /// The drive's low part, the same in every channel.
+    pub low: &'a [f64],
+    /// Extension noise, by channel.
+    pub extension: &'a [Vec<f64>],
+    /// Texture, by channel.
+    pub texture: &'a [Vec<f64>],
+    /// The input, by channel of the output, delayed likewise.
+    pub dry: &'a [Vec<f32>],
+}
+
+/// Largest magnitudes of the layers after their levels, and of the output.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Peaks {
+    /// Low layer.
+    pub low: f64,
+    /// Extension layer.
+    pub extension: f64,
+    /// Texture layer.
+    pub texture: f64,
+    /// Output.
+    pub output: f64,
+}
+
+/// Adds the layers. Controls are delayed by the latency, so that they act on the sound that they
+/// arrived with, and smoothed.
+#[derive(Debug, Clone)]
+pub struct Mix {
+    latency_samples: u64,
+    controls: Timeline<MixControls>,
+    low: Smoothed,
+    extension: Smoothed,
+    texture: Smoothed,
+    width: Smoothed,
+    output: Smoothed,
+    bypass: Smoothed,
+    /// Samples mixed since reset.
+    now: u64,
+}
+
+impl Mix {
+    /// A mixer whose layers come `latency_samples` late.
+    pub fn new(latency_samples: usize, sample_rate_hz: f64) -> Self {
+        let smoothed = Smoothed::new(sample_rate_hz);
+        Self {
+            latency_samples: latency_samples as u64,
+            controls: Timeline::new(latency_samples + 1, MixControls::default()),
+            low: smoothed,
+            extension: smoothed,
+            texture: smoothed,
+            width: smoothed,
+            output: smoothed,
+            bypass: smoothed,
+            now: 0,
+        }
+    }
+
+    /// Back to the state of a fresh instance; the next controls are taken at once.
+    pub fn reset(&mut self) {
+        self.controls.reset(MixControls::default());
+        self.now = 0;
+    }
+
+    /// Mixes one block into `outputs`, whose channels are as long as the layers'. `controls` belong
+    /// to the sound that enters with this block.
+    pub fn process(&mut self, layers: &Layers<'_>, controls: &MixControls, outputs: &mut [&mut [f32]]) -> Peaks {
+        let samples = layers.low.len();
+        if self.controls.end() == 0 {
+            self.controls.reset(*controls);
+            self.jump(controls);
+        }
+        self.controls.push(*controls, samples);
+        let mut peaks = Peaks::default();
+        let mut start = 0;
+        while start < samples {
+            let entered = (self.now + start as u64).saturating_sub(self.latency_samples);
+            let (controls, end) = self.controls.run_at(entered);
+            let end = end.saturating_add(self.latency_samples).saturating_sub(self.now).min(samples as u64) as usize;
+            for i in start..end {
+                self.sample(layers, &controls, i, outputs, &mut peaks);
+            }
+            start = end;
+        }
+        self.now += samples as u64;
+        peaks
+    }
+
+    fn jump(&mut self, controls: &MixControls) {
+        self.low.value = controls.low;
+        self.extension.value = controls.extension;
+        self.texture.value = controls.texture;
+        self.width.value = controls.width;
+        self.output.value = controls.output;
+        self.bypass.value = f64::from(u8::from(controls.bypass));
+    }
+
+    #[inline]
+    fn sample(&mut self, layers: &Layers<'_>, controls: &MixControls, i: usize, outputs: &mut [&mut [f32]], peaks: &mut Peaks) {
+        let low = self.low.next(controls.low) * layers.low[i];
+        let extension_level = self.extension.next(controls.extension);
+        let texture_level = self.texture.next(controls.texture);
+        let width = self.width.next(controls.width);
+        let output_level = self.output.next(controls.output);
+        let bypass = self.bypass.next(f64::from(u8::from(controls.bypass)));
+        peaks.low = peaks.low.max(low.abs());
+        // Narrowing is for pairs; at full width the recording's own channels pass untouched.
+        let narrowed = outputs.len() == 2 && width != 1.0;
+        let middle = if narrowed { 0.5 * (layers.texture[0][i] + layers.texture[1][i]) } else { 0.0 };
+        for (channel, output) in outputs.iter_mut().enumerate() {
+            let texture = layers.texture[channel][i];
+            let texture = if narrowed { middle + width * (texture - middle) } else { texture } * texture_level;
+            let extension = layers.extension[channel][i] * extension_level;
+            let wet = (low + extension + texture) * output_level;
+            let dry = layers.dry[channel][i];
+            output[i] = match bypass {
+                0.0 => wet as f32,
+                1.0 => dry,
+                part => (wet + part * (f64::from(dry) - wet)) as f32,
+            };
+            peaks.extension = peaks.extension.max(extension.abs());
+            peaks.texture = peaks.texture.max(texture.abs());
+            peaks.output = peaks.output.max(f64::from(output[i]).abs());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layers_of_ones(samples: usize) -> (Vec<f64>, Vec<Vec<f64>>, Vec<Vec<f32>>) {
+        (vec![1.0; samples], vec![vec![0.0; samples]; 2], vec![vec![0.25; samples]; 2])
+    }
+
+    #[test]
+    fn a_step_acts_on_the_sound_it_arrived_with() {
+        let (low, silent, dry) = layers_of_ones(4000);
+        let run = |cut: usize| {
+            let mut mix = Mix::new(1000, 48_000.0);
+            let mut outputs = [vec![0.0f32; 4000], vec![0.0f32; 4000]];
+            let mut start = 0;
+            for (end, gain) in [(500, 1.0), (4000, 0.5)] {
+                while start < end {
+                    let stop = end.min(start + cut);
+                    let part = |x: &Vec<f64>| x[start..stop].to_vec();
+                    let (extension, texture) = (silent.iter().map(part).collect::<Vec<_>>(), silent.iter().map(part).collect::<Vec<_>>());
+                    let dry: Vec<_> = dry.iter().map(|x| x[start..stop].to_vec()).collect();
+                    let layers = Layers { low: &low[start..stop], extension: &extension, texture: &texture, dry: &dry };
+                    let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(|x| &mut x[start..stop]).collect();
+                    mix.process(&layers, &MixControls { low: gain, ..MixControls::default() }, &mut outs);
+                    start = stop;
+                }
+            }
+            outputs[0].clone()
+        };
+        let whole = run(4000);
+        assert!(whole[..1500].iter().all(|x| *x == 1.0));
+        assert!(whole[1500] < 1.0);
+        assert_eq!(*whole.last().unwrap(), 0.5);
+        for cut in [1, 17, 480] {
+            assert_eq!(run(cut), whole, "cut into {cut}");
+        }
+    }
+
+    #[test]
+    fn bypass_is_the_dry_sound_exactly() {
+        let (low, silent, dry) = layers_of_ones(100);
+        let mut mix = Mix::new(10, 48_000.0);
+        let mut outputs = [vec![0.0f32; 100], vec![0.0f32; 100]];
+        let layers = Layers { low: &low, extension: &silent, texture: &silent, dry: &dry };
+        let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
+        mix.process(&layers, &MixControls { bypass: true, ..MixControls::default() }, &mut outs);
+        assert_eq!(outputs[0], dry[0]);
+    }
+}

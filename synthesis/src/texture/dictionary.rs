@@ -1,0 +1,180 @@
+//! A recording, ready to be searched: its pyramid, the windows of every level, and an index over
+//! them (§5.1-5.2).
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::distribution::{Distribution, Histogram};
+use super::feature::Features;
+use super::pyramid::{Pyramid, mirrored};
+use super::search::Index;
+use super::shape::{Padding, Shape};
+use crate::Error;
+
+/// Called with the part done, 0-1; answers whether to go on.
+pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
+
+/// A recording's windows on all levels below the top, and the index that finds the nearest.
+#[derive(Debug)]
+pub struct Dictionary {
+    shape: Shape,
+    sample_rate_hz: f64,
+    weights: Vec<f64>,
+    unweighted: bool,
+    /// The pyramid of the mean of the channels.
+    pyramid: Pyramid,
+    /// Level 0 of every channel; empty for a recording of one channel, whose mean it is.
+    channels: Vec<Vec<f64>>,
+    /// Index of each level below the top; none where the level has no whole window.
+    indices: Vec<Option<Index>>,
+    distribution: Distribution,
+    prior: Histogram,
+}
+
+impl Dictionary {
+    /// Analyses a recording: `channels` equally long (1-8), finite samples at `sample_rate_hz`.
+    /// Fails where the recording is too short for the levels, and when `progress` calls it off.
+    pub fn new(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &Shape, progress: Progress<'_>) -> Result<Self, Error> {
+        shape.validate()?;
+        crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 8.0)?;
+        crate::error::in_range("sample rate of the recording in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
+        for (channel, samples) in channels.iter().enumerate() {
+            if samples.len() != channels[0].len() {
+                let (found, expected) = (samples.len(), channels[0].len());
+                return Err(Error::UnequalChannels { what: "recording", channel, found, expected });
+            }
+            if let Some(at) = samples.iter().position(|x| !x.is_finite()) {
+                return Err(Error::NotFinite { what: "recording", at });
+            }
+        }
+        let go_on = |done: f32| if progress(done) { Ok(()) } else { Err(Error::Cancelled) };
+        go_on(0.0)?;
+        let mean = mean_of(channels);
+        let pyramid = Pyramid::of_recording(&mean, shape)?;
+        go_on(0.1)?;
+        let several = if channels.len() > 1 { channels } else { &[] };
+        let channels = several.iter().map(|x| mirrored(x, &pyramid.padding)).collect();
+        let distribution = Distribution::from_magnitudes(pyramid.top_magnitudes());
+        let weights = shape.weights();
+        let mut dictionary = Self {
+            shape: *shape,
+            sample_rate_hz,
+            unweighted: weights.iter().all(|x| *x == 1.0),
+            weights,
+            prior: Histogram::of(&distribution),
+            distribution,
+            pyramid,
+            channels,
+            indices: Vec::new(),
+        };
+        let done = std::sync::Mutex::new(0.1f32);
+        let indices = (0..shape.top()).into_par_iter().map(|level| {
+            let windows = dictionary.windows(level);
+            let step = |part: f32| {
+                // Level l holds half the windows of level l - 1.
+                let share = 0.9 * part * 0.5f32.powi(level as i32 + 1);
+                let mut done = done.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+                *done += share;
+                go_on(*done)
+            };
+            if windows.is_empty() { Ok(None) } else { Index::new(&dictionary.features(level), windows, &step).map(Some) }
+        });
+        dictionary.indices = indices.collect::<Result<_, Error>>()?;
+        go_on(1.0)?;
+        Ok(dictionary)
+    }
+
+    /// The shape it was made for.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// The sample rate in Hz it was made for.
+    pub fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
+    }
+
+    /// Channels of the recording.
+    pub fn channels(&self) -> usize {
+        self.channels.len().max(1)
+    }
+
+    /// Length of the recording in seconds.
+    pub fn seconds(&self) -> f64 {
+        (self.pyramid.padding.end[0] - self.pyramid.padding.start[0]) as f64 / self.sample_rate_hz
+    }
+
+    /// Bytes held, about.
+    pub fn bytes(&self) -> usize {
+        let samples: usize = self.pyramid.levels.iter().chain(&self.channels).map(Vec::len).sum();
+        samples * size_of::<f64>() + self.indices.iter().flatten().map(Index::bytes).sum::<usize>()
+    }
+
+    /// Distribution of the recording's top level (§5.3).
+    pub fn distribution(&self) -> &Distribution {
+        &self.distribution
+    }
+
+    /// The same as a histogram.
+    pub fn histogram(&self) -> &Histogram {
+        &self.prior
+    }
+
+    /// The index over the windows of `level`, if it has any.
+    pub fn index(&self, level: usize) -> Option<&Index> {
+        self.indices.get(level)?.as_ref()
+    }
+
+    /// The mean of the channels on `level`.
+    pub fn level(&self, level: usize) -> &[f64] {
+        &self.pyramid.levels[level]
+    }
+
+    /// Level 0 of the sound for one of `outputs` channels: the same channel of a recording with
+    /// as many, the mean for one output, else the recording's channels in turn.
+    pub fn channel(&self, channel: usize, outputs: usize) -> &[f64] {
+        if self.channels.is_empty() || outputs == 1 {
+            &self.pyramid.levels[0]
+        } else {
+            &self.channels[channel % self.channels.len()]
+        }
+    }
+
+    /// The features of `level`, which lies below the top.
+    pub fn features(&self, level: usize) -> Features<'_> {
+        Features {
+            fine: &self.pyramid.levels[level],
+            coarse: &self.pyramid.levels[level + 1],
+            weights: &self.weights,
+            unweighted: self.unweighted,
+            shape: &self.shape,
+        }
+    }
+
+    /// The windows of `level` whose causal half lies within the signal and whose coarse taps lie
+    /// within the array.
+    fn windows(&self, level: usize) -> Range<usize> {
+        let shape = &self.shape;
+        let Padding { size, start, end } = &self.pyramid.padding;
+        let (w, reach) = (shape.window, shape.reach());
+        let whole = |window: &usize| {
+            let centre = window * w;
+            let causal = centre >= reach + start[level] && centre - w < end[level];
+            let coarse = centre / 2 >= reach && centre / 2 + reach + 1 < size[level + 1];
+            causal && coarse
+        };
+        let all = 0..size[level] / w + 1;
+        let first = all.clone().find(whole).unwrap_or(0);
+        let count = (first..all.end).take_while(whole).count();
+        first..first + count
+    }
+}
+
+fn mean_of(channels: &[Vec<f64>]) -> Vec<f64> {
+    if let [only] = channels {
+        return only.clone();
+    }
+    let scale = 1.0 / channels.len() as f64;
+    (0..channels[0].len()).map(|i| channels.iter().map(|x| x[i]).sum::<f64>() * scale).collect()
+}

@@ -1,0 +1,405 @@
+//! Synchronized texture synthesis of a stream (§5.2).
+//!
+//! The same engine serves files and streams. Its samples carry the indices that they have in the
+//! reference's padded arrays; what lies before the start reads as zero, and for a signal of known
+//! length so does what lies beyond the end.
+
+use std::sync::Arc;
+
+use super::dictionary::Dictionary;
+use super::distribution::{Distribution, RunningDistribution, feature_factor};
+use super::feature::{Place, halfway};
+use super::gate::Gate;
+use super::pyramid::PyramidStream;
+use super::ring::Ring;
+use super::schedule::Schedule;
+use super::search::{Budget, Searcher};
+use super::shape::Shape;
+use crate::Error;
+use crate::controls::{DynamicRange, Quality, TextureControls};
+use crate::timeline::Timeline;
+
+/// Texture synthesis: a drive in, the sound of the recording that follows it out.
+#[derive(Debug)]
+pub struct Texture {
+    shape: Shape,
+    schedule: Schedule,
+    hat: Vec<f64>,
+    weights: Vec<f64>,
+    dictionary: Option<Arc<Dictionary>>,
+    learned: Option<Arc<Distribution>>,
+    running: RunningDistribution,
+    /// Relative error allowed to an exact search.
+    eps: f64,
+    pyramid: PyramidStream,
+    levels: Vec<Level>,
+    /// The drive's top level.
+    top: Ring,
+    /// Level 0 of every output channel.
+    outputs: Vec<Ring>,
+    gate: Gate,
+    timeline: Timeline<TextureControls>,
+    searcher: Searcher,
+    query: Vec<f64>,
+    taps: Vec<f64>,
+    window: Vec<f64>,
+    /// Index of the first sample after reset.
+    origin: i64,
+    /// Index of the next sample.
+    now: i64,
+    latency_samples: i64,
+    /// Top-level magnitudes that arose in the last call of `process`.
+    top_magnitudes: Vec<f64>,
+    /// Factors on the windows that arose since they were last taken, for tests and plots.
+    compared: u64,
+}
+
+/// One level below the top.
+#[derive(Debug, Clone)]
+struct Level {
+    /// What has been synthesized: the mean of the channels.
+    samples: Ring,
+    /// Next window to match, and when.
+    next_window: i64,
+    due: i64,
+    /// Whether the gate skipped the last window.
+    closed: bool,
+    /// Sample (of level 0) before which this level takes nothing into account.
+    floor: i64,
+    /// Array size, for a signal of known length.
+    size: i64,
+    last_match: Option<usize>,
+}
+
+/// Most top-level samples that one call may leave in `top_magnitudes`; longer calls keep the last.
+const TOP_CAPACITY: usize = 8192;
+
+impl Texture {
+    /// An engine of `shape` with `channels` outputs (1-8) at `sample_rate_hz`.
+    pub fn new(shape: &Shape, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
+        shape.validate()?;
+        crate::error::in_range("output channels", channels as f64, 1.0, 8.0)?;
+        crate::error::in_range("sample rate in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
+        let latency = shape.latency_samples();
+        let schedule = Schedule::new(shape);
+        let top_rate_hz = sample_rate_hz / (1u64 << shape.top()) as f64;
+        // A level's samples live from its own window, one half-width ahead of its centre, until the
+        // last finer window has read them.
+        let life = |level: usize| {
+            let behind = if level == 0 { latency as i64 } else { schedule.offset[level - 1] };
+            ((behind - schedule.offset.get(level).copied().unwrap_or(0)).max(0) as usize >> level) + 4 * shape.reach() + 8
+        };
+        let level = |level: usize| Level {
+            samples: Ring::new(life(level)),
+            next_window: 0,
+            due: 0,
+            closed: true,
+            floor: 0,
+            size: i64::MAX,
+            last_match: None,
+        };
+        let longest_wait = schedule.offset[0] as usize + shape.period_samples();
+        let mut texture = Self {
+            hat: shape.hat(),
+            weights: shape.weights(),
+            dictionary: None,
+            learned: None,
+            running: RunningDistribution::new(top_rate_hz),
+            eps: 0.0,
+            pyramid: PyramidStream::new(shape),
+            levels: (0..shape.top()).map(level).collect(),
+            top: Ring::new(life(shape.top())),
+            outputs: vec![Ring::new(life(0)); channels],
+            gate: Gate::new(latency.div_ceil(1 << shape.top())),
+            timeline: Timeline::new(longest_wait, TextureControls::default()),
+            searcher: Searcher::new(),
+            query: vec![0.0; shape.feature_len()],
+            taps: vec![0.0; shape.coarse_len() + 1],
+            window: vec![0.0; shape.hat().len()],
+            origin: 0,
+            now: 0,
+            latency_samples: latency as i64,
+            top_magnitudes: Vec::with_capacity(TOP_CAPACITY),
+            compared: 0,
+            shape: *shape,
+            schedule,
+        };
+        texture.reset(0);
+        Ok(texture)
+    }
+
+    /// Delay of the output in samples (algorithms §3).
+    pub fn latency_samples(&self) -> usize {
+        self.latency_samples as usize
+    }
+
+    /// Samples that may sound after the drive has fallen silent, latency not counted: the gate's
+    /// hold and the frame in which it closes.
+    pub fn tail_samples(&self) -> usize {
+        self.latency_samples as usize + 4 * self.shape.period_samples()
+    }
+
+    /// The shape it was made for.
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// Starts anew at `position` of the host's timeline, as if silence had come before. The grid
+    /// of the windows is a function of the position.
+    pub fn reset(&mut self, position: i64) {
+        self.start(position.rem_euclid(self.shape.period_samples() as i64), None);
+    }
+
+    /// Starts anew for one signal in padded arrays of these sizes.
+    pub(super) fn reset_for_arrays(&mut self, sizes: &[usize], eps: f64) {
+        self.start(0, Some(sizes));
+        self.eps = eps;
+    }
+
+    fn start(&mut self, origin: i64, sizes: Option<&[usize]>) {
+        self.origin = origin;
+        self.now = origin;
+        self.eps = 0.0;
+        self.pyramid.reset(origin, sizes);
+        self.running.reset();
+        self.gate.reset();
+        self.timeline.reset(TextureControls::default());
+        self.top_magnitudes.clear();
+        let first_at = |level: usize| (origin + (1 << level) - 1) >> level;
+        self.top.reset(first_at(self.shape.top()));
+        for (l, level) in self.levels.iter_mut().enumerate() {
+            level.samples.reset(first_at(l));
+            let w = self.shape.window as i64;
+            level.next_window = (first_at(l) + w - 1) / w;
+            level.due = level.next_window * self.schedule.period[l] + self.schedule.offset[l];
+            level.closed = true;
+            level.floor = origin;
+            level.size = sizes.map_or(i64::MAX, |sizes| sizes[l] as i64);
+            level.last_match = None;
+        }
+        for output in &mut self.outputs {
+            output.reset(origin);
+        }
+    }
+
+    /// Exchanges the recording; one of another shape is handed back. The engine goes on where it
+    /// is with the new one.
+    pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+        if dictionary.as_ref().is_some_and(|x| *x.shape() != self.shape) {
+            return dictionary;
+        }
+        for level in &mut self.levels {
+            level.last_match = None;
+        }
+        std::mem::replace(&mut self.dictionary, dictionary)
+    }
+
+    /// Exchanges the learned distribution of the drive.
+    pub fn swap_distribution(&mut self, learned: Option<Arc<Distribution>>) -> Option<Arc<Distribution>> {
+        std::mem::replace(&mut self.learned, learned)
+    }
+
+    /// Magnitudes of the drive's top level that arose in the last call of `process`.
+    pub fn top_magnitudes(&self) -> &[f64] {
+        &self.top_magnitudes
+    }
+
+    /// Windows and boxes compared since it was made.
+    pub fn compared(&self) -> u64 {
+        self.compared
+    }
+
+    /// Takes `drive` and writes as many samples to every channel of `outputs`, delayed by the
+    /// latency. `controls` hold for this call; a window uses those in force at its centre.
+    pub fn process(&mut self, drive: &[f64], controls: &TextureControls, outputs: &mut [&mut [f64]]) {
+        if self.timeline.end() == 0 {
+            self.timeline.reset(*controls);
+        }
+        self.timeline.push(*controls, drive.len());
+        self.top_magnitudes.clear();
+        for (i, sample) in drive.iter().enumerate() {
+            if let Some((index, value)) = self.pyramid.push(*sample) {
+                self.take_top(index, value);
+            }
+            for l in (0..self.shape.top()).rev() {
+                if self.now == self.levels[l].due {
+                    self.match_window(l);
+                }
+            }
+            let ready = self.now - self.latency_samples;
+            for (output, ring) in outputs.iter_mut().zip(&self.outputs) {
+                output[i] = if ready >= self.origin { ring.get(ready) } else { 0.0 };
+            }
+            self.now += 1;
+        }
+    }
+
+    fn controls_at(&self, sample: i64) -> TextureControls {
+        self.timeline.at((sample - self.origin).max(0) as u64)
+    }
+
+    fn take_top(&mut self, index: i64, value: f64) {
+        self.top.set(index, value);
+        let magnitude = value.abs();
+        if self.top_magnitudes.len() < TOP_CAPACITY {
+            self.top_magnitudes.push(magnitude);
+        }
+        self.running.push(magnitude);
+        let controls = self.controls_at(index << self.shape.top());
+        self.gate.push(index, magnitude, controls.gate);
+    }
+
+    /// Matches the next window of level `l`, if it is to sound, and adds the match.
+    fn match_window(&mut self, l: usize) {
+        let w = self.shape.window as i64;
+        let level = &mut self.levels[l];
+        let window = level.next_window;
+        level.next_window += 1;
+        level.due += self.schedule.period[l];
+        let centre = window * w;
+        let end = (centre + w + 1).min(level.size);
+        level.samples.prepare(end);
+        if l == 0 {
+            self.outputs.iter_mut().for_each(|output| output.prepare(end));
+        }
+        if centre > level.size {
+            return;
+        }
+        if !self.passes_gate(l, centre) {
+            return;
+        }
+        // Taken out for the while, so that the engine can be changed beside it.
+        let Some(dictionary) = self.dictionary.take() else { return };
+        self.synthesize(l, window, &dictionary);
+        self.dictionary = Some(dictionary);
+    }
+
+    /// Asks the gate; at an opening the level forgets what came before.
+    fn passes_gate(&mut self, l: usize, centre: i64) -> bool {
+        let frame_samples = self.shape.period_samples() as i64;
+        let frame = (centre << l) / frame_samples;
+        let start = frame * frame_samples;
+        let threshold = self.controls_at(start).gate;
+        if l + 1 == self.shape.top() {
+            self.gate.decide(frame, start >> self.shape.top(), threshold);
+        }
+        let level = &mut self.levels[l];
+        if !self.gate.is_open(frame) {
+            level.closed = true;
+        } else if level.closed {
+            level.closed = false;
+            level.floor = start.max(self.origin);
+            level.last_match = None;
+        }
+        !level.closed
+    }
+
+    fn synthesize(&mut self, l: usize, window: i64, dictionary: &Dictionary) {
+        let Some(index) = dictionary.index(l) else { return };
+        let w = self.shape.window as i64;
+        let controls = self.controls_at((window * w) << l);
+        self.gather(l, window);
+        let scale = if l + 1 == self.shape.top() { self.map_dynamic_range(&controls, dictionary) } else { 1.0 };
+        let budget = match controls.quality {
+            Quality::Exact => Budget::Exact { eps: self.eps },
+            Quality::Bounded { candidates } => Budget::Bounded { candidates },
+        };
+        let features = dictionary.features(l);
+        let level = &mut self.levels[l];
+        let hint = level.last_match.map(|window| window + 1);
+        let answer = self.searcher.nearest(index, &features, &self.query, hint, budget);
+        level.last_match = Some(answer.window);
+        self.compared += u64::from(answer.compared);
+
+        for (factor, hat) in self.window.iter_mut().zip(&self.hat) {
+            *factor = hat * scale;
+        }
+        let target = Target {
+            from: w * (answer.window as i64 - 1),
+            to: w * (window - 1),
+            floor: level.floor.max(self.origin).div_ceil_shift(l),
+            end: level.size,
+        };
+        target.add(&self.window, dictionary.level(l), &mut level.samples);
+        if l == 0 {
+            let channels = self.outputs.len();
+            for (channel, output) in self.outputs.iter_mut().enumerate() {
+                target.add(&self.window, dictionary.channel(channel, channels), output);
+            }
+        }
+    }
+
+    /// Collects the window's feature into `query`.
+    fn gather(&mut self, l: usize, window: i64) {
+        let place = Place::of(window, &self.shape);
+        let floor = self.levels[l].floor;
+        let (causal, coarse) = self.query.split_at_mut(self.shape.causal_len());
+        self.levels[l].samples.copy(place.causal, floor.div_ceil_shift(l), causal);
+        let (ring, coarse_floor) = match self.levels.get(l + 1) {
+            Some(coarser) => (&coarser.samples, floor.div_ceil_shift(l + 1)),
+            None => (&self.top, self.origin.div_ceil_shift(l + 1)),
+        };
+        if place.between {
+            ring.copy(place.coarse, coarse_floor, &mut self.taps);
+            for (x, taps) in coarse.iter_mut().zip(self.taps.windows(2)) {
+                *x = halfway(taps[0], taps[1]);
+            }
+        } else {
+            ring.copy(place.coarse, coarse_floor, coarse);
+        }
+        self.query.iter_mut().zip(&self.weights).for_each(|(x, weight)| *x *= weight);
+    }
+
+    /// Maps the coarse half of `query` into the recording's range (§5.3); answers the factor that
+    /// takes the match back.
+    fn map_dynamic_range(&mut self, controls: &TextureControls, dictionary: &Dictionary) -> f64 {
+        let coarse = &mut self.query[self.shape.causal_len()..];
+        let mean = coarse.iter().map(|x| x.abs()).sum::<f64>() / coarse.len() as f64;
+        let recording = dictionary.distribution();
+        let factor = match (controls.dynamic_range, &self.learned) {
+            (DynamicRange::Learned, Some(learned)) => {
+                feature_factor(mean, controls.scaling_alpha, |a| learned.fraction(a), recording)
+            }
+            (DynamicRange::Running, _) => {
+                let prior = dictionary.histogram();
+                feature_factor(mean, controls.scaling_alpha, |a| self.running.fraction(a, prior), recording)
+            }
+            _ => 1.0,
+        };
+        coarse.iter_mut().for_each(|x| *x *= factor);
+        1.0 / factor
+    }
+}
+
+/// Where a matched window goes.
+struct Target {
+    /// First sample of the recording's window; may lie off its array.
+    from: i64,
+    /// First sample it goes to; may lie off the array.
+    to: i64,
+    /// First and one past the last sample that may be written.
+    floor: i64,
+    end: i64,
+}
+
+impl Target {
+    fn add(&self, factors: &[f64], recording: &[f64], ring: &mut Ring) {
+        for (i, factor) in factors.iter().enumerate() {
+            let (from, to) = (self.from + i as i64, self.to + i as i64);
+            if to >= self.floor && to < self.end && from >= 0 && (from as usize) < recording.len() {
+                ring.add(to, factor * recording[from as usize]);
+            }
+        }
+    }
+}
+
+/// Rounding up when an index goes down levels.
+trait DivCeilShift {
+    fn div_ceil_shift(self, levels: usize) -> i64;
+}
+
+impl DivCeilShift for i64 {
+    fn div_ceil_shift(self, levels: usize) -> i64 {
+        (self + (1 << levels) - 1) >> levels
+    }
+}

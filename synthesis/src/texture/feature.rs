@@ -1,0 +1,115 @@
+//! The neighbourhood that a window is matched by (§5.1): what lies before it on its own level, and
+//! what lies around it on the next coarser one.
+
+use super::shape::Shape;
+
+/// Where the two halves of a window's feature lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// First sample of the causal half, on the window's own level.
+    pub causal: i64,
+    /// First tap of the coarse half, on the next coarser level.
+    pub coarse: i64,
+    /// Whether the coarse samples lie half-way between taps, the next one needed too.
+    pub between: bool,
+}
+
+impl Place {
+    /// The place of window `window`'s feature.
+    pub fn of(window: i64, shape: &Shape) -> Self {
+        let centre = window * shape.window as i64;
+        let reach = shape.reach() as i64;
+        Self { causal: centre - reach, coarse: (centre >> 1) - reach, between: centre & 1 == 1 }
+    }
+}
+
+/// A sample half-way between two taps.
+#[inline(always)]
+pub fn halfway(a: f64, b: f64) -> f64 {
+    0.5 * a + 0.5 * b
+}
+
+/// A recording's windows on one level, as features: read straight from the pyramid, so that they
+/// need no room of their own.
+#[derive(Debug, Clone, Copy)]
+pub struct Features<'a> {
+    /// Samples of the level.
+    pub fine: &'a [f64],
+    /// Samples of the next coarser level.
+    pub coarse: &'a [f64],
+    /// Weights of a feature's samples.
+    pub weights: &'a [f64],
+    /// Whether all weights are 1.
+    pub unweighted: bool,
+    /// The common shape.
+    pub shape: &'a Shape,
+}
+
+impl Features<'_> {
+    /// Writes the feature of `window`, which must lie within both levels.
+    pub fn write(&self, window: usize, out: &mut [f64]) {
+        let place = Place::of(window as i64, self.shape);
+        let (causal_len, coarse_len) = (self.shape.causal_len(), self.shape.coarse_len());
+        let causal = &self.fine[place.causal as usize..][..causal_len];
+        let coarse = &self.coarse[place.coarse as usize..];
+        let (out_causal, out_coarse) = out.split_at_mut(causal_len);
+        out_causal.copy_from_slice(causal);
+        if place.between {
+            for (out, taps) in out_coarse.iter_mut().zip(coarse.windows(2)) {
+                *out = halfway(taps[0], taps[1]);
+            }
+        } else {
+            out_coarse.copy_from_slice(&coarse[..coarse_len]);
+        }
+        if !self.unweighted {
+            out.iter_mut().zip(self.weights).for_each(|(x, weight)| *x *= weight);
+        }
+    }
+
+    /// Whether two windows have the same feature.
+    pub fn equal(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (Place::of(a as i64, self.shape), Place::of(b as i64, self.shape));
+        let taps = self.shape.coarse_len() + usize::from(a.between);
+        let causal = |at: Place| &self.fine[at.causal as usize..][..self.shape.causal_len()];
+        let coarse = |at: Place| &self.coarse[at.coarse as usize..][..taps];
+        a.between == b.between && causal(a) == causal(b) && coarse(a) == coarse(b)
+    }
+
+    /// Squared distance of `window`'s feature to `query`, summed in order in double precision
+    /// without fused operations, so that every machine and every search finds the same nearest;
+    /// given up (`None`) once it exceeds `limit`.
+    #[inline(always)]
+    pub fn distance(&self, window: usize, query: &[f64], limit: f64) -> Option<f64> {
+        let place = Place::of(window as i64, self.shape);
+        let (causal_len, coarse_len) = (self.shape.causal_len(), self.shape.coarse_len());
+        let causal = &self.fine[place.causal as usize..][..causal_len];
+        let coarse = &self.coarse[place.coarse as usize..];
+        let (query_causal, query_coarse) = query.split_at(causal_len);
+        let (weights_causal, weights_coarse) = self.weights.split_at(causal_len);
+        let mut sum = 0.0;
+        if self.unweighted && !place.between {
+            for (x, q) in causal.iter().zip(query_causal) {
+                sum += (x - q) * (x - q);
+            }
+            for (xs, qs) in coarse[..coarse_len].chunks(11).zip(query_coarse.chunks(11)) {
+                if sum > limit {
+                    return None;
+                }
+                for (x, q) in xs.iter().zip(qs) {
+                    sum += (x - q) * (x - q);
+                }
+            }
+        } else {
+            for ((x, q), weight) in causal.iter().zip(query_causal).zip(weights_causal) {
+                let x = x * weight;
+                sum += (x - q) * (x - q);
+            }
+            for (i, (q, weight)) in query_coarse.iter().zip(weights_coarse).enumerate() {
+                let x = if place.between { halfway(coarse[i], coarse[i + 1]) } else { coarse[i] };
+                let x = x * weight;
+                sum += (x - q) * (x - q);
+            }
+        }
+        (sum <= limit).then_some(sum)
+    }
+}

@@ -1,0 +1,57 @@
+//! Silence in, silence out: which stretches are synthesized at all.
+//!
+//! Nothing is nearest to silence: the search would answer with the recording's quietest window. So
+//! time is cut into frames of one top-level window; a frame is silent where the top level has been
+//! below the threshold for longer than the look-ahead and is not about to rise.
+
+/// Frames whose verdict is remembered.
+const FRAMES: usize = 64;
+
+/// Verdicts on frames, by frame number.
+#[derive(Debug, Clone)]
+pub struct Gate {
+    open: Vec<bool>,
+    /// Latest frame decided on.
+    decided: Option<i64>,
+    /// Latest top-level sample at or above the threshold.
+    last_loud: Option<i64>,
+    /// Top-level samples for which it stays open.
+    hold: i64,
+}
+
+impl Gate {
+    /// A gate that closes after `hold` top-level samples below the threshold.
+    pub fn new(hold: usize) -> Self {
+        Self { open: vec![false; FRAMES], decided: None, last_loud: None, hold: hold as i64 }
+    }
+
+    /// As if silence had lasted for ever.
+    pub fn reset(&mut self) {
+        self.open.fill(false);
+        self.decided = None;
+        self.last_loud = None;
+    }
+
+    /// Takes top-level sample `index`; a `threshold` of 0 is always exceeded.
+    pub fn push(&mut self, index: i64, magnitude: f64, threshold: f64) {
+        if magnitude >= threshold {
+            self.last_loud = Some(index);
+        }
+    }
+
+    /// Decides on `frame`, which begins at top-level sample `start`, from all that is known now;
+    /// a frame is decided on once.
+    pub fn decide(&mut self, frame: i64, start: i64, threshold: f64) {
+        if self.decided == Some(frame) {
+            return;
+        }
+        self.decided = Some(frame);
+        let open = threshold <= 0.0 || self.last_loud.is_some_and(|loud| loud >= start - self.hold);
+        self.open[frame.rem_euclid(FRAMES as i64) as usize] = open;
+    }
+
+    /// The verdict on a recent frame.
+    pub fn is_open(&self, frame: i64) -> bool {
+        self.open[frame.rem_euclid(FRAMES as i64) as usize]
+    }
+}

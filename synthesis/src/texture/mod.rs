@@ -1,0 +1,31 @@
+//! Synchronized texture synthesis (Chadwick & James 2011, §5).
+//!
+//! | module | does |
+//! |---|---|
+//! | [`shape`] | sizes and positions |
+//! | [`pyramid`] | Gaussian pyramids, of a file and of a stream |
+//! | [`feature`] | the neighbourhood that a window is matched by |
+//! | [`dictionary`] | a recording, analysed and indexed |
+//! | [`search`] | the nearest window |
+//! | [`distribution`] | dynamic-range matching |
+//! | [`schedule`] | which window is matched at which sample |
+//! | [`gate`] | silence in, silence out |
+//! | [`engine`] | all of it, as a stream |
+//! | [`offline`] | all of it, on a whole signal |
+
+pub mod dictionary;
+pub mod distribution;
+pub mod engine;
+pub mod feature;
+pub mod gate;
+pub mod offline;
+pub mod pyramid;
+mod ring;
+pub mod schedule;
+pub mod search;
+pub mod shape;
+
+pub use dictionary::Dictionary;
+pub use distribution::Distribution;
+pub use engine::Texture;
+pub use shape::Shape;

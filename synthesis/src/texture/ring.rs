@@ -1,0 +1,89 @@
+//! The recent part of a pyramid level.
+
+/// A level's samples around the present, by their index on the level. Samples never written are 0.
+#[derive(Debug, Clone)]
+pub struct Ring {
+    data: Vec<f64>,
+    mask: i64,
+    /// One past the last sample that may hold something.
+    ready: i64,
+}
+
+impl Ring {
+    /// A ring that remembers at least `samples`.
+    pub fn new(samples: usize) -> Self {
+        let size = samples.next_power_of_two();
+        Self { data: vec![0.0; size], mask: size as i64 - 1, ready: 0 }
+    }
+
+    /// All zero; nothing before `index` will be asked for.
+    pub fn reset(&mut self, index: i64) {
+        self.data.fill(0.0);
+        self.ready = index;
+    }
+
+    /// Makes the samples up to before `end` ready to be written, as zeros.
+    pub fn prepare(&mut self, end: i64) {
+        while self.ready < end {
+            self.data[(self.ready & self.mask) as usize] = 0.0;
+            self.ready += 1;
+        }
+    }
+
+    /// Writes a sample.
+    pub fn set(&mut self, index: i64, value: f64) {
+        self.prepare(index + 1);
+        self.data[(index & self.mask) as usize] = value;
+    }
+
+    /// Adds to a sample, which must be prepared.
+    #[inline]
+    pub fn add(&mut self, index: i64, value: f64) {
+        self.data[(index & self.mask) as usize] += value;
+    }
+
+    /// A sample of the recent past.
+    #[inline]
+    pub fn get(&self, index: i64) -> f64 {
+        if index < self.ready { self.data[(index & self.mask) as usize] } else { 0.0 }
+    }
+
+    /// Copies the samples from `first` on; those before `floor` and from `ready` on read as 0.
+    pub fn copy(&self, first: i64, floor: i64, out: &mut [f64]) {
+        let end = first + out.len() as i64;
+        let from = first.max(floor).min(end);
+        let to = self.ready.clamp(from, end);
+        let (before, rest) = out.split_at_mut((from - first) as usize);
+        let (known, after) = rest.split_at_mut((to - from) as usize);
+        before.fill(0.0);
+        after.fill(0.0);
+        let start = (from & self.mask) as usize;
+        let whole = known.len().min(self.data.len() - start);
+        let (head, wrapped) = known.split_at_mut(whole);
+        head.copy_from_slice(&self.data[start..start + whole]);
+        wrapped.copy_from_slice(&self.data[..wrapped.len()]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_across_the_seam_with_zeros_outside() {
+        let mut ring = Ring::new(16);
+        ring.reset(5);
+        for i in 5..30 {
+            ring.set(i, i as f64);
+        }
+        let mut out = [9.0; 12];
+        ring.copy(20, 22, &mut out);
+        let expected = [0., 0., 22., 23., 24., 25., 26., 27., 28., 29., 0., 0.];
+        assert_eq!(out, expected);
+        ring.copy(40, 0, &mut out);
+        assert_eq!(out, [0.0; 12]);
+        ring.prepare(33);
+        ring.add(32, 1.5);
+        assert_eq!((ring.get(31), ring.get(32), ring.get(33)), (0.0, 1.5, 0.0));
+    }
+}
