@@ -29,8 +29,7 @@ fn kernels_match() {
     assert_close("blend1", &lower, &kernel("extend_blend1.f64"), 1e-14);
     assert_close("blend2", &upper, &kernel("extend_blend2.f64"), 1e-14);
     assert_close("gaussian", &gaussian(&axis, 180.0, 10.0), &kernel("extend_gaussian.f64"), 1e-14);
-    let magnitude: Vec<f64> =
-        noise_spectrum(&axis, 2.5, &mut Pcg32::new(42)).iter().map(|bin| bin.norm()).collect();
+    let magnitude: Vec<f64> = noise_spectrum(&axis, 2.5, &mut Pcg32::new(42)).iter().map(|bin| bin.norm()).collect();
     assert_close("power law", &magnitude, &kernel("extend_powerlaw_mag.f64"), 1e-14);
     let tones = [(0.6, 100.0), (0.3, 800.0), (0.1, 4500.0)];
     let signal: Vec<f64> = (0..4410)
@@ -46,8 +45,14 @@ fn kernels_match() {
 #[test]
 fn random_draws_match() {
     let expected = [
-        0.4421448060311377, 0.23623736714944243, 0.9536763080395758, 0.14759166655130684, 0.2652577902190387,
-        0.56567323487252, 0.3210757712367922, 0.3276327084749937,
+        0.4421448060311377,
+        0.23623736714944243,
+        0.9536763080395758,
+        0.14759166655130684,
+        0.2652577902190387,
+        0.56567323487252,
+        0.3210757712367922,
+        0.3276327084749937,
     ];
     let mut generator = Pcg32::new(42);
     for (draw, value) in expected.iter().enumerate() {
@@ -59,10 +64,8 @@ fn random_draws_match() {
 #[test]
 fn one_beta_matches() {
     const BINS: usize = 256;
-    let mut drive: Vec<Complex64> = (0..BINS)
-        .map(|n| n as f64 / RATE_HZ)
-        .map(|t| ((-30.0 * t).exp() * (TAU * 120.0 * t).sin()).into())
-        .collect();
+    let mut drive: Vec<Complex64> =
+        (0..BINS).map(|n| n as f64 / RATE_HZ).map(|t| ((-30.0 * t).exp() * (TAU * 120.0 * t).sin()).into()).collect();
     FftPlanner::new().plan_fft_forward(BINS).process(&mut drive);
     let axis = frequency_axis(BINS, RATE_HZ);
     let (lower, upper) = blend_ramps(&axis, 165.0, 195.0);
@@ -81,8 +84,10 @@ fn goldens_match() {
     for entry in std::fs::read_dir(folder.join("extend")).expect("goldens") {
         let path = entry.expect("a golden").path();
         let name = path.file_name().and_then(|name| name.to_str()).expect("a name").to_owned();
-        let Some((signal, alpha)) =
-            name.strip_suffix(".f64").filter(|stem| !stem.ends_with(".betas")).and_then(|stem| stem.split_once("_alpha"))
+        let Some((signal, alpha)) = name
+            .strip_suffix(".f64")
+            .filter(|stem| !stem.ends_with(".betas"))
+            .and_then(|stem| stem.split_once("_alpha"))
         else {
             continue;
         };
@@ -92,7 +97,10 @@ fn goldens_match() {
         let golden_betas = read_f64(&path.with_extension("betas.f64"));
         assert_eq!(found.betas.len(), golden_betas.len(), "{name}");
         for (window, (beta, golden)) in found.betas.iter().zip(&golden_betas).enumerate() {
-            assert!((beta - golden).abs() <= 1e-10 * golden.abs(), "{name} window {window}: {beta} instead of {golden}");
+            assert!(
+                (beta - golden).abs() <= 1e-10 * golden.abs(),
+                "{name} window {window}: {beta} instead of {golden}"
+            );
         }
         assert_close(&name, &found.samples, &read_f64(&path), 1e-10);
         checked += 1;

@@ -5,7 +5,7 @@
 //! The fit sees little more than one independent value of the noise's spectrum, so its power
 //! a = I[|Y_N|^2] comes close to 0 now and then, and beta ~ 1/sqrt(a) is heavy-tailed. The
 //! *expected* a is known: the energy of envelope times window, times the noise's mean density
-//! around the cutoff. The rule adds a hundredth of it to a,
+//! around the cutoff. The rule adds a two-hundredth of it to a,
 //!
 //! beta_applied = beta sqrt(a / (a + [`FLOOR`] E\[a\])),
 //!
@@ -20,7 +20,7 @@ use realfft::num_complex::Complex64;
 use super::band::{Band, triangle_power};
 
 /// Power added to a window's noise in the fit, as a part of its expected power.
-pub const FLOOR: f64 = 0.01;
+pub const FLOOR: f64 = 0.005;
 
 /// Frequencies at which the fit's integrals are taken: 0.4 standard deviations apart, up to 3 from
 /// the centre.

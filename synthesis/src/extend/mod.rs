@@ -23,6 +23,7 @@ pub mod noise;
 pub mod reference;
 pub(crate) mod spectrum;
 pub mod window;
+mod zoom;
 
 use band::Band;
 use beta::Fit;
@@ -78,12 +79,7 @@ impl Extend {
 
 impl<N: NoiseSource> Extend<N> {
     /// An engine with noise of another source; fails as [`new`](Extend::new) does.
-    pub fn with_noise(
-        structure: &Structure,
-        channels: usize,
-        sample_rate_hz: f64,
-        source: N,
-    ) -> Result<Self, Error> {
+    pub fn with_noise(structure: &Structure, channels: usize, sample_rate_hz: f64, source: N) -> Result<Self, Error> {
         in_range("number of channels", channels as f64, 1.0, MAX_CHANNELS as f64)?;
         let layout = Layout::new(structure, sample_rate_hz)?;
         // The oldest sample still needed: a low block's filter, or a window's envelope.
@@ -186,14 +182,7 @@ impl<N: NoiseSource> Extend<N> {
 
     fn process_window(&mut self, window: i64) {
         let controls = self.controls_at(window * self.layout.half_width as i64);
-        self.high.process(
-            window,
-            &self.drive,
-            &controls,
-            &mut self.source,
-            &mut self.fits,
-            &mut self.noise_out,
-        );
+        self.high.process(window, &self.drive, &controls, &mut self.source, &mut self.fits, &mut self.noise_out);
     }
 
     fn controls_at(&self, position: i64) -> ExtendControls {

@@ -6,12 +6,13 @@
 //! and transforms as long as the signal. [`Extend`](super::Extend) is the engine for sound.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
-use rayon::prelude::*;
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
 use super::beta::positive_root;
+use super::zoom::Zoom;
 use crate::error::{Error, in_range};
 
 /// What the published program takes.
@@ -71,6 +72,10 @@ impl Settings {
     }
 }
 
+/// Standard deviations from the fit's centre beyond which the Gaussian, below 1e-36, does not
+/// change a double.
+const FIT_REACH: f64 = 13.0;
+
 /// What the published program gives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extended {
@@ -96,19 +101,15 @@ pub fn extend(signal: &[f64], settings: &Settings, progress: &mut dyn FnMut(f64)
     if let Some(at) = signal.iter().position(|sample| !sample.is_finite()) {
         return Err(Error::NotFinite { what: "the input", at });
     }
-    let work = Work::new(signal, settings);
+    let mut work = Work::new(signal, settings);
     let h = settings.half_width;
     let windows = (signal.len() + h).div_ceil(h);
     let mut betas = Vec::with_capacity(windows);
-    const BATCH: usize = 16;
-    while betas.len() < windows {
-        if !progress(betas.len() as f64 / windows as f64) {
+    for window in 0..windows {
+        if !progress(window as f64 / windows as f64) {
             return Err(Error::Cancelled);
         }
-        let batch = betas.len()..(betas.len() + BATCH).min(windows);
-        let fitted: Vec<f64> =
-            batch.into_par_iter().map_init(|| work.buffers(), |buffers, window| work.beta(window, buffers)).collect();
-        betas.extend(fitted);
+        betas.push(work.beta(window));
     }
     let samples = work.output(&betas);
     progress(1.0);
@@ -127,12 +128,11 @@ struct Work<'a> {
     gaussian: Vec<f64>,
     /// Envelope times noise.
     noise: Vec<Complex64>,
-}
-
-struct Buffers {
-    drive: Vec<Complex64>,
-    noise: Vec<Complex64>,
-    scratch: Vec<Complex64>,
+    /// The bins that weigh in the fit, and their spectra of one window.
+    fitted: Range<usize>,
+    zoom: Zoom,
+    window_drive: Vec<Complex64>,
+    window_noise: Vec<Complex64>,
 }
 
 impl<'a> Work<'a> {
@@ -142,7 +142,6 @@ impl<'a> Work<'a> {
         let (forward, inverse) = (planner.plan_fft_forward(bins), planner.plan_fft_inverse(bins));
         let axis = frequency_axis(bins, settings.sample_rate_hz);
         let (lower, upper) = blend_ramps(&axis, settings.blend_start_hz, settings.blend_end_hz);
-        let sigma_hz = settings.fit_width_hz / 3.0;
         let mut noise = noise_spectrum(&axis, settings.alpha, &mut Pcg32::new(settings.seed));
         noise.iter_mut().zip(&upper).for_each(|(bin, upper)| *bin *= upper);
         inverse.process(&mut noise);
@@ -150,36 +149,56 @@ impl<'a> Work<'a> {
         let scale = 1.0 / bins as f64;
         noise.truncate(signal.len());
         noise.iter_mut().zip(&envelope).for_each(|(noise, low)| *noise *= low.abs() * scale);
+        let sigma_hz = settings.fit_width_hz / 3.0;
         let gaussian = gaussian(&axis, settings.fit_center_hz, sigma_hz);
-        Self { signal, settings, forward, inverse, gaussian, lower, upper, axis, noise }
-    }
-
-    fn buffers(&self) -> Buffers {
-        let zeros = vec![Complex64::default(); self.axis.len()];
-        let scratch = vec![Complex64::default(); self.forward.get_inplace_scratch_len()];
-        Buffers { drive: zeros.clone(), noise: zeros, scratch }
-    }
-
-    /// First sample of a window within the signal, and the weights from there on.
-    fn weights(&self, window: usize) -> (usize, impl Iterator<Item = f64>) {
-        let (h, center) = (self.settings.half_width, window * self.settings.half_width);
-        let first = center.saturating_sub(h);
-        let last = (center + h).min(self.signal.len());
-        (first, (first..last).map(move |at| 1.0 - at.abs_diff(center) as f64 / h as f64))
-    }
-
-    fn beta(&self, window: usize, buffers: &mut Buffers) -> f64 {
-        buffers.drive.fill(Complex64::default());
-        buffers.noise.fill(Complex64::default());
-        let (first, weights) = self.weights(window);
-        for (at, weight) in (first..).zip(weights) {
-            buffers.drive[at] = (self.signal[at] * weight).into();
-            buffers.noise[at] = self.noise[at] * weight;
+        let reach_hz = FIT_REACH * sigma_hz;
+        let begin = axis.partition_point(|x| *x < settings.fit_center_hz - reach_hz);
+        let end = axis.partition_point(|x| *x <= settings.fit_center_hz + reach_hz);
+        // The trapezoid rule weighs a bin by its neighbours' places.
+        let fitted = begin.saturating_sub(1)..(end + 1).min(bins);
+        let zeros = vec![Complex64::default(); fitted.len()];
+        Self {
+            zoom: Zoom::new(bins, fitted.clone(), (2 * settings.half_width).min(signal.len())),
+            window_drive: zeros.clone(),
+            window_noise: zeros,
+            signal,
+            settings,
+            forward,
+            inverse,
+            axis,
+            lower,
+            upper,
+            gaussian,
+            noise,
+            fitted,
         }
-        self.forward.process_with_scratch(&mut buffers.drive, &mut buffers.scratch);
-        self.forward.process_with_scratch(&mut buffers.noise, &mut buffers.scratch);
-        buffers.noise.iter_mut().zip(&self.upper).for_each(|(bin, upper)| *bin *= upper);
-        fit(&self.axis, &self.gaussian, &self.lower, &buffers.drive, &buffers.noise)
+    }
+
+    /// The part of the signal under a window.
+    fn span(&self, window: usize) -> Range<usize> {
+        let (h, center) = (self.settings.half_width, window * self.settings.half_width);
+        center.saturating_sub(h)..(center + h).min(self.signal.len())
+    }
+
+    /// Weight of sample `at` in a window.
+    fn weight(&self, window: usize, at: usize) -> f64 {
+        let h = self.settings.half_width;
+        1.0 - at.abs_diff(window * h) as f64 / h as f64
+    }
+
+    /// All of the fit's spectra start their phases at the window's first sample, which does not
+    /// change their products.
+    fn beta(&mut self, window: usize) -> f64 {
+        let weights: Vec<f64> = self.span(window).map(|at| self.weight(window, at)).collect();
+        let span = self.span(window);
+        let drive = self.signal[span.clone()].iter().zip(&weights).map(|(sample, weight)| (sample * weight).into());
+        self.zoom.transform(drive, &mut self.window_drive);
+        let noise = self.noise[span].iter().zip(&weights).map(|(sample, weight)| sample * weight);
+        self.zoom.transform(noise, &mut self.window_noise);
+        let fitted = self.fitted.clone();
+        self.window_noise.iter_mut().zip(&self.upper[fitted.clone()]).for_each(|(bin, upper)| *bin *= upper);
+        let (gaussian, lower) = (&self.gaussian[fitted.clone()], &self.lower[fitted.clone()]);
+        fit(&self.axis[fitted], gaussian, lower, &self.window_drive, &self.window_noise)
     }
 
     /// The windows' sum. Transform and ramps are linear, so the sum is taken before them.
@@ -187,8 +206,8 @@ impl<'a> Work<'a> {
         let mut low = vec![Complex64::default(); self.axis.len()];
         let mut high = low.clone();
         for (window, beta) in betas.iter().enumerate() {
-            let (first, weights) = self.weights(window);
-            for (at, weight) in (first..).zip(weights) {
+            for at in self.span(window) {
+                let weight = self.weight(window, at);
                 low[at].re += weight * self.signal[at];
                 high[at] += self.noise[at] * (weight * beta * self.settings.noise_amplitude);
             }

@@ -1,0 +1,54 @@
+//! CPU time of the extension per second of sound, and its slowest block.
+
+use std::time::{Duration, Instant};
+
+use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::controls::ExtendControls;
+use pyrophone_synthesis::extend::Extend;
+use pyrophone_synthesis::noise::White;
+
+const SECONDS: usize = 20;
+const BLOCK: usize = 64;
+
+fn main() {
+    println!("rate_hz  channels  alpha     cpu_s per s of sound   slowest block of {BLOCK}");
+    for rate_hz in [44_100.0, 48_000.0, 96_000.0] {
+        for channels in [1, 2] {
+            for moving in [false, true] {
+                let (share, slowest) = measure(rate_hz, channels, moving);
+                let alpha = if moving { "moving" } else { "still" };
+                println!("{rate_hz:7}  {channels:8}  {alpha:8}  {share:20.4}   {slowest:?}");
+            }
+        }
+    }
+}
+
+fn measure(rate_hz: f64, channels: usize, moving: bool) -> (f64, Duration) {
+    let mut engine = Extend::new(&Structure::default(), channels, rate_hz).expect("the paper's structure");
+    let white = White::new(1, 99);
+    let mut state = 0.0;
+    let mut drive = [0.0; BLOCK];
+    let mut low = [0.0; BLOCK];
+    let mut noise = vec![[0.0; BLOCK]; channels];
+    let mut slowest = Duration::ZERO;
+    let (begin, cpu_begin) = (Instant::now(), cpu_time());
+    for block in 0..SECONDS * rate_hz as usize / BLOCK {
+        for (i, sample) in drive.iter_mut().enumerate() {
+            state += 0.01 * (white.at((block * BLOCK + i) as i64) - state);
+            *sample = state;
+        }
+        let alpha = if moving { 2.0 + (block % 1000) as f64 / 500.0 } else { 2.5 };
+        let controls = ExtendControls { alpha, ..ExtendControls::default() };
+        let mut outputs: Vec<&mut [f64]> = noise.iter_mut().map(|channel| &mut channel[..]).collect();
+        let start = Instant::now();
+        engine.process(&drive, &controls, &mut low, &mut outputs);
+        slowest = slowest.max(start.elapsed());
+    }
+    ((cpu_time().unwrap_or(begin.elapsed()) - cpu_begin.unwrap_or_default()).as_secs_f64() / SECONDS as f64, slowest)
+}
+
+/// CPU time of this thread, where the system tells it: other programs' load does not count.
+fn cpu_time() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split_whitespace().next()?.parse().ok().map(Duration::from_nanos)
+}

@@ -1,0 +1,123 @@
+//! The whole effect, played through in blocks.
+#![allow(dead_code)]
+
+use std::sync::Arc;
+
+use pyrophone_synthesis::chain::{Chain, Channels, Transport};
+use pyrophone_synthesis::controls::{
+    Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality, TextureControls,
+};
+use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
+use pyrophone_synthesis::Structure;
+
+use crate::signals::{Random, signal};
+
+pub const STEREO: Channels = Channels { input: 2, sidechain: 1, output: 2 };
+
+/// A made-up recording for a rate and structure.
+pub fn dictionary(rate_hz: f64, structure: &Structure, channels: usize) -> Arc<Dictionary> {
+    let mut random = Random::new(11);
+    let recording: Vec<Vec<f64>> = (0..channels).map(|_| signal(&mut random, 1, 30_000)).collect();
+    let shape = Shape::at_rate(structure, rate_hz);
+    Arc::new(Dictionary::new(&recording, rate_hz, &shape, &|_| true).unwrap())
+}
+
+/// A chain with a recording and a learned distribution.
+pub fn chain(rate_hz: f64, channels: Channels) -> Chain {
+    let structure = Structure::default();
+    let mut chain = Chain::new(rate_hz, channels, &structure).unwrap();
+    chain.swap_dictionary(Some(dictionary(rate_hz, &structure, channels.output)));
+    let learned = Distribution::from_magnitudes((0..500).map(|i| f64::from(i) * 1e-3).collect());
+    chain.swap_distribution(Some(Arc::new(learned)));
+    chain
+}
+
+/// Some controls, every one of them moved.
+pub fn any_controls(random: &mut Random) -> Controls {
+    let mode = [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope][random.below(3)];
+    let dynamic_range = [DynamicRange::Off, DynamicRange::Learned, DynamicRange::Running][random.below(3)];
+    let quality = [Quality::Exact, Quality::Bounded { candidates: 1 + random.below(4096) as u32 }][random.below(2)];
+    let level = |random: &mut Random| if random.below(4) == 0 { 0.0 } else { 2.0 * random.unit() };
+    Controls {
+        drive: DriveControls {
+            mode,
+            gain: level(random),
+            attack_s: 0.001 + random.unit() * 0.1,
+            release_s: 0.001 + random.unit(),
+            threshold: random.unit() * 0.1,
+            high_pass_hz: if random.below(2) == 0 { 0.0 } else { 100.0 * random.unit() },
+            seed: random.below(100) as u32,
+        },
+        extend: ExtendControls {
+            alpha: 6.0 * random.unit(),
+            cutoff_hz: 40.0 + 500.0 * random.unit(),
+            blend_width_hz: 2.0 + 100.0 * random.unit(),
+            noise_amount: level(random),
+            seed: random.below(100) as u32,
+            width: random.unit(),
+        },
+        texture: TextureControls {
+            scaling_alpha: random.unit(),
+            dynamic_range,
+            gate: if random.below(2) == 0 { 0.0 } else { 1e-3 },
+            quality,
+        },
+        mix: MixControls {
+            low: level(random),
+            extension: level(random),
+            texture: level(random),
+            width: random.unit(),
+            output: level(random),
+            bypass: random.below(5) == 0,
+        },
+    }
+}
+
+/// What happens at one sample of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Event {
+    /// Sample of the run.
+    pub at: usize,
+    /// Controls from here on.
+    pub controls: Controls,
+    /// Where the host's timeline jumps to, if it does.
+    pub jump: Option<i64>,
+}
+
+/// Plays `input` and `sidechain` through, cut into blocks by `next_block` and at events. The host
+/// plays from `position`.
+pub fn play(
+    chain: &mut Chain,
+    input: &[Vec<f32>],
+    sidechain: &[Vec<f32>],
+    outputs: usize,
+    events: &[Event],
+    position: i64,
+    mut next_block: impl FnMut() -> usize,
+) -> Vec<Vec<f32>> {
+    let samples = input[0].len();
+    let mut out: Vec<Vec<f32>> = (0..outputs).map(|c| input.get(c).cloned().unwrap_or_else(|| vec![0.0; samples])).collect();
+    let mut controls = Controls::default();
+    let (mut position, mut start) = (position, 0);
+    while start < samples {
+        let now = events.iter().filter(|event| event.at == start);
+        for event in now {
+            controls = event.controls;
+            position = event.jump.unwrap_or(position);
+        }
+        let next_event = events.iter().map(|event| event.at).filter(|at| *at > start).min().unwrap_or(samples);
+        let end = samples.min(start + next_block()).min(next_event);
+        let mut main: Vec<&mut [f32]> = out.iter_mut().map(|x| &mut x[start..end]).collect();
+        let side: Vec<&[f32]> = sidechain.iter().map(|x| &x[start..end]).collect();
+        chain.process(&mut main, &side, &controls, Transport { playing: true, position: Some(position) });
+        position += (end - start) as i64;
+        start = end;
+    }
+    out
+}
+
+/// Flame-like channels of a run.
+pub fn channels(seed: u64, count: usize, samples: usize) -> Vec<Vec<f32>> {
+    let mut random = Random::new(seed);
+    (0..count).map(|_| signal(&mut random, 0, samples).iter().map(|x| *x as f32).collect()).collect()
+}
