@@ -1,0 +1,153 @@
+//! What can be wrong with a setting, a preset or an automation file, and what to do about it.
+
+use std::path::PathBuf;
+
+/// Why a setting, a preset or an automation file was refused.
+///
+/// Every message names the value found, the values allowed, and a remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No parameter has this id.
+    #[error("there is no parameter `{id}`{}; the ids are: {}", did_you_mean(.nearest), crate::ids_as_list())]
+    UnknownParameter {
+        /// The id found.
+        id: String,
+        /// The most similar id, where one is similar.
+        nearest: Option<&'static str>,
+    },
+    /// A value lies outside its parameter's range.
+    #[error("{id} is {found}, but must lie between {low} and {high}; choose a value in that range")]
+    OutOfRange {
+        /// The parameter.
+        id: &'static str,
+        /// The value found, with its unit.
+        found: String,
+        /// The smallest value allowed, with its unit.
+        low: String,
+        /// The largest value allowed, with its unit.
+        high: String,
+    },
+    /// A value is of another kind than its parameter.
+    #[error("{id} is {found}, but must be {expected}; write it as in `{id} = {example}`")]
+    WrongKind {
+        /// The parameter.
+        id: &'static str,
+        /// The value found.
+        found: String,
+        /// What the parameter takes.
+        expected: String,
+        /// An allowed value.
+        example: String,
+    },
+    /// The parameter decides sizes and latency, so it cannot change while sound runs.
+    #[error(
+        "{id} cannot be automated, because it changes buffers and latency; set it once, in the preset or with `--set {id}=...`"
+    )]
+    NotAutomatable {
+        /// The parameter.
+        id: &'static str,
+    },
+    /// A preset is not what TOML allows, or lacks a field.
+    #[error("the preset {origin} cannot be read: {message}; compare it with the ones in presets/")]
+    PresetSyntax {
+        /// Name or path of the preset.
+        origin: String,
+        /// What the parser says, with the line.
+        message: String,
+    },
+    /// One setting of a preset is wrong.
+    #[error("the preset {origin}: {source}")]
+    PresetValue {
+        /// Name or path of the preset.
+        origin: String,
+        /// What is wrong with it.
+        source: Box<Error>,
+    },
+    /// A preset was written by a later version.
+    #[error(
+        "the preset {origin} has version {found}, but this Pyrophone knows versions 1 to {newest}; install a newer Pyrophone"
+    )]
+    PresetVersion {
+        /// Name or path of the preset.
+        origin: String,
+        /// The version found.
+        found: i64,
+        /// The newest version known.
+        newest: i64,
+    },
+    /// Neither a factory preset nor a file.
+    #[error(
+        "there is no preset `{name}`: it is neither a file nor one of the factory presets {known}; check the spelling"
+    )]
+    UnknownPreset {
+        /// The name found.
+        name: String,
+        /// Names of the factory presets.
+        known: String,
+    },
+    /// A file could not be read.
+    #[error("{} cannot be read: {source}; check its path and permissions", .path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A session's text is damaged.
+    #[error(
+        "the session's recording and learned distribution cannot be read ({message}); load the recording again and save"
+    )]
+    Session {
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A session was written by a later version.
+    #[error(
+        "the session has version {found}, but this Pyrophone knows versions 1 to {newest}; install a newer Pyrophone"
+    )]
+    SessionVersion {
+        /// The version found.
+        found: u64,
+        /// The newest version known.
+        newest: u64,
+    },
+    /// The automation's header is neither of the two.
+    #[error(
+        "the automation's first line is `{found}`, but must be `time_s,id,value` or `sample,id,value`; add one of these as first line"
+    )]
+    AutomationHeader {
+        /// The line found.
+        found: String,
+    },
+    /// A row is not three fields of the right kinds.
+    #[error("automation, line {line}: {message}")]
+    AutomationRow {
+        /// Line of the file, from 1.
+        line: u64,
+        /// What is wrong, and what is allowed.
+        message: String,
+    },
+    /// The value or the id of a row is wrong.
+    #[error("automation, line {line}: {source}")]
+    AutomationValue {
+        /// Line of the file, from 1.
+        line: u64,
+        /// What is wrong with it.
+        source: Box<Error>,
+    },
+    /// A row lies before its predecessor.
+    #[error("automation, line {line}: time {found} lies before the line above ({previous}); sort the rows by time")]
+    AutomationOrder {
+        /// Line of the file, from 1.
+        line: u64,
+        /// The time found, as written.
+        found: String,
+        /// The time above, as written.
+        previous: String,
+    },
+}
+
+fn did_you_mean(nearest: &Option<&'static str>) -> String {
+    nearest.map_or_else(String::new, |id| format!("; did you mean `{id}`?"))
+}

@@ -1,0 +1,23 @@
+//! Pyrophone's settings: the table of parameters, presets and automation.
+//!
+//! Plugin, command line and tests all take ids, ranges, defaults and texts from
+//! [`PARAMETERS`]; nothing states them a second time. [`Values`] holds one value for each and
+//! turns into what the engines take, [`pyrophone_synthesis::Controls`] and
+//! [`pyrophone_synthesis::Structure`].
+
+pub mod automation;
+pub mod error;
+pub mod parameter;
+pub mod preset;
+pub mod session;
+pub mod table;
+pub mod values;
+
+pub use automation::Automation;
+pub use error::Error;
+pub use parameter::{Kind, Parameter};
+pub use preset::Preset;
+pub use session::Session;
+pub(crate) use table::ids_as_list;
+pub use table::{COUNT, Id, PARAMETERS, index_of};
+pub use values::Values;

@@ -1,0 +1,217 @@
+//! One parameter: its range, and its three spellings (plain value, normalised value, text).
+//!
+//! Plain values lie on a grid of `decimals` decimal places. A value on the grid survives the way
+//! through a host, which hands it over as a normalised 32-bit float, and through text, without
+//! changing a bit: so the plugin in a host and a render from the command line use the same number.
+
+use crate::Error;
+
+/// What a parameter may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Kind {
+    /// A continuous value.
+    Float {
+        /// Smallest value.
+        low: f64,
+        /// Largest value.
+        high: f64,
+        /// Value of a fresh instance.
+        default: f64,
+        /// Exponent of the normalised scale, `normalised = ((plain - low) / (high - low))^skew`;
+        /// 1 is linear, below 1 gives low values more room.
+        skew: f64,
+        /// Decimal places that count; values are rounded to them.
+        decimals: u32,
+        /// Whether the smallest value means "off" (in dB: minus infinity).
+        off_at_low: bool,
+    },
+    /// A whole number.
+    Int {
+        /// Smallest value.
+        low: i32,
+        /// Largest value.
+        high: i32,
+        /// Value of a fresh instance.
+        default: i32,
+    },
+    /// One of several, as an index; names are only ever appended, so that indices stay.
+    Choice {
+        /// The names.
+        names: &'static [&'static str],
+        /// Index of a fresh instance's choice.
+        default: usize,
+    },
+    /// Off (0) or on (1).
+    Toggle {
+        /// Value of a fresh instance.
+        default: bool,
+    },
+}
+
+/// One line of the [table](crate::PARAMETERS).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Stable name in presets, states, automation and on the command line.
+    pub id: &'static str,
+    /// Name shown to the user.
+    pub name: &'static str,
+    /// Heading under which it is shown.
+    pub group: &'static str,
+    /// Unit of its plain value; empty where it has none.
+    pub unit: &'static str,
+    /// Range and default.
+    pub kind: Kind,
+    /// Whether it may change while sound runs.
+    pub automatable: bool,
+    /// Whether it decides sizes and latency (see [`pyrophone_synthesis::Structure`]).
+    pub structure: bool,
+    /// The value of Chadwick & James 2011 as a plain value, where the paper has one.
+    pub paper: Option<f64>,
+    /// What it does to the sound.
+    pub help: &'static str,
+}
+
+impl Parameter {
+    /// Smallest plain value.
+    pub fn low(&self) -> f64 {
+        match self.kind {
+            Kind::Float { low, .. } => low,
+            Kind::Int { low, .. } => f64::from(low),
+            Kind::Choice { .. } | Kind::Toggle { .. } => 0.0,
+        }
+    }
+
+    /// Largest plain value.
+    pub fn high(&self) -> f64 {
+        match self.kind {
+            Kind::Float { high, .. } => high,
+            Kind::Int { high, .. } => f64::from(high),
+            Kind::Choice { names, .. } => (names.len() - 1) as f64,
+            Kind::Toggle { .. } => 1.0,
+        }
+    }
+
+    /// Plain value of a fresh instance.
+    pub fn default_value(&self) -> f64 {
+        match self.kind {
+            Kind::Float { default, .. } => default,
+            Kind::Int { default, .. } => f64::from(default),
+            Kind::Choice { default, .. } => default as f64,
+            Kind::Toggle { default } => f64::from(u8::from(default)),
+        }
+    }
+
+    /// Whether `plain` means "off" for a parameter that can be off.
+    pub fn is_off(&self, plain: f64) -> bool {
+        matches!(self.kind, Kind::Float { low, off_at_low: true, .. } if plain <= low)
+    }
+
+    /// The nearest allowed value; what is not a number becomes the default.
+    pub fn snap(&self, plain: f64) -> f64 {
+        if plain.is_nan() {
+            return self.default_value();
+        }
+        let clamped = plain.clamp(self.low(), self.high());
+        match self.kind {
+            Kind::Float { decimals, .. } => {
+                let per_unit = 10f64.powi(decimals as i32);
+                // Adding 0 turns a rounded -0 into 0.
+                (clamped * per_unit).round() / per_unit + 0.0
+            }
+            _ => clamped.round(),
+        }
+    }
+
+    /// The nearest value of the grid; fails where `plain` lies outside the range.
+    pub fn check(&self, plain: f64) -> Result<f64, Error> {
+        if plain >= self.low() && plain <= self.high() {
+            Ok(self.snap(plain))
+        } else {
+            let found = if self.unit.is_empty() { format!("{plain}") } else { format!("{plain} {}", self.unit) };
+            let (low, high) = (self.to_text(self.low()), self.to_text(self.high()));
+            Err(Error::OutOfRange { id: self.id, found, low, high })
+        }
+    }
+
+    /// Plain to normalised (0-1), as hosts automate it.
+    pub fn to_normalised(&self, plain: f64) -> f64 {
+        let share = (self.snap(plain) - self.low()) / (self.high() - self.low());
+        match self.kind {
+            Kind::Float { skew, .. } if skew != 1.0 => share.powf(skew),
+            _ => share,
+        }
+    }
+
+    /// Normalised (0-1; beyond is clamped) to the nearest plain value of the grid.
+    pub fn from_normalised(&self, normalised: f64) -> f64 {
+        if normalised.is_nan() {
+            return self.default_value();
+        }
+        let share = match self.kind {
+            Kind::Float { skew, .. } if skew != 1.0 => normalised.clamp(0.0, 1.0).powf(skew.recip()),
+            _ => normalised.clamp(0.0, 1.0),
+        };
+        self.snap(self.low() + share * (self.high() - self.low()))
+    }
+
+    /// The value as text, with its unit.
+    pub fn to_text(&self, plain: f64) -> String {
+        let plain = self.snap(plain);
+        let number = match self.kind {
+            Kind::Choice { names, .. } => return names[plain as usize].to_owned(),
+            Kind::Toggle { .. } => return if plain > 0.5 { "on" } else { "off" }.to_owned(),
+            Kind::Float { .. } if self.is_off(plain) => return "off".to_owned(),
+            Kind::Float { decimals, .. } => format!("{plain:.*}", decimals as usize),
+            Kind::Int { .. } => format!("{plain}"),
+        };
+        if self.unit.is_empty() { number } else { format!("{number} {}", self.unit) }
+    }
+
+    /// Text to a plain value, with or without the unit; `off` and `-inf` where it can be off.
+    /// Case and spaces do not count. A value outside the range is an error.
+    pub fn parse(&self, text: &str) -> Result<f64, Error> {
+        let trimmed = text.trim();
+        let lower = trimmed.to_lowercase();
+        let without_unit = match lower.strip_suffix(&self.unit.to_lowercase()) {
+            Some(rest) => rest.trim_end(),
+            None => lower.as_str(),
+        };
+        let wrong = || self.wrong_kind(format!("`{trimmed}`"));
+        match self.kind {
+            Kind::Choice { names, .. } => {
+                names.iter().position(|name| *name == lower).map(|index| index as f64).ok_or_else(wrong)
+            }
+            Kind::Toggle { .. } => match lower.as_str() {
+                "on" | "true" | "yes" | "1" => Ok(1.0),
+                "off" | "false" | "no" | "0" => Ok(0.0),
+                _ => Err(wrong()),
+            },
+            Kind::Float { low, off_at_low: true, .. } if matches!(without_unit, "off" | "-inf" | "-∞") => Ok(low),
+            Kind::Float { .. } => {
+                let number: f64 = without_unit.parse().map_err(|_| wrong())?;
+                if number.is_finite() { self.check(number) } else { Err(wrong()) }
+            }
+            Kind::Int { .. } => {
+                let number: f64 = without_unit.parse().map_err(|_| wrong())?;
+                if number.is_finite() && number.fract() == 0.0 { self.check(number) } else { Err(wrong()) }
+            }
+        }
+    }
+
+    /// The error for a value of another kind.
+    pub(crate) fn wrong_kind(&self, found: String) -> Error {
+        let (expected, example) = match self.kind {
+            Kind::Float { off_at_low, .. } => {
+                let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
+                let off = if off_at_low { " or \"off\"" } else { "" };
+                (format!("a number{unit}{off}"), format!("{}", self.default_value()))
+            }
+            Kind::Int { .. } => ("a whole number".to_owned(), format!("{}", self.default_value())),
+            Kind::Choice { names, default } => {
+                (format!("one of \"{}\"", names.join("\", \"")), format!("\"{}\"", names[default]))
+            }
+            Kind::Toggle { default } => ("true or false".to_owned(), default.to_string()),
+        };
+        Error::WrongKind { id: self.id, found, expected, example }
+    }
+}

@@ -1,0 +1,147 @@
+//! Presets: readable text, the same for plugin and command line.
+//!
+//! ```toml
+//! version = 1
+//! name = "extend"
+//! description = "Spectral extension alone."
+//!
+//! [parameters]
+//! texture_level = "off"
+//! alpha = 2.5
+//! drive_mode = "pressure"
+//! gate = true
+//! ```
+//!
+//! Parameters that are not named have their defaults.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
+
+use crate::{Error, Kind, PARAMETERS, Parameter, Values, index_of};
+
+/// The version that [`Preset::to_toml`] writes.
+pub const VERSION: i64 = 1;
+
+/// What turns a preset's parameters of version `index + 1` into those of the next version.
+const MIGRATIONS: &[fn(&mut Table)] = &[];
+
+const _: () = assert!(MIGRATIONS.len() as i64 == VERSION - 1, "each version needs its way to the next");
+
+/// Names and texts of the presets that come with Pyrophone.
+pub const FACTORY: &[(&str, &str)] = &[
+    ("default", include_str!("../../presets/default.toml")),
+    ("extend", include_str!("../../presets/extend.toml")),
+    ("texture", include_str!("../../presets/texture.toml")),
+    ("texture-paper", include_str!("../../presets/texture-paper.toml")),
+];
+
+/// A named set of values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preset {
+    /// Its name.
+    pub name: String,
+    /// What it is for.
+    pub description: String,
+    /// Its values.
+    pub values: Values,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    version: i64,
+    name: String,
+    #[serde(default)]
+    description: String,
+    #[serde(default)]
+    parameters: Table,
+}
+
+impl Preset {
+    /// The preset of this name, else the one in the file of this path.
+    pub fn find(name_or_path: &str) -> Result<Self, Error> {
+        if let Some((name, text)) = FACTORY.iter().find(|(name, _)| *name == name_or_path) {
+            return Self::from_toml(text, name);
+        }
+        let path = Path::new(name_or_path);
+        if path.exists() { Self::load(path) } else { Err(unknown(name_or_path)) }
+    }
+
+    /// Reads a preset's file.
+    pub fn load(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
+        Self::from_toml(&text, &path.display().to_string())
+    }
+
+    /// Reads a preset's text; `origin` names it in errors.
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
+        let syntax =
+            |error: toml::de::Error| Error::PresetSyntax { origin: origin.to_owned(), message: one_line(&error) };
+        let mut file: File = toml::from_str(text).map_err(syntax)?;
+        if !(1..=VERSION).contains(&file.version) {
+            return Err(Error::PresetVersion { origin: origin.to_owned(), found: file.version, newest: VERSION });
+        }
+        for migrate in &MIGRATIONS[file.version as usize - 1..] {
+            migrate(&mut file.parameters);
+        }
+        let in_preset = |source| Error::PresetValue { origin: origin.to_owned(), source: Box::new(source) };
+        let mut values = Values::default();
+        for (id, value) in &file.parameters {
+            let index = index_of(id).map_err(in_preset)?;
+            let plain = plain_value(&PARAMETERS[index], value).map_err(in_preset)?;
+            values.set(index, plain).map_err(in_preset)?;
+        }
+        Ok(Self { name: file.name, description: file.description, values })
+    }
+
+    /// The preset as text, every parameter stated.
+    pub fn to_toml(&self) -> String {
+        let parameters = PARAMETERS
+            .iter()
+            .zip(self.values.as_slice())
+            .map(|(parameter, plain)| (parameter.id.to_owned(), toml_value(parameter, *plain)))
+            .collect();
+        let file =
+            File { version: VERSION, name: self.name.clone(), description: self.description.clone(), parameters };
+        // Strings, numbers and booleans in a table always have a TOML form.
+        toml::to_string(&file).unwrap_or_default()
+    }
+
+    /// All presets that come with Pyrophone.
+    pub fn factory() -> Result<Vec<Self>, Error> {
+        FACTORY.iter().map(|(name, text)| Self::from_toml(text, name)).collect()
+    }
+}
+
+fn unknown(name: &str) -> Error {
+    let known = FACTORY.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    Error::UnknownPreset { name: name.to_owned(), known }
+}
+
+fn one_line(error: &toml::de::Error) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A TOML value as the parameter's plain value; it may still be out of range.
+fn plain_value(parameter: &Parameter, value: &Value) -> Result<f64, Error> {
+    match (parameter.kind, value) {
+        (Kind::Float { .. }, Value::Float(number)) if number.is_finite() => Ok(*number),
+        (Kind::Float { .. } | Kind::Int { .. }, Value::Integer(number)) => Ok(*number as f64),
+        (Kind::Float { low, off_at_low: true, .. }, Value::Float(number)) if *number == f64::NEG_INFINITY => Ok(low),
+        (Kind::Float { off_at_low: true, .. } | Kind::Choice { .. }, Value::String(text)) => parameter.parse(text),
+        (Kind::Toggle { .. }, Value::Boolean(on)) => Ok(f64::from(u8::from(*on))),
+        _ => Err(parameter.wrong_kind(value.to_string())),
+    }
+}
+
+fn toml_value(parameter: &Parameter, plain: f64) -> Value {
+    match parameter.kind {
+        Kind::Float { .. } if parameter.is_off(plain) => Value::String("off".to_owned()),
+        Kind::Float { .. } => Value::Float(plain),
+        Kind::Int { .. } => Value::Integer(plain as i64),
+        Kind::Choice { .. } => Value::String(parameter.to_text(plain)),
+        Kind::Toggle { .. } => Value::Boolean(plain > 0.5),
+    }
+}

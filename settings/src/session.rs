@@ -1,0 +1,163 @@
+//! What a session keeps besides the parameters: the recording and the learned distribution.
+//!
+//! It is kept as JSON text, in the plugin's state as its field [`FIELD`]. A text that this
+//! version does not understand is refused as a whole; whoever holds it keeps it as it was.
+
+use std::collections::BTreeMap;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::{Deserialize, Serialize};
+
+use crate::{Error, Kind, PARAMETERS, Values};
+
+/// Name of the session's field in the plugin's state.
+pub const FIELD: &str = "pyrophone";
+
+/// The version that [`Session::to_json`] writes.
+pub const VERSION: u64 = 1;
+
+/// What turns a session of version `index + 1` into one of the next version.
+const MIGRATIONS: &[fn(&mut serde_json::Value)] = &[];
+
+const _: () = assert!(MIGRATIONS.len() as u64 == VERSION - 1, "each version needs its way to the next");
+
+/// Most quantiles a learned distribution may have.
+pub const MAX_QUANTILES: usize = 65_536;
+
+/// What a session keeps besides the parameters.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Session {
+    /// The recording that texture synthesis draws on.
+    pub recording: Option<RecordingReference>,
+    /// Whether the user wants the recording itself inside the session.
+    pub embed: bool,
+    /// The learned distribution of the drive's amplitudes.
+    pub learned: Option<Learned>,
+}
+
+/// Where a recording is, and which it is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RecordingReference {
+    /// Absolute path at the time of saving.
+    pub path: String,
+    /// BLAKE3 of the file's bytes in hexadecimal.
+    pub content_hash: String,
+    /// The file itself, packed by the `recording` crate; none where the user does not want it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub embedded: Option<String>,
+}
+
+/// Quantiles of the drive pyramid's top level, and what they hold for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Learned {
+    /// Sample rate in Hz.
+    pub sample_rate_hz: f64,
+    /// Pyramid levels at 44.1 kHz ([`pyrophone_synthesis::Structure::levels`]).
+    pub levels: usize,
+    /// Sorted magnitudes at equal steps of probability, 1 to [`MAX_QUANTILES`].
+    pub quantiles: Vec<f64>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct File {
+    version: u64,
+    #[serde(default)]
+    recording: Option<RecordingReference>,
+    #[serde(default)]
+    embed: bool,
+    #[serde(default)]
+    learned: Option<PackedLearned>,
+}
+
+/// Quantiles as little-endian 64-bit floats in Base64: exact, and an eighth of their size as text.
+#[derive(Serialize, Deserialize)]
+struct PackedLearned {
+    sample_rate_hz: f64,
+    levels: usize,
+    quantiles: String,
+}
+
+impl Session {
+    /// The session as JSON text.
+    pub fn to_json(&self) -> String {
+        let learned = self.learned.as_ref().map(|learned| PackedLearned {
+            sample_rate_hz: learned.sample_rate_hz,
+            levels: learned.levels,
+            quantiles: STANDARD.encode(learned.quantiles.iter().flat_map(|q| q.to_le_bytes()).collect::<Vec<u8>>()),
+        });
+        let file = File { version: VERSION, recording: self.recording.clone(), embed: self.embed, learned };
+        // Strings, numbers and booleans always have a JSON form.
+        serde_json::to_string(&file).unwrap_or_default()
+    }
+
+    /// Reads a session's JSON text.
+    pub fn from_json(text: &str) -> Result<Self, Error> {
+        let damaged = |message: String| Error::Session { message };
+        let mut value: serde_json::Value = serde_json::from_str(text).map_err(|error| damaged(error.to_string()))?;
+        let found = value.get("version").and_then(serde_json::Value::as_u64);
+        match found {
+            Some(version @ 1..=VERSION) => {
+                MIGRATIONS[version as usize - 1..].iter().for_each(|migrate| migrate(&mut value));
+            }
+            Some(found) => return Err(Error::SessionVersion { found, newest: VERSION }),
+            None => return Err(damaged("it has no version".to_owned())),
+        }
+        let file: File = serde_json::from_value(value).map_err(|error| damaged(error.to_string()))?;
+        let learned = file.learned.map(PackedLearned::unpack).transpose().map_err(damaged)?;
+        Ok(Self { recording: file.recording, embed: file.embed, learned })
+    }
+}
+
+impl PackedLearned {
+    fn unpack(self) -> Result<Learned, String> {
+        let bytes = STANDARD.decode(&self.quantiles).map_err(|error| error.to_string())?;
+        let (numbers, rest) = bytes.as_chunks::<8>();
+        let quantiles: Vec<f64> = numbers.iter().map(|number| f64::from_le_bytes(*number)).collect();
+        let sound = rest.is_empty()
+            && (1..=MAX_QUANTILES).contains(&quantiles.len())
+            && quantiles.iter().all(|quantile| quantile.is_finite() && *quantile >= 0.0)
+            && quantiles.is_sorted()
+            && self.sample_rate_hz.is_finite();
+        if !sound {
+            return Err("its learned distribution is not 1 to 65536 rising amplitudes".to_owned());
+        }
+        Ok(Learned { sample_rate_hz: self.sample_rate_hz, levels: self.levels, quantiles })
+    }
+}
+
+/// A value in the plugin's state.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum StateValue {
+    F32(f32),
+    I32(i32),
+    Bool(bool),
+}
+
+/// The plugin's whole state as JSON text, as it would save it itself: the bare state of the VST3
+/// plugin. The CLAP plugin's is this with its length in bytes before it, 64 bits, little-endian.
+pub fn plugin_state(values: &Values, session: &Session) -> String {
+    #[derive(Serialize)]
+    struct State {
+        version: &'static str,
+        params: BTreeMap<&'static str, StateValue>,
+        fields: BTreeMap<&'static str, String>,
+    }
+    let params = PARAMETERS.iter().zip(values.as_slice()).map(|(parameter, plain)| {
+        let value = match parameter.kind {
+            Kind::Float { .. } => StateValue::F32(*plain as f32),
+            Kind::Int { .. } | Kind::Choice { .. } => StateValue::I32(*plain as i32),
+            Kind::Toggle { .. } => StateValue::Bool(*plain > 0.5),
+        };
+        (parameter.id, value)
+    });
+    // The fields of a state are themselves JSON.
+    let session = serde_json::to_string(&session.to_json()).unwrap_or_default();
+    let state = State {
+        version: env!("CARGO_PKG_VERSION"),
+        params: params.collect(),
+        fields: BTreeMap::from([(FIELD, session)]),
+    };
+    serde_json::to_string(&state).unwrap_or_default()
+}

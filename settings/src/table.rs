@@ -1,0 +1,364 @@
+//! The table of all parameters: the promise that presets, states and automation rest on.
+//!
+//! Ids and the order of choices never change; new parameters go to the end of [`Id`] and of the
+//! table.
+
+use crate::Error;
+use crate::parameter::{Kind, Parameter};
+
+/// Places in [`PARAMETERS`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "each is described by its line of the table")]
+pub enum Id {
+    LowLevel,
+    ExtensionLevel,
+    TextureLevel,
+    OutputLevel,
+    Alpha,
+    Cutoff,
+    BlendWidth,
+    NoiseAmount,
+    ExtensionSeed,
+    ExtensionWidth,
+    ScalingAlpha,
+    DynamicRange,
+    Gate,
+    GateThreshold,
+    Quality,
+    TextureWidth,
+    DriveMode,
+    DriveGain,
+    Attack,
+    Release,
+    Threshold,
+    HighPass,
+    Bypass,
+    Levels,
+    Window,
+    Feature,
+    Falloff,
+    HalfWidth,
+    FitWidth,
+}
+
+/// Names of the values of `dynamic_range`.
+pub const DYNAMIC_RANGES: &[&str] = &["off", "learned", "running"];
+/// Names of the values of `quality`.
+pub const QUALITIES: &[&str] = &["draft", "normal", "high", "exact"];
+/// Names of the values of `drive_mode`.
+pub const DRIVE_MODES: &[&str] = &["pressure", "flux", "envelope"];
+
+const fn float(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> Kind {
+    Kind::Float { low, high, default, skew, decimals, off_at_low: false }
+}
+
+const fn float_or_off(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> Kind {
+    Kind::Float { low, high, default, skew, decimals, off_at_low: true }
+}
+
+const fn level() -> Kind {
+    float_or_off(-72.0, 24.0, 0.0, 1.0, 2)
+}
+
+const fn control(
+    id: &'static str,
+    name: &'static str,
+    group: &'static str,
+    unit: &'static str,
+    kind: Kind,
+    paper: Option<f64>,
+    help: &'static str,
+) -> Parameter {
+    Parameter { id, name, group, unit, kind, automatable: true, structure: false, paper, help }
+}
+
+const fn structure(
+    id: &'static str,
+    name: &'static str,
+    unit: &'static str,
+    kind: Kind,
+    paper: f64,
+    help: &'static str,
+) -> Parameter {
+    let group = "Structure";
+    Parameter { id, name, group, unit, kind, automatable: false, structure: true, paper: Some(paper), help }
+}
+
+/// All parameters, in the order of [`Id`].
+pub const PARAMETERS: &[Parameter] = &[
+    control("low_level", "Low level", "Levels", "dB", level(), None, "Level of the flame's own low-frequency part."),
+    control(
+        "extension_level",
+        "Extension level",
+        "Levels",
+        "dB",
+        level(),
+        None,
+        "Level of the noise that spectral extension adds above the cutoff.",
+    ),
+    control(
+        "texture_level",
+        "Texture level",
+        "Levels",
+        "dB",
+        level(),
+        None,
+        "Level of the fire matched from the recording.",
+    ),
+    control("output_level", "Output level", "Levels", "dB", level(), None, "Level of everything together."),
+    control(
+        "alpha",
+        "Alpha",
+        "Extension",
+        "",
+        float(0.0, 6.0, 2.5, 1.0, 3),
+        Some(2.5),
+        "How fast the noise falls with frequency: low values hiss, high values rumble.",
+    ),
+    control(
+        "cutoff",
+        "Cutoff",
+        "Extension",
+        "Hz",
+        float(40.0, 1000.0, 180.0, 0.5, 1),
+        Some(180.0),
+        "Frequency where the input ends and the added noise begins.",
+    ),
+    control(
+        "blend_width",
+        "Blend width",
+        "Extension",
+        "Hz",
+        float(2.0, 400.0, 30.0, 0.5, 1),
+        Some(30.0),
+        "Width of the band around the cutoff in which the input is blended into the noise.",
+    ),
+    control(
+        "noise_amount",
+        "Noise amount",
+        "Extension",
+        "",
+        float(0.0, 4.0, 1.0, 1.0, 3),
+        Some(1.0),
+        "Factor on the fitted noise: 1 continues the input's spectrum, less is softer, more is harsher.",
+    ),
+    control(
+        "extension_seed",
+        "Seed",
+        "Extension",
+        "",
+        Kind::Int { low: 0, high: 65_535, default: 42 },
+        None,
+        "Number of the noise: another one gives the same fire with other crackle.",
+    ),
+    control(
+        "extension_width",
+        "Extension width",
+        "Extension",
+        "",
+        float(0.0, 1.0, 1.0, 1.0, 3),
+        None,
+        "0: the same noise in all channels; 1: independent noise in each.",
+    ),
+    control(
+        "scaling_alpha",
+        "Dynamics",
+        "Texture",
+        "",
+        float(0.0, 1.0, 1.0, 1.0, 3),
+        Some(1.0),
+        "How far the recording's loudness is mapped onto the input's: 1 follows it wholly, 0 keeps the recording's own.",
+    ),
+    control(
+        "dynamic_range",
+        "Dynamic range",
+        "Texture",
+        "",
+        Kind::Choice { names: DYNAMIC_RANGES, default: 2 },
+        Some(1.0),
+        "Where the input's loudness distribution comes from: off, learned beforehand, or estimated as it runs.",
+    ),
+    control(
+        "gate",
+        "Gate",
+        "Texture",
+        "",
+        Kind::Toggle { default: true },
+        Some(0.0),
+        "Silences the texture while the input is silent; without it the recording's quietest moment plays on.",
+    ),
+    control(
+        "gate_threshold",
+        "Gate threshold",
+        "Texture",
+        "dB",
+        float(-120.0, -20.0, -80.0, 1.0, 1),
+        None,
+        "Level of the input below which the gate closes.",
+    ),
+    control(
+        "quality",
+        "Quality",
+        "Texture",
+        "",
+        Kind::Choice { names: QUALITIES, default: 1 },
+        Some(3.0),
+        "How long each search may take: draft, normal and high compare 256, 1024 and 4096 candidates, exact all it needs.",
+    ),
+    control(
+        "texture_width",
+        "Texture width",
+        "Texture",
+        "",
+        float(0.0, 1.0, 1.0, 1.0, 3),
+        None,
+        "0: the texture in mono; 1: as wide as it was recorded.",
+    ),
+    control(
+        "drive_mode",
+        "Drive",
+        "Drive",
+        "",
+        Kind::Choice { names: DRIVE_MODES, default: 0 },
+        Some(0.0),
+        "What the input is: the flame's pressure, its flux, or (sidechain first) a sound whose envelope drives a rumble.",
+    ),
+    control(
+        "drive_gain",
+        "Drive gain",
+        "Drive",
+        "dB",
+        float(-48.0, 48.0, 0.0, 1.0, 2),
+        None,
+        "Level of the input before the engines; what they match and fit follows it.",
+    ),
+    control("attack", "Attack", "Drive", "ms", float(0.1, 1000.0, 5.0, 0.3, 2), None, "How fast the envelope rises."),
+    control(
+        "release",
+        "Release",
+        "Drive",
+        "ms",
+        float(1.0, 5000.0, 80.0, 0.3, 1),
+        None,
+        "How fast the envelope falls.",
+    ),
+    control(
+        "threshold",
+        "Threshold",
+        "Drive",
+        "dB",
+        float_or_off(-100.0, 0.0, -60.0, 1.0, 1),
+        None,
+        "Level below which the envelope is zero.",
+    ),
+    control(
+        "high_pass",
+        "High-pass",
+        "Drive",
+        "Hz",
+        float_or_off(0.0, 200.0, 30.0, 0.5, 1),
+        Some(30.0),
+        "Removes what lies below this frequency before the engines; 0 is off.",
+    ),
+    control(
+        "bypass",
+        "Bypass",
+        "Levels",
+        "",
+        Kind::Toggle { default: false },
+        None,
+        "The input as it is, delayed by the latency.",
+    ),
+    structure(
+        "levels",
+        "Levels",
+        "",
+        Kind::Int { low: 3, high: 8, default: 6 },
+        6.0,
+        "Levels of the texture pyramid: more follow the input in a lower, slower band.",
+    ),
+    structure(
+        "window",
+        "Window",
+        "samples",
+        Kind::Int { low: 2, high: 16, default: 4 },
+        4.0,
+        "Half-width of a texture window: longer ones keep more of the recording together.",
+    ),
+    structure(
+        "feature",
+        "Feature",
+        "windows",
+        Kind::Int { low: 1, high: 6, default: 3 },
+        3.0,
+        "How many windows to each side are compared in a search: more is smoother, less follows closer.",
+    ),
+    structure(
+        "falloff",
+        "Falloff",
+        "",
+        float(0.0, 1.0, 0.0, 1.0, 3),
+        0.0,
+        "How much less the far samples count in a search.",
+    ),
+    structure(
+        "half_width",
+        "Half-width",
+        "samples",
+        Kind::Int { low: 100, high: 2000, default: 500 },
+        500.0,
+        "Half-width of an extension window, at 44.1 kHz: how fast the noise follows the input.",
+    ),
+    structure(
+        "fit_width",
+        "Fit width",
+        "Hz",
+        float(3.0, 120.0, 30.0, 1.0, 1),
+        30.0,
+        "Width of the band around the cutoff in which the noise's level is fitted.",
+    ),
+];
+
+/// Number of parameters.
+pub const COUNT: usize = PARAMETERS.len();
+
+impl Id {
+    /// Its line of the table.
+    pub fn parameter(self) -> &'static Parameter {
+        &PARAMETERS[self as usize]
+    }
+}
+
+/// Place of the parameter with this id in [`PARAMETERS`].
+pub fn index_of(id: &str) -> Result<usize, Error> {
+    PARAMETERS.iter().position(|parameter| parameter.id == id).ok_or_else(|| Error::UnknownParameter {
+        id: id.to_owned(),
+        nearest: PARAMETERS
+            .iter()
+            .map(|parameter| (edits(parameter.id, id), parameter.id))
+            .min()
+            .filter(|(distance, nearest)| *distance <= nearest.len() / 3)
+            .map(|(_, nearest)| nearest),
+    })
+}
+
+/// All ids, for messages.
+pub(crate) fn ids_as_list() -> String {
+    PARAMETERS.iter().map(|parameter| parameter.id).collect::<Vec<_>>().join(", ")
+}
+
+/// Levenshtein distance.
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().take(64).collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, to) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(from != *to);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}

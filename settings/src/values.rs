@@ -1,0 +1,138 @@
+//! A set of values for all parameters, and what the engines make of it.
+
+use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::controls::{
+    Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality, TextureControls,
+};
+
+use crate::{COUNT, Error, Id, PARAMETERS, index_of};
+
+/// Plain values of all parameters, each in its range and on its grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Values {
+    plain: [f64; COUNT],
+}
+
+impl Default for Values {
+    /// The values of a fresh instance.
+    fn default() -> Self {
+        Self { plain: std::array::from_fn(|index| PARAMETERS[index].default_value()) }
+    }
+}
+
+impl Values {
+    /// The plain value of one parameter.
+    pub fn get(&self, id: Id) -> f64 {
+        self.plain[id as usize]
+    }
+
+    /// All plain values, in the order of [`PARAMETERS`].
+    pub fn as_slice(&self) -> &[f64] {
+        &self.plain
+    }
+
+    /// Sets one parameter to the nearest allowed value; `index` is its place in [`PARAMETERS`],
+    /// a place beyond its end is ignored.
+    pub fn set_nearest(&mut self, index: usize, plain: f64) {
+        if let (Some(value), Some(parameter)) = (self.plain.get_mut(index), PARAMETERS.get(index)) {
+            *value = parameter.snap(plain);
+        }
+    }
+
+    /// Sets one parameter by its place in [`PARAMETERS`]; fails, changing nothing, where the
+    /// value is out of range.
+    ///
+    /// # Panics
+    /// Where `index` is not below [`COUNT`].
+    pub fn set(&mut self, index: usize, plain: f64) -> Result<(), Error> {
+        self.plain[index] = PARAMETERS[index].check(plain)?;
+        Ok(())
+    }
+
+    /// Sets one parameter by its id from text, with or without unit.
+    pub fn set_text(&mut self, id: &str, text: &str) -> Result<(), Error> {
+        let index = index_of(id)?;
+        self.plain[index] = PARAMETERS[index].parse(text)?;
+        Ok(())
+    }
+
+    /// Sets everything of which Chadwick & James 2011 state a value to that value; the rest
+    /// (levels, widths, seed, envelope) stays.
+    pub fn reset_to_paper(&mut self) {
+        for (value, parameter) in self.plain.iter_mut().zip(PARAMETERS) {
+            if let Some(paper) = parameter.paper {
+                *value = paper;
+            }
+        }
+    }
+
+    /// What the engines may change while sound runs.
+    pub fn controls(&self) -> Controls {
+        let on = |id: Id| self.get(id) > 0.5;
+        let seed = self.get(Id::ExtensionSeed) as u32;
+        Controls {
+            drive: DriveControls {
+                mode: match self.get(Id::DriveMode) as usize {
+                    0 => DriveMode::Pressure,
+                    1 => DriveMode::Flux,
+                    _ => DriveMode::Envelope,
+                },
+                gain: self.factor(Id::DriveGain),
+                attack_s: self.get(Id::Attack) / 1000.0,
+                release_s: self.get(Id::Release) / 1000.0,
+                threshold: self.factor(Id::Threshold),
+                high_pass_hz: self.get(Id::HighPass),
+                seed,
+            },
+            extend: ExtendControls {
+                alpha: self.get(Id::Alpha),
+                cutoff_hz: self.get(Id::Cutoff),
+                blend_width_hz: self.get(Id::BlendWidth),
+                noise_amount: self.get(Id::NoiseAmount),
+                seed,
+                width: self.get(Id::ExtensionWidth),
+            },
+            texture: TextureControls {
+                scaling_alpha: self.get(Id::ScalingAlpha),
+                dynamic_range: match self.get(Id::DynamicRange) as usize {
+                    0 => DynamicRange::Off,
+                    1 => DynamicRange::Learned,
+                    _ => DynamicRange::Running,
+                },
+                gate: if on(Id::Gate) { self.factor(Id::GateThreshold) } else { 0.0 },
+                quality: match self.get(Id::Quality) as usize {
+                    0 => Quality::Bounded { candidates: 256 },
+                    1 => Quality::Bounded { candidates: 1024 },
+                    2 => Quality::Bounded { candidates: 4096 },
+                    _ => Quality::Exact,
+                },
+            },
+            mix: MixControls {
+                low: self.factor(Id::LowLevel),
+                extension: self.factor(Id::ExtensionLevel),
+                texture: self.factor(Id::TextureLevel),
+                width: self.get(Id::TextureWidth),
+                output: self.factor(Id::OutputLevel),
+                bypass: on(Id::Bypass),
+            },
+        }
+    }
+
+    /// What decides sizes and latency.
+    pub fn structure(&self) -> Structure {
+        Structure {
+            levels: self.get(Id::Levels) as usize,
+            window: self.get(Id::Window) as usize,
+            feature: self.get(Id::Feature) as usize,
+            falloff: self.get(Id::Falloff),
+            half_width: self.get(Id::HalfWidth) as usize,
+            fit_width_hz: self.get(Id::FitWidth),
+        }
+    }
+
+    /// A level in dB as a factor: exactly 1 at 0 dB, exactly 0 where it is off.
+    fn factor(&self, id: Id) -> f64 {
+        let plain = self.get(id);
+        if id.parameter().is_off(plain) { 0.0 } else { 10f64.powf(plain / 20.0) }
+    }
+}

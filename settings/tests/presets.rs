@@ -1,0 +1,127 @@
+//! Presets: the factory's, their text, and what is wrong with bad ones.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use proptest::prelude::*;
+use pyrophone_settings::{COUNT, Error, Id, PARAMETERS, Preset, Values, preset};
+use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::controls::{DynamicRange, Quality};
+
+#[test]
+fn every_file_is_a_factory_preset_under_its_name() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");
+    let files: BTreeSet<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    assert!(!files.is_empty(), "no presets found");
+    let names: BTreeSet<String> = Preset::factory().unwrap().into_iter().map(|preset| preset.name).collect();
+    assert_eq!(files, names);
+    for (name, _) in preset::FACTORY {
+        let preset = Preset::find(name).unwrap();
+        assert_eq!(preset.name, *name);
+        assert!(!preset.description.is_empty());
+        preset.values.structure().validate().unwrap();
+    }
+}
+
+#[test]
+fn default_is_what_a_fresh_instance_has() {
+    assert_eq!(Preset::find("default").unwrap().values, Values::default());
+}
+
+#[test]
+fn texture_paper_is_the_paper_and_nothing_else() {
+    let values = Preset::find("texture-paper").unwrap().values;
+    let controls = values.controls();
+    assert_eq!((controls.mix.low, controls.mix.extension), (0.0, 0.0));
+    assert_eq!((controls.mix.texture, controls.mix.output, controls.mix.width), (1.0, 1.0, 1.0));
+    assert_eq!((controls.drive.gain, controls.drive.high_pass_hz), (1.0, 0.0));
+    assert_eq!((controls.texture.gate, controls.texture.scaling_alpha), (0.0, 1.0));
+    assert_eq!(controls.texture.quality, Quality::Exact);
+    assert_eq!(controls.texture.dynamic_range, DynamicRange::Learned);
+    assert_eq!(values.structure(), Structure::default());
+}
+
+#[test]
+fn single_engine_presets_silence_the_other() {
+    let extend = Preset::find("extend").unwrap().values.controls().mix;
+    assert_eq!((extend.low, extend.extension, extend.texture), (1.0, 1.0, 0.0));
+    let texture = Preset::find("texture").unwrap().values.controls().mix;
+    assert_eq!((texture.low, texture.extension, texture.texture), (0.0, 0.0, 1.0));
+}
+
+fn with(parameters: &str) -> Result<Preset, Error> {
+    let text = format!("version = 1\nname = \"x\"\n[parameters]\n{parameters}\n");
+    Preset::from_toml(&text, "x.toml")
+}
+
+#[test]
+fn bad_values_are_named() {
+    let source = |parameters: &str| match with(parameters).unwrap_err() {
+        Error::PresetValue { source, .. } => *source,
+        other => panic!("{other}"),
+    };
+    assert!(matches!(source("alpa = 1"), Error::UnknownParameter { nearest: Some("alpha"), .. }));
+    assert!(matches!(source("alpha = 7.0"), Error::OutOfRange { id: "alpha", .. }));
+    assert!(matches!(source("levels = 99999999999999"), Error::OutOfRange { id: "levels", .. }));
+    for wrong in [
+        "alpha = \"2.5\"",
+        "alpha = nan",
+        "alpha = inf",
+        "alpha = -inf",
+        "levels = 6.0",
+        "gate = 1",
+        "gate = \"on\"",
+        "quality = 3",
+        "quality = \"Best\"",
+        "alpha = [1]",
+        "low_level = true",
+    ] {
+        assert!(matches!(source(wrong), Error::WrongKind { .. }), "{wrong}");
+    }
+    assert_eq!(with("low_level = -inf").unwrap().values.controls().mix.low, 0.0);
+    assert_eq!(with("low_level = \"off\"").unwrap().values.controls().mix.low, 0.0);
+}
+
+#[test]
+fn bad_files_are_refused() {
+    for text in
+        ["", "version = 1", "name = \"x\"", "version = 1\nname = 3", "[[", "version = 1\nname = \"x\"\nother = 1"]
+    {
+        let error = Preset::from_toml(text, "x.toml").unwrap_err();
+        assert!(matches!(error, Error::PresetSyntax { .. }), "{text}");
+        assert_eq!(error.to_string().lines().count(), 1, "{error}");
+    }
+    for version in [0, -1, preset::VERSION + 1] {
+        let text = format!("version = {version}\nname = \"x\"");
+        assert!(matches!(Preset::from_toml(&text, "x"), Err(Error::PresetVersion { .. })), "{version}");
+    }
+    assert!(matches!(Preset::find("no-such-preset"), Err(Error::UnknownPreset { .. })));
+    assert!(matches!(Preset::load(Path::new("/no/such/file")), Err(Error::File { .. })));
+}
+
+proptest! {
+    /// What is written is read back to the bit.
+    #[test]
+    fn text_round_trip(shares in prop::collection::vec(0f64..=1.0, COUNT), name in ".{0,20}") {
+        let mut values = Values::default();
+        for (index, share) in shares.into_iter().enumerate() {
+            let parameter = &PARAMETERS[index];
+            values.set_nearest(index, parameter.low() + share * (parameter.high() - parameter.low()));
+        }
+        let preset = Preset { name, description: "a \"quoted\" one".to_owned(), values };
+        prop_assert_eq!(Preset::from_toml(&preset.to_toml(), "memory").unwrap(), preset);
+    }
+}
+
+#[test]
+fn unnamed_parameters_have_their_defaults() {
+    let values = with("alpha = 3").unwrap().values;
+    let mut expected = Values::default();
+    expected.set(Id::Alpha as usize, 3.0).unwrap();
+    assert_eq!(values, expected);
+}

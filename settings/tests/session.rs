@@ -1,0 +1,73 @@
+//! What a session keeps: round trips, and damaged ones.
+
+use proptest::prelude::*;
+use pyrophone_settings::session::{Learned, RecordingReference, Session, plugin_state};
+use pyrophone_settings::{Error, Values};
+
+fn full() -> Session {
+    Session {
+        recording: Some(RecordingReference {
+            path: "/sound/\"fire\" 火.wav".to_owned(),
+            content_hash: "ab".repeat(32),
+            embedded: Some("eJw=".to_owned()),
+        }),
+        embed: true,
+        learned: Some(Learned { sample_rate_hz: 48_000.0, levels: 6, quantiles: vec![0.0, 1e-300, 0.1, 0.3] }),
+    }
+}
+
+#[test]
+fn round_trip() {
+    for session in [Session::default(), full()] {
+        assert_eq!(Session::from_json(&session.to_json()).unwrap(), session);
+    }
+}
+
+#[test]
+fn damaged_texts_are_refused() {
+    let good = full().to_json();
+    let mut bad: Vec<String> = ["", "{}", "null", "[]", "7", "\"x\"", "{\"version\":\"1\"}", "{\"version\":-1}"]
+        .into_iter()
+        .map(str::to_owned)
+        .collect();
+    bad.push(good[..good.len() / 2].to_owned());
+    bad.push(good.replace("\"path\"", "\"pfad\""));
+    bad.push(good.replace("true", "\"yes\""));
+    bad.push(good.replace("\"levels\":6", "\"levels\":-6"));
+    bad.push(good.replace("\"quantiles\":\"AAAA", "\"quantiles\":\"A*AA"));
+    let with = |quantiles: Vec<f64>| {
+        let learned = Some(Learned { sample_rate_hz: 48_000.0, levels: 6, quantiles });
+        Session { learned, ..Session::default() }.to_json()
+    };
+    bad.extend([with(vec![]), with(vec![0.2, 0.1]), with(vec![f64::NAN]), with(vec![-1.0]), with(vec![0.0; 65_537])]);
+    for text in bad {
+        assert!(matches!(Session::from_json(&text), Err(Error::Session { .. })), "{text:.80}");
+    }
+    assert!(matches!(Session::from_json("{\"version\":2}"), Err(Error::SessionVersion { found: 2, .. })));
+}
+
+#[test]
+fn plugin_state_nests_the_session() {
+    let session = full();
+    let state: serde_json::Value = serde_json::from_str(&plugin_state(&Values::default(), &session)).unwrap();
+    assert_eq!(state["params"]["alpha"]["f32"], 2.5);
+    assert_eq!(state["params"]["levels"]["i32"], 6);
+    assert_eq!(state["params"]["gate"]["bool"], true);
+    let field: String = serde_json::from_str(state["fields"]["pyrophone"].as_str().unwrap()).unwrap();
+    assert_eq!(Session::from_json(&field).unwrap(), session);
+}
+
+proptest! {
+    #[test]
+    fn any_text_is_survived(text in ".*") {
+        let _ = Session::from_json(&text);
+    }
+
+    #[test]
+    fn quantiles_are_exact(mut quantiles in prop::collection::vec(0f64..1e9, 1..50)) {
+        quantiles.sort_by(f64::total_cmp);
+        let learned = Some(Learned { sample_rate_hz: 44_100.0, levels: 6, quantiles });
+        let session = Session { learned, ..Session::default() };
+        prop_assert_eq!(Session::from_json(&session.to_json()).unwrap(), session);
+    }
+}
