@@ -1,0 +1,201 @@
+//! What can be wrong with a sound file.
+
+use std::path::Path;
+
+use crate::{MAX_CHANNELS, MAX_EMBEDDED_BYTES, MAX_FILE_BYTES, MAX_SAMPLE_RATE_HZ, MAX_SAMPLES};
+use crate::{MAX_SECONDS, MIN_SAMPLE_RATE_HZ};
+
+/// Why a file could not be read, used or written.
+///
+/// Every message is one line: which file, what was found, what is allowed, what to do.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There is no such file.
+    #[error("{path}: there is no such file; check the path or choose the file's new place")]
+    Missing {
+        /// The path asked for.
+        path: String,
+    },
+    /// The path names a folder.
+    #[error("{path}: this is a folder, but one sound file is needed; choose a file inside it")]
+    Folder {
+        /// The path asked for.
+        path: String,
+    },
+    /// The system refuses access.
+    #[error("{path}: no permission to read this file; change its permissions or copy it elsewhere")]
+    NoPermission {
+        /// The path asked for.
+        path: String,
+    },
+    /// The system failed to read for another reason.
+    #[error("{path}: cannot be read ({reason}); copy it to a local disk and try again")]
+    Unreadable {
+        /// The path asked for.
+        path: String,
+        /// What the system said.
+        reason: String,
+    },
+    /// The file holds no bytes.
+    #[error("{name}: the file is empty (0 bytes); export or copy it again")]
+    Empty {
+        /// The file.
+        name: String,
+    },
+    /// The file is larger than any recording allowed.
+    #[error("{name}: the file has {found_bytes} bytes, but at most {MAX_FILE_BYTES} are read; use a shorter excerpt")]
+    FileTooLarge {
+        /// The file.
+        name: String,
+        /// Its size.
+        found_bytes: u64,
+    },
+    /// The bytes are of no sound format known.
+    #[error("{name}: not a sound file ({found}); use WAV, AIFF, CAF, FLAC, Ogg Vorbis or MP3")]
+    NotAudio {
+        /// The file.
+        name: String,
+        /// What it seems to be.
+        found: String,
+    },
+    /// A sound format, but of a kind that is not read.
+    #[error("{name}: {found} is not supported; convert it to WAV (8 to 32-bit integer, 32 or 64-bit float) or FLAC")]
+    Unsupported {
+        /// The file.
+        name: String,
+        /// The format or coding found.
+        found: String,
+    },
+    /// The file contradicts itself or its format.
+    #[error("{name}: the file is damaged ({reason}); export or copy it again")]
+    Damaged {
+        /// The file.
+        name: String,
+        /// What was found.
+        reason: String,
+    },
+    /// The file ends before its sound does.
+    #[error("{name}: the file is truncated: {found} of {declared} {unit} are there; export or copy it again")]
+    Truncated {
+        /// The file.
+        name: String,
+        /// How much of the sound is there.
+        found: u64,
+        /// How much its header declares.
+        declared: u64,
+        /// What is counted: `bytes of sound` or `samples`.
+        unit: &'static str,
+    },
+    /// A sample is NaN or infinite.
+    #[error(
+        "{name}: sample {index} of channel {channel} is {value}, not a finite number; repair or re-export the file"
+    )]
+    NotFinite {
+        /// The file.
+        name: String,
+        /// Channel of the first such sample, from 0.
+        channel: usize,
+        /// Its index in the channel, from 0.
+        index: usize,
+        /// `NaN`, `inf` or `-inf`.
+        value: f32,
+    },
+    /// The header declares no channels.
+    #[error("{name}: the file has 0 channels, but 1 to {MAX_CHANNELS} are needed; export it again")]
+    NoChannels {
+        /// The file.
+        name: String,
+    },
+    /// More channels than the engines take.
+    #[error("{name}: the file has {found} channels, but at most {MAX_CHANNELS} are allowed; mix it down or split it")]
+    TooManyChannels {
+        /// The file.
+        name: String,
+        /// Its channels.
+        found: usize,
+    },
+    /// A sample rate of zero or beyond reason.
+    #[error(
+        "{name}: the sample rate is {found_hz} Hz, but must lie between {MIN_SAMPLE_RATE_HZ} and {MAX_SAMPLE_RATE_HZ} Hz; export the file at a usual rate such as 48000 Hz"
+    )]
+    SampleRate {
+        /// The file.
+        name: String,
+        /// Its rate.
+        found_hz: u32,
+    },
+    /// A whole file without any sound in it.
+    #[error("{name}: the file holds 0 samples of sound, but at least 1 is needed; export it again")]
+    NoSamples {
+        /// The file.
+        name: String,
+    },
+    /// More seconds than allowed.
+    #[error("{name}: the sound is {found_s:.0} s long, but at most {MAX_SECONDS} s are allowed; use a shorter excerpt")]
+    TooLong {
+        /// The file.
+        name: String,
+        /// Its length, as far as it was read.
+        found_s: f64,
+    },
+    /// More samples, over all channels, than memory is given for.
+    #[error(
+        "{name}: the sound has {found} samples over all channels, but at most {MAX_SAMPLES} are allowed; use a shorter excerpt, fewer channels or a lower rate"
+    )]
+    TooManySamples {
+        /// The file.
+        name: String,
+        /// Its samples, as far as they were counted.
+        found: u64,
+    },
+    /// Channels to be written differ in length.
+    #[error(
+        "{path}: channel {channel} has {found} samples, channel 0 has {expected}; all channels must be equally long"
+    )]
+    UnequalChannels {
+        /// The file to be written.
+        path: String,
+        /// The channel that differs.
+        channel: usize,
+        /// Its length.
+        found: usize,
+        /// The length of channel 0.
+        expected: usize,
+    },
+    /// A file could not be written; nothing was left at its place.
+    #[error("{path}: cannot be written ({reason}); choose a folder that exists, is writable and has room")]
+    NotWritten {
+        /// The file to be written.
+        path: String,
+        /// What the system said.
+        reason: String,
+    },
+    /// A file is too large to be kept inside a session.
+    #[error(
+        "the recording's file has {found_bytes} bytes, but at most {MAX_EMBEDDED_BYTES} can be kept inside a session; use a shorter or compressed file"
+    )]
+    EmbedTooLarge {
+        /// Size of the file.
+        found_bytes: usize,
+    },
+    /// An embedded recording cannot be unpacked.
+    #[error("the recording kept inside the session is damaged ({reason}); load it from its file again")]
+    EmbedDamaged {
+        /// What was found.
+        reason: String,
+    },
+    /// Called off by the progress callback.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// A path as one line of text, whatever characters it holds.
+pub(crate) fn one_line(path: &Path) -> String {
+    clean(&path.to_string_lossy())
+}
+
+/// `text` without control characters, which would break a message into lines.
+pub(crate) fn clean(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}

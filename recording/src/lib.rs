@@ -1,0 +1,72 @@
+//! Sound files in and out: what is read is checked, what is written is whole.
+//!
+//! [`read`] and [`decode`] take WAV, AIFF, CAF (linear PCM), FLAC, Ogg Vorbis and MP3 and refuse,
+//! with a one-line reason, whatever cannot serve as a recording. [`resample`] brings a recording to
+//! another sample rate, [`write_wav_f32`] writes float WAV files, and [`embed`] packs a file's
+//! bytes into text, for keeping inside a session.
+
+mod container;
+mod decode;
+mod embed;
+mod error;
+mod resample;
+mod write;
+
+pub use decode::{decode, decode_bytes, read};
+pub use embed::{MAX_EMBEDDED_BYTES, embed, unembed};
+pub use error::Error;
+pub use resample::resample;
+pub use write::{write_file, write_wav_f32};
+
+/// Most channels a recording may have.
+pub const MAX_CHANNELS: usize = 8;
+/// Lowest sample rate of a recording in Hz.
+pub const MIN_SAMPLE_RATE_HZ: u32 = 1_000;
+/// Highest sample rate of a recording in Hz.
+pub const MAX_SAMPLE_RATE_HZ: u32 = 768_000;
+/// Longest recording in seconds.
+pub const MAX_SECONDS: u32 = 3_600;
+/// Most samples of a recording, all channels together: 2 GiB of memory. One hour of stereo at
+/// 48 kHz fits.
+pub const MAX_SAMPLES: usize = 1 << 29;
+/// Largest file that is read, in bytes: what [`MAX_SAMPLES`] take in 32-bit float.
+pub const MAX_FILE_BYTES: u64 = 4 * MAX_SAMPLES as u64 + (1 << 20);
+
+/// Told how much of the work is done (0-1); answers whether to go on. `false` ends the work with
+/// [`Error::Cancelled`].
+pub type Progress<'a> = &'a dyn Fn(f32) -> bool;
+
+/// For callers that neither watch nor cancel.
+pub fn no_progress(_done: f32) -> bool {
+    true
+}
+
+/// A decoded sound file: at least one sample, all of them finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// Samples per channel, full scale at ±1; 1 to [`MAX_CHANNELS`] channels of equal length.
+    pub channels: Vec<Vec<f32>>,
+    /// Sample rate in Hz.
+    pub sample_rate_hz: u32,
+    /// The file's name without its folder.
+    pub name: String,
+    /// BLAKE3 of the file's bytes, 64 hexadecimal digits.
+    pub content_hash: String,
+}
+
+impl Recording {
+    /// Length in samples per channel.
+    pub fn len_samples(&self) -> usize {
+        self.channels.first().map_or(0, Vec::len)
+    }
+
+    /// Length in seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.len_samples() as f64 / f64::from(self.sample_rate_hz)
+    }
+}
+
+/// BLAKE3 of `bytes`, 64 hexadecimal digits: the identity of a recording wherever it lies.
+pub fn content_hash(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_hex().to_string()
+}

@@ -1,0 +1,63 @@
+//! Files that appear whole or not at all.
+
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use crate::Error;
+use crate::error::{clean, one_line};
+
+/// Writes 32-bit float WAV: `channels` of equal length, 1 to [`MAX_CHANNELS`](crate::MAX_CHANNELS),
+/// sample values as they are (no normalising, no dither, no clipping).
+///
+/// Fails where channels are missing, too many or unequal, and where the file cannot be written; then
+/// whatever stood at `path` before still stands there.
+pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<(), Error> {
+    crate::container::check_layout(channels.len(), Some(sample_rate_hz), &one_line(path))?;
+    let expected = channels[0].len();
+    if let Some((channel, samples)) = channels.iter().enumerate().find(|(_, samples)| samples.len() != expected) {
+        return Err(Error::UnequalChannels { path: one_line(path), channel, found: samples.len(), expected });
+    }
+    let spec = hound::WavSpec {
+        channels: channels.len() as u16,
+        sample_rate: sample_rate_hz,
+        bits_per_sample: 32,
+        sample_format: hound::SampleFormat::Float,
+    };
+    write_file(path, |file| {
+        let mut writer = hound::WavWriter::new(BufWriter::new(file), spec)?;
+        for index in 0..expected {
+            for samples in channels {
+                writer.write_sample(samples[index])?;
+            }
+        }
+        writer.finalize()
+    })
+}
+
+/// Writes a file under a temporary name in the same folder and moves it into place once it is whole.
+///
+/// Fails with [`Error::NotWritten`]; then nothing new is left behind.
+pub fn write_file<E: std::fmt::Display>(
+    path: &Path,
+    write: impl FnOnce(&mut std::fs::File) -> Result<(), E>,
+) -> Result<(), Error> {
+    let failure = |reason: String| Error::NotWritten { path: one_line(path), reason: clean(&reason) };
+    if path.is_dir() {
+        return Err(failure("a folder of this name exists".into()));
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".pyrophone-").suffix(".part");
+    // Temporary files are private by default; a finished one is as readable as any other file, as far as the
+    // user's mask allows.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder).map_err(|error| failure(error.to_string()))?;
+    write(file.as_file_mut()).map_err(|error| failure(error.to_string()))?;
+    file.as_file_mut().flush().map_err(|error| failure(error.to_string()))?;
+    file.persist(path).map_err(|error| failure(error.error.to_string()))?;
+    Ok(())
+}
