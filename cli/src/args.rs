@@ -1,0 +1,166 @@
+//! The command line: its flags are a promise to scripts.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use pyrophone_settings::Id;
+
+/// Turns a low-frequency flame signal into full-band fire.
+///
+/// Sounds are read from WAV, AIFF, CAF, FLAC, Ogg Vorbis or MP3 files. The output is a 32-bit float
+/// WAV file at the input's rate and of its length, neither normalised nor dithered.
+#[derive(Debug, Parser)]
+#[command(name = "pyrophone", version, subcommand_required = true, arg_required_else_help = false)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Texture synthesis as published: offline, exact, no gate, levels as told
+    Texture(TextureArgs),
+    /// Spectral bandwidth extension
+    Extend(ExtendArgs),
+    /// The plugin's whole chain
+    Render(RenderArgs),
+}
+
+/// Options of `pyrophone texture`.
+#[derive(Debug, Args)]
+pub struct TextureArgs {
+    /// Flame signal; of several channels the mean is taken
+    #[arg(long, value_name = "IN.wav")]
+    pub input: PathBuf,
+    /// Fire recording to draw from, resampled where its rate differs; the output has its channels
+    #[arg(long, value_name = "T.wav")]
+    pub training: PathBuf,
+    /// File to write
+    #[arg(long, value_name = "OUT.wav")]
+    pub output: PathBuf,
+    /// Pyramid levels, 3-8
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    pub levels: usize,
+    /// Half-width of a window in samples of its level, 2-16
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub window: usize,
+    /// Half-width of a feature in windows, 1-6
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub feature: usize,
+    /// Weight exp(-falloff * distance) of a feature's samples, 0-1
+    #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub falloff: f64,
+    /// Leave the recording's dynamic range as it is
+    #[arg(long)]
+    pub no_dynamic_range: bool,
+    /// How far the recording's dynamic range is mapped onto the input's, 0-1
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub scaling_alpha: f64,
+    /// Windows found are at most (1 + eps) times as far as the nearest; 0 is exact
+    #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub eps: f64,
+}
+
+/// Options of `pyrophone extend`.
+#[derive(Debug, Args)]
+pub struct ExtendArgs {
+    /// Flame signal; of several channels the mean is extended, into as many channels
+    #[arg(long, value_name = "IN.wav")]
+    pub input: PathBuf,
+    /// File to write
+    #[arg(long, value_name = "OUT.wav")]
+    pub output: PathBuf,
+    /// The noise's power falls as frequency^(-alpha), 0-6
+    #[arg(long, value_name = "X", default_value_t = 2.5, allow_negative_numbers = true)]
+    pub alpha: f64,
+    /// Corner of the envelope's low-pass [default: 180]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub cutoff: Option<f64>,
+    /// Half-width of a window in samples (without --reference: at 44.1 kHz, 100-2000)
+    #[arg(long, value_name = "N", default_value_t = 500)]
+    pub half_width: usize,
+    /// Centre of the band in which the noise is fitted [default: 180, without --reference the cutoff]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub fit_center: Option<f64>,
+    /// Width of that band: three standard deviations
+    #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true)]
+    pub fit_width: f64,
+    /// Where the input begins to fade [default: 165, without --reference the cutoff - 15]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub blend_start: Option<f64>,
+    /// Where the noise has taken over [default: 195, without --reference the cutoff + 15]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub blend_end: Option<f64>,
+    /// Factor on the fitted noise
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub noise_amplitude: f64,
+    /// Number of the noise
+    #[arg(long, value_name = "N", default_value_t = 42)]
+    pub seed: u64,
+    /// Also write each window's fitted factor: window,time_s,beta
+    #[arg(long, value_name = "FILE.csv")]
+    pub betas: Option<PathBuf>,
+    /// Compute as published, over the whole signal at once and 6.02 dB lower
+    #[arg(long)]
+    pub reference: bool,
+}
+
+/// Options of `pyrophone render`.
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Name of a factory preset (default, extend, texture, texture-paper) or a preset's file
+    #[arg(long, value_name = "FILE|NAME")]
+    pub preset: String,
+    /// Main input
+    #[arg(long, value_name = "IN.wav")]
+    pub input: PathBuf,
+    /// Sound whose envelope drives the engines where drive_mode is envelope
+    #[arg(long, value_name = "S.wav")]
+    pub sidechain: Option<PathBuf>,
+    /// Fire recording that texture draws from
+    #[arg(long, value_name = "T.wav")]
+    pub training: Option<PathBuf>,
+    /// Where the input's loudness distribution comes from, instead of the preset's choice
+    #[arg(long, value_enum)]
+    pub dynamic_range: Option<DynamicRange>,
+    /// Learn that distribution from this file instead of a first pass over the input
+    #[arg(long, value_name = "FILE.wav")]
+    pub learn: Option<PathBuf>,
+    /// Steps of parameters: time_s,id,value or sample,id,value
+    #[arg(long, value_name = "FILE.csv")]
+    pub automation: Option<PathBuf>,
+    /// File to write
+    #[arg(long, value_name = "OUT.wav")]
+    pub output: PathBuf,
+    /// Set a parameter after the preset; may be repeated
+    #[arg(long = "set", value_name = "id=value")]
+    pub settings: Vec<String>,
+    /// Channels of the output [default: as many as the input's]
+    #[arg(long, value_name = "N")]
+    pub channels: Option<usize>,
+}
+
+/// Values of `--dynamic-range`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DynamicRange {
+    /// No mapping
+    Off,
+    /// From --learn, or from a first pass over the input
+    Learned,
+    /// Estimated as it runs
+    Running,
+}
+
+impl DynamicRange {
+    /// The parameter and its text in the table of parameters.
+    pub fn as_setting(self) -> (&'static str, &'static str) {
+        let text = match self {
+            Self::Off => "off",
+            Self::Learned => "learned",
+            Self::Running => "running",
+        };
+        (Id::DynamicRange.parameter().id, text)
+    }
+}

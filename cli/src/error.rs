@@ -1,0 +1,52 @@
+//! Everything that ends a command early, each in one line.
+
+use std::path::Path;
+
+/// Why a command wrote no output.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A sound file could not be read, used or written.
+    #[error(transparent)]
+    Recording(#[from] pyrophone_recording::Error),
+    /// An option is out of range.
+    #[error(transparent)]
+    Option(pyrophone_synthesis::Error),
+    /// An engine refused a file.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        source: pyrophone_synthesis::Error,
+    },
+    /// A parameter, preset or automation was refused.
+    #[error("{0}")]
+    Settings(String),
+    /// An option contradicts another, or a file.
+    #[error("{0}")]
+    Conflict(String),
+    /// Stopped by Ctrl-C.
+    #[error("cancelled; nothing was written")]
+    Cancelled,
+    /// Ctrl-C cannot be caught.
+    #[error("the system does not let Ctrl-C be caught ({0}); run from an ordinary terminal")]
+    Signal(#[from] ctrlc::Error),
+}
+
+impl Error {
+    /// For what an engine says of the sound in `path`.
+    pub fn of_file(path: &Path) -> impl Fn(pyrophone_synthesis::Error) -> Self + use<> {
+        let path = path.display().to_string();
+        move |source| match source {
+            pyrophone_synthesis::Error::Cancelled => Self::Cancelled,
+            source @ pyrophone_synthesis::Error::OutOfRange { .. } => Self::Option(source),
+            source => Self::File { path: path.clone(), source },
+        }
+    }
+}
+
+impl From<pyrophone_settings::Error> for Error {
+    fn from(error: pyrophone_settings::Error) -> Self {
+        Self::Settings(error.to_string().replace(['\n', '\r'], " "))
+    }
+}

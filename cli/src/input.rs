@@ -1,0 +1,86 @@
+//! Reading and checking of inputs.
+
+use std::path::Path;
+
+use pyrophone_recording::{Recording, decode, resample};
+
+use crate::error::Error;
+use crate::progress::{Work, note};
+
+/// Below this share of the channels' mean power, the power of their mean says that they cancel.
+const CANCELLING_SHARE: f64 = 0.01;
+
+/// Reads a sound file, whatever its rate.
+pub fn load(path: &Path, work: &Work) -> Result<Recording, Error> {
+    let stage = work.stage("reading");
+    stop(decode(path, &|done| stage.at(done)))
+}
+
+/// Reads a sound file and brings it to `rate_hz`.
+pub fn load_at(path: &Path, rate_hz: u32, work: &Work) -> Result<Recording, Error> {
+    let recording = load(path, work)?;
+    let stage = work.stage("resampling");
+    stop(resample(&recording, rate_hz, &|done| stage.at(done)))
+}
+
+fn stop(result: Result<Recording, pyrophone_recording::Error>) -> Result<Recording, Error> {
+    result.map_err(|error| match error {
+        pyrophone_recording::Error::Cancelled => Error::Cancelled,
+        other => other.into(),
+    })
+}
+
+/// Channels in double precision.
+pub fn as_f64(channels: &[Vec<f32>]) -> Vec<Vec<f64>> {
+    channels.iter().map(|samples| samples.iter().map(|sample| f64::from(*sample)).collect()).collect()
+}
+
+/// The mean of the channels, as the engines are driven by; says so where the channels cancel in it.
+pub fn mean(recording: &Recording) -> Vec<f64> {
+    let count = recording.channels.len() as f64;
+    let mean: Vec<f64> = (0..recording.len_samples())
+        .map(|index| recording.channels.iter().map(|samples| f64::from(samples[index])).sum::<f64>() / count)
+        .collect();
+    let power: f64 = mean.iter().map(|sample| sample * sample).sum();
+    let mean_power = recording.channels.iter().flatten().map(|sample| f64::from(*sample).powi(2)).sum::<f64>() / count;
+    if power < CANCELLING_SHARE * mean_power {
+        note(&format!("{}: its channels cancel in their mean, which drives the engines", recording.name));
+    }
+    mean
+}
+
+/// The input's rate must be one that the engines are made for.
+pub fn check_rate(recording: &Recording, path: &Path) -> Result<(), Error> {
+    const ALLOWED_HZ: std::ops::RangeInclusive<u32> = 8_000..=384_000;
+    if ALLOWED_HZ.contains(&recording.sample_rate_hz) {
+        return Ok(());
+    }
+    Err(Error::Conflict(format!(
+        "{}: the sample rate is {} Hz, but an input's must lie between {} and {} Hz; convert it to 48000 Hz",
+        path.display(),
+        recording.sample_rate_hz,
+        ALLOWED_HZ.start(),
+        ALLOWED_HZ.end(),
+    )))
+}
+
+/// An output that would overwrite what it is made from is refused.
+pub fn check_output(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
+    let same = |input: &&&Path| matches!((output.canonicalize(), input.canonicalize()), (Ok(output), Ok(input)) if output == input);
+    match inputs.iter().find(same) {
+        Some(input) => Err(Error::Conflict(format!(
+            "{}: the output would overwrite the input {}; choose another name",
+            output.display(),
+            input.display(),
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses an option outside its range, NaN included.
+pub fn in_range(option: &'static str, found: f64, low: f64, high: f64) -> Result<(), Error> {
+    if found >= low && found <= high {
+        return Ok(());
+    }
+    Err(Error::Option(pyrophone_synthesis::Error::OutOfRange { what: option, found, low, high }))
+}

@@ -1,0 +1,188 @@
+//! `pyrophone render`: the plugin's whole chain.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pyrophone_recording::{MAX_CHANNELS, Recording, write_wav_f32};
+use pyrophone_settings::automation::Event;
+use pyrophone_settings::table::DYNAMIC_RANGES;
+use pyrophone_settings::{Automation, Id, Preset, Values};
+use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
+use pyrophone_synthesis::texture::{Distribution, Shape};
+
+use crate::args::RenderArgs;
+use crate::error::Error;
+use crate::progress::{Work, note};
+use crate::{input, texture};
+
+/// Samples per call of the chain, but for cuts at automation.
+const BLOCK_SAMPLES: usize = 4096;
+
+/// Writes what the plugin makes of `input`, played from position 0, its latency cut off.
+pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
+    let values = values(args)?;
+    let automation = match &args.automation {
+        Some(path) => Automation::load(path)?,
+        None => Automation::default(),
+    };
+    if args.learn.is_some() && args.dynamic_range.is_some_and(|choice| choice != crate::args::DynamicRange::Learned) {
+        let message = "--learn contradicts --dynamic-range off and running; leave one of the two out";
+        return Err(Error::Conflict(message.into()));
+    }
+    let sources = [Some(&args.input), args.sidechain.as_ref(), args.training.as_ref(), args.learn.as_ref()];
+    let paths: Vec<&Path> = sources.into_iter().flatten().map(|path| path.as_path()).collect();
+    input::check_output(&args.output, &paths)?;
+
+    let main = input::load(&args.input, work)?;
+    input::check_rate(&main, &args.input)?;
+    let rate_hz = f64::from(main.sample_rate_hz);
+    let outputs = output_channels(args, &main)?;
+    let events = automation.events(rate_hz);
+    check_sound(args, &values, &events)?;
+
+    let sidechain = sidechain(args, &main, work)?;
+    let structure = values.structure();
+    let channels = Channels { input: main.channels.len(), sidechain: sidechain.len(), output: outputs };
+    let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&args.input))?;
+    if let Some(path) = &args.training {
+        let training = input::load_at(path, main.sample_rate_hz, work)?;
+        let dictionary = texture::index(&training, path, &Shape::at_rate(&structure, rate_hz), work)?;
+        drop(chain.swap_dictionary(Some(dictionary)));
+    }
+    if needs_learning(&values, &events) {
+        let distribution = learned(args, &values, &main, &sidechain, work)?;
+        drop(chain.swap_distribution(Some(Arc::new(distribution))));
+    }
+    let rendered = render(&mut chain, &main.channels, &sidechain, outputs, values, &events, work)?;
+    write_wav_f32(&args.output, &rendered, main.sample_rate_hz)?;
+    Ok(())
+}
+
+/// The preset, then `--dynamic-range` (or `--learn`, which asks for the learned one), then `--set`.
+fn values(args: &RenderArgs) -> Result<Values, Error> {
+    let mut values = Preset::find(&args.preset)?.values;
+    let learn = args.learn.as_ref().map(|_| crate::args::DynamicRange::Learned);
+    if let Some(choice) = args.dynamic_range.or(learn) {
+        let (id, text) = choice.as_setting();
+        values.set_text(id, text)?;
+    }
+    for setting in &args.settings {
+        let Some((id, text)) = setting.split_once('=') else {
+            let message = format!("--set {setting}: there is no '='; write it as in --set alpha=3.0");
+            return Err(Error::Conflict(message.replace(['\n', '\r'], " ")));
+        };
+        values.set_text(id.trim(), text)?;
+    }
+    values.structure().validate().map_err(Error::Option)?;
+    Ok(values)
+}
+
+fn output_channels(args: &RenderArgs, main: &Recording) -> Result<usize, Error> {
+    let least = main.channels.len();
+    let found = args.channels.unwrap_or(least);
+    if (least..=MAX_CHANNELS).contains(&found) {
+        return Ok(found);
+    }
+    Err(Error::Conflict(format!(
+        "--channels is {found}, but must lie between the input's {least} and {MAX_CHANNELS}; choose a number in that range"
+    )))
+}
+
+/// Texture without a recording is silent: an error where nothing else would sound, else worth a note.
+fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(), Error> {
+    let may_sound = |id: Id| {
+        let off = |plain: f64| id.parameter().is_off(plain);
+        !off(values.get(id)) || events.iter().any(|event| event.parameter == id as usize && !off(event.value))
+    };
+    if args.training.is_some() || !may_sound(Id::TextureLevel) {
+        return Ok(());
+    }
+    if may_sound(Id::LowLevel) || may_sound(Id::ExtensionLevel) {
+        note("there is no --training, so the texture layer stays silent");
+        return Ok(());
+    }
+    let message = format!("preset {}: texture alone sounds, but there is no recording; add --training", args.preset);
+    Err(Error::Conflict(message))
+}
+
+/// The sidechain's channels at the input's rate and of its length: cut, or followed by silence.
+fn sidechain(args: &RenderArgs, main: &Recording, work: &Work) -> Result<Vec<Vec<f32>>, Error> {
+    let Some(path) = &args.sidechain else { return Ok(vec![]) };
+    let mut channels = input::load_at(path, main.sample_rate_hz, work)?.channels;
+    for samples in &mut channels {
+        samples.resize(main.len_samples(), 0.0);
+    }
+    Ok(channels)
+}
+
+fn needs_learning(values: &Values, events: &[Event]) -> bool {
+    let is_learned = |plain: f64| DYNAMIC_RANGES.get(plain as usize) == Some(&"learned");
+    is_learned(values.get(Id::DynamicRange))
+        || events.iter().any(|event| event.parameter == Id::DynamicRange as usize && is_learned(event.value))
+}
+
+/// From `--learn`, else from a first pass over the input.
+fn learned(
+    args: &RenderArgs,
+    values: &Values,
+    main: &Recording,
+    sidechain: &[Vec<f32>],
+    work: &Work,
+) -> Result<Distribution, Error> {
+    let rate_hz = f64::from(main.sample_rate_hz);
+    let learn = |path: &Path, sound: &[Vec<f32>], sidechain: &[Vec<f32>]| {
+        learn(rate_hz, &values.structure(), &values.controls(), sound, sidechain).map_err(Error::of_file(path))
+    };
+    match &args.learn {
+        Some(path) => learn(path, &input::load_at(path, main.sample_rate_hz, work)?.channels, &[]),
+        None => learn(&args.input, &main.channels, sidechain),
+    }
+}
+
+/// Plays the whole input through the chain and its latency after it.
+fn render(
+    chain: &mut Chain,
+    main: &[Vec<f32>],
+    sidechain: &[Vec<f32>],
+    outputs: usize,
+    mut values: Values,
+    events: &[Event],
+    work: &Work,
+) -> Result<Vec<Vec<f32>>, Error> {
+    let stage = work.stage("rendering");
+    let samples = main.first().map_or(0, Vec::len);
+    let latency = chain.latency_samples();
+    let total = samples + latency;
+    let padded = |channel: &[f32]| {
+        let mut padded = channel.to_vec();
+        padded.resize(total, 0.0);
+        padded
+    };
+    let mut played: Vec<Vec<f32>> = main.iter().map(|channel| padded(channel)).collect();
+    played.resize(outputs, vec![0.0; total]);
+    let sidechain: Vec<Vec<f32>> = sidechain.iter().map(|channel| padded(channel)).collect();
+    let mut events = events.iter().peekable();
+    let mut at = 0;
+    while at < total {
+        while let Some(event) = events.next_if(|event| event.sample <= at as u64) {
+            values.set(event.parameter, event.value)?;
+        }
+        let next_event = events.peek().map_or(total, |event| usize::try_from(event.sample).unwrap_or(total));
+        let end = total.min(at + BLOCK_SAMPLES).min(next_event);
+        let mut block: Vec<&mut [f32]> = played.iter_mut().map(|channel| &mut channel[at..end]).collect();
+        let side: Vec<&[f32]> = sidechain.iter().map(|channel| &channel[at..end]).collect();
+        let transport = Transport { playing: true, position: Some(at as i64) };
+        chain.process(&mut block, &side, &values.controls(), transport);
+        at = end;
+        if !stage.at(at as f32 / total as f32) {
+            return Err(Error::Cancelled);
+        }
+    }
+    for channel in &mut played {
+        channel.drain(..latency);
+    }
+    if chain.take_meters().cancels {
+        note("the input's channels cancel in their mean, which drives the engines");
+    }
+    Ok(played)
+}

@@ -1,0 +1,68 @@
+//! `pyrophone texture`: texture synthesis as published.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pyrophone_recording::{Recording, write_wav_f32};
+use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::texture::offline::{Options, synthesize};
+use pyrophone_synthesis::texture::{Dictionary, Shape};
+
+use crate::args::TextureArgs;
+use crate::error::Error;
+use crate::input;
+use crate::progress::Work;
+
+/// Writes the fire of `training` that follows `input`.
+pub fn run(args: &TextureArgs, work: &Work) -> Result<(), Error> {
+    let shape = Shape { levels: args.levels, window: args.window, feature: args.feature, falloff: args.falloff };
+    let options = Options { dynamic_range: !args.no_dynamic_range, scaling_alpha: args.scaling_alpha, eps: args.eps };
+    check(args)?;
+    input::check_output(&args.output, &[&args.input, &args.training])?;
+
+    let signal = input::load(&args.input, work)?;
+    let training = input::load_at(&args.training, signal.sample_rate_hz, work)?;
+    let dictionary = index(&training, &args.training, &shape, work)?;
+    let drive = input::mean(&signal);
+    let output = {
+        let stage = work.stage("texture");
+        synthesize(&drive, &dictionary, &options, &|done| stage.at(done)).map_err(Error::of_file(&args.input))?
+    };
+    let output: Vec<Vec<f32>> =
+        output.into_iter().map(|samples| samples.into_iter().map(|sample| sample as f32).collect()).collect();
+    work.check()?;
+    write_wav_f32(&args.output, &output, signal.sample_rate_hz)?;
+    Ok(())
+}
+
+/// The dictionary of a training sound at its rate; fails where not one window of it has all that a
+/// search compares.
+pub fn index(training: &Recording, path: &Path, shape: &Shape, work: &Work) -> Result<Arc<Dictionary>, Error> {
+    let stage = work.stage("indexing");
+    let channels = input::as_f64(&training.channels);
+    let rate_hz = f64::from(training.sample_rate_hz);
+    let dictionary =
+        Dictionary::new(&channels, rate_hz, shape, &|done| stage.at(done)).map_err(Error::of_file(path))?;
+    if (0..shape.top()).all(|level| dictionary.index(level).is_none()) {
+        return Err(Error::Conflict(format!(
+            "{}: {} samples are too short for a window of texture; use a longer recording or fewer levels",
+            path.display(),
+            training.len_samples(),
+        )));
+    }
+    Ok(Arc::new(dictionary))
+}
+
+/// Options out of range are refused before any file is read.
+fn check(args: &TextureArgs) -> Result<(), Error> {
+    let structure = Structure {
+        levels: args.levels,
+        window: args.window,
+        feature: args.feature,
+        falloff: args.falloff,
+        ..Structure::default()
+    };
+    structure.validate().map_err(Error::Option)?;
+    input::in_range("--scaling-alpha", args.scaling_alpha, 0.0, 1.0)?;
+    input::in_range("--eps", args.eps, 0.0, 1000.0)
+}

@@ -1,0 +1,14 @@
+//! The flags are a promise: a change of the help text is a decision, not an accident.
+
+mod common;
+
+#[test]
+fn flags() {
+    for command in ["texture", "extend", "render"] {
+        let output = common::pyrophone(std::path::Path::new("."), &format!("{command} --help"));
+        assert!(output.status.success());
+        let text: Vec<String> =
+            String::from_utf8(output.stdout).unwrap().lines().map(|line| line.trim_end().to_string()).collect();
+        insta::assert_snapshot!(command, text.join("\n"));
+    }
+}
