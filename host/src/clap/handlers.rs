@@ -1,0 +1,109 @@
+//! What a CLAP plugin may ask of its host.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clack_extensions::gui::{GuiSize, HostGui, HostGuiImpl};
+use clack_extensions::latency::{HostLatency, HostLatencyImpl};
+use clack_extensions::params::{
+    HostParams, HostParamsImplMainThread, HostParamsImplShared, ParamClearFlags, ParamRescanFlags,
+};
+use clack_extensions::state::{HostState, HostStateImpl};
+use clack_host::prelude::*;
+
+use crate::Requests;
+
+/// Requests that wait to be noticed; set from any thread.
+#[derive(Default)]
+pub(super) struct Flags {
+    restart: AtomicBool,
+    callback: AtomicBool,
+    latency_changed: AtomicBool,
+    values_changed: AtomicBool,
+}
+
+impl Flags {
+    pub fn take_callback(&self) -> bool {
+        self.callback.swap(false, Ordering::AcqRel)
+    }
+
+    pub fn take_requests(&self) -> Requests {
+        Requests {
+            restart: self.restart.swap(false, Ordering::AcqRel),
+            latency_changed: self.latency_changed.swap(false, Ordering::AcqRel),
+            values_changed: self.values_changed.swap(false, Ordering::AcqRel),
+        }
+    }
+}
+
+pub(super) struct Handlers;
+
+impl HostHandlers for Handlers {
+    type Shared<'a> = Shared;
+    type MainThread<'a> = MainThread;
+    type AudioProcessor<'a> = ();
+
+    fn declare_extensions(builder: &mut HostExtensions<'_, Self>, _: &Shared) {
+        builder.register::<HostLatency>().register::<HostParams>().register::<HostState>().register::<HostGui>();
+    }
+}
+
+pub(super) struct Shared(pub Arc<Flags>);
+
+impl SharedHandler<'_> for Shared {
+    fn request_restart(&self) {
+        self.0.restart.store(true, Ordering::Release);
+    }
+
+    /// The host never lets a plugin sleep.
+    fn request_process(&self) {}
+
+    fn request_callback(&self) {
+        self.0.callback.store(true, Ordering::Release);
+    }
+}
+
+impl HostParamsImplShared for Shared {
+    /// Changes made in the editor go out with the next block.
+    fn request_flush(&self) {}
+}
+
+impl HostGuiImpl for Shared {
+    fn resize_hints_changed(&self) {}
+
+    fn request_resize(&self, _: GuiSize) -> Result<(), HostError> {
+        Err(HostError::Message("this host's windows keep their size"))
+    }
+
+    fn request_show(&self) -> Result<(), HostError> {
+        Ok(())
+    }
+
+    fn request_hide(&self) -> Result<(), HostError> {
+        Ok(())
+    }
+
+    fn closed(&self, _: bool) {}
+}
+
+pub(super) struct MainThread(pub Arc<Flags>);
+
+impl MainThreadHandler<'_> for MainThread {}
+
+impl HostLatencyImpl for MainThread {
+    fn changed(&self) {
+        self.0.latency_changed.store(true, Ordering::Release);
+    }
+}
+
+impl HostParamsImplMainThread for MainThread {
+    fn rescan(&self, _: ParamRescanFlags) {
+        self.0.values_changed.store(true, Ordering::Release);
+    }
+
+    fn clear(&self, _: ClapId, _: ParamClearFlags) {}
+}
+
+impl HostStateImpl for MainThread {
+    fn mark_dirty(&self) {}
+}

@@ -1,0 +1,91 @@
+use std::path::PathBuf;
+
+use crate::Layout;
+
+/// Why a host could not do what it was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum HostError {
+    /// The bundle could not be opened.
+    #[error("cannot load {}: {reason}", path.display())]
+    Load {
+        /// The bundle.
+        path: PathBuf,
+        /// What went wrong.
+        reason: String,
+    },
+    /// No parameter has this numeric id.
+    #[error("the plugin has no parameter with the numeric id {id}; ask `Plugin::parameters` for those it has")]
+    UnknownParameter {
+        /// The id asked for.
+        id: u32,
+    },
+    /// The plugin does not understand this text as a value.
+    #[error("the plugin does not take {text:?} as a value of parameter {id}")]
+    Text {
+        /// The parameter.
+        id: u32,
+        /// The text.
+        text: String,
+    },
+    /// The plugin refused to save or load its state.
+    #[error("the plugin refused to {action} its state")]
+    State {
+        /// `save` or `load`.
+        action: &'static str,
+    },
+    /// A state is not what nice-plug writes.
+    #[error("not a state of this plugin: {0}")]
+    StateFormat(String),
+    /// The plugin has no such channel layout.
+    #[error("the plugin has no layout {0}")]
+    Layout(Layout),
+    /// The plugin refused to become active, or the configuration makes no sense.
+    #[error("the plugin cannot be activated: {0}")]
+    Activate(String),
+    /// The plugin is active and must not be, or the other way round.
+    #[error("the plugin is {found}, but must be {needed} for this")]
+    Lifecycle {
+        /// What it is.
+        found: &'static str,
+        /// What it must be.
+        needed: &'static str,
+    },
+    /// A block is longer than announced at activation.
+    #[error("a block of {frames} frames, but at most {max_block} were announced when activating")]
+    BlockTooLong {
+        /// Frames of the block.
+        frames: usize,
+        /// Frames announced.
+        max_block: usize,
+    },
+    /// A bus of a block has the wrong number of channels, or a channel the wrong length.
+    #[error("{bus}: {found}, but the layout and block need {needed}")]
+    Channels {
+        /// The bus.
+        bus: &'static str,
+        /// What was given.
+        found: String,
+        /// What is needed.
+        needed: String,
+    },
+    /// An event lies outside its block, or before the event ahead of it.
+    #[error("an event at offset {offset} in a block of {frames} frames; events must be in order and inside the block")]
+    EventOffset {
+        /// The event's offset.
+        offset: u32,
+        /// Frames of the block.
+        frames: usize,
+    },
+    /// The plugin reported an error from `process`.
+    #[error("the plugin failed to process a block")]
+    Process,
+    /// The plugin wrote past the end of a block.
+    #[error("the plugin wrote past the end of a block of {frames} frames")]
+    Overrun {
+        /// Frames of the block.
+        frames: usize,
+    },
+    /// What was asked for cannot be done in this format or on this system.
+    #[error("{0}")]
+    Unsupported(String),
+}

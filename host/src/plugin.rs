@@ -1,0 +1,285 @@
+use std::fmt;
+use std::str::FromStr;
+
+use crate::HostError;
+
+/// A plugin format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// CLAP.
+    Clap,
+    /// VST3.
+    Vst3,
+}
+
+impl Format {
+    /// Both formats, for tests that must hold in each.
+    pub const ALL: [Self; 2] = [Self::Clap, Self::Vst3];
+
+    /// The bundle's file name extension, without the dot.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Clap => "clap",
+            Self::Vst3 => "vst3",
+        }
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.extension())
+    }
+}
+
+impl FromStr for Format {
+    type Err = HostError;
+
+    fn from_str(text: &str) -> Result<Self, HostError> {
+        Self::ALL
+            .into_iter()
+            .find(|format| format.extension().eq_ignore_ascii_case(text))
+            .ok_or_else(|| HostError::Unsupported(format!("unknown plugin format {text:?}: give clap or vst3")))
+    }
+}
+
+/// Channels of the buses. `sidechain: 0` means that none is connected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Layout {
+    /// Channels of the main input.
+    pub input: u32,
+    /// Channels of the sidechain input, 0 for none.
+    pub sidechain: u32,
+    /// Channels of the main output.
+    pub output: u32,
+}
+
+impl fmt::Display for Layout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} in, {} sidechain, {} out", self.input, self.sidechain, self.output)
+    }
+}
+
+/// What a plugin is activated with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Configuration {
+    /// Sample rate in Hz.
+    pub sample_rate: f64,
+    /// Longest block that will be played, in frames; at least 1.
+    pub max_block: usize,
+    /// The buses.
+    pub layout: Layout,
+    /// Whether the host renders offline (as fast as it can) or in real time.
+    pub offline: bool,
+}
+
+/// A parameter as the host sees it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Numeric id, see [`numeric_id`](crate::numeric_id).
+    pub id: u32,
+    /// Name shown to people.
+    pub name: String,
+    /// Groups it stands in, outermost first, separated by `/`; empty outside any group.
+    pub group: String,
+    /// Unit; always empty in CLAP, where it is part of the text of a value.
+    pub unit: String,
+    /// Number of steps between the lowest and the highest value, 0 for a continuous parameter.
+    pub steps: u32,
+    /// Default value, normalised.
+    pub default: f64,
+    /// Whether the host may automate it.
+    pub automatable: bool,
+    /// Whether it is hidden from people.
+    pub hidden: bool,
+    /// Whether it is the host's bypass switch.
+    pub bypass: bool,
+}
+
+/// A change of a parameter at a frame of a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Event {
+    /// Frame within the block.
+    pub offset: u32,
+    /// Numeric id of the parameter.
+    pub id: u32,
+    /// New value, normalised.
+    pub value: f64,
+}
+
+/// What the host tells about the time line at the first frame of a block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transport {
+    /// Whether the transport runs.
+    pub playing: bool,
+    /// Position in samples, if the host has one. A VST3 context always has one: there `None` leaves the whole context out.
+    pub position: Option<i64>,
+    /// Tempo in beats per minute, if the host has one.
+    pub tempo: Option<f64>,
+}
+
+impl Transport {
+    /// A running transport at this position, at 120 beats per minute.
+    #[must_use]
+    pub const fn playing_at(position: i64) -> Self {
+        Self { playing: true, position: Some(position), tempo: Some(120.0) }
+    }
+}
+
+/// One call of `process`: as many frames as the channels of `output` have.
+#[derive(Debug)]
+pub struct Block<'a> {
+    /// Channels of the main input.
+    pub input: &'a [&'a [f32]],
+    /// Channels of the sidechain. `None` leaves it away: silent in CLAP, a switched-off bus in VST3.
+    pub sidechain: Option<&'a [&'a [f32]]>,
+    /// Channels of the main output; every sample is overwritten.
+    pub output: &'a mut [&'a mut [f32]],
+    /// Changes of parameters, in order of their offsets.
+    pub events: &'a [Event],
+    /// The time line; `None` when the host tells nothing.
+    pub transport: Option<Transport>,
+    /// Whether input and output share their memory, as hosts are free to do.
+    pub in_place: bool,
+}
+
+/// How long a plugin goes on sounding after its input fell silent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tail {
+    /// This many samples.
+    Samples(u32),
+    /// For ever.
+    Infinite,
+}
+
+/// What the plugin asked its host for since the last time it was asked.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Requests {
+    /// To be deactivated and activated again.
+    pub restart: bool,
+    /// To read the latency again.
+    pub latency_changed: bool,
+    /// To read the values of the parameters again.
+    pub values_changed: bool,
+}
+
+impl Requests {
+    /// Whether either asked.
+    #[must_use]
+    pub const fn or(self, other: Self) -> Self {
+        Self {
+            restart: self.restart || other.restart,
+            latency_changed: self.latency_changed || other.latency_changed,
+            values_changed: self.values_changed || other.values_changed,
+        }
+    }
+}
+
+/// The half of a plugin instance that belongs to the main thread: the thread that loaded it.
+pub trait Plugin {
+    /// The format it was loaded from.
+    fn format(&self) -> Format;
+
+    /// The plugin's name.
+    fn name(&self) -> &str;
+
+    /// Its parameters, in the plugin's order.
+    fn parameters(&self) -> &[Parameter];
+
+    /// The present value of a parameter, normalised.
+    ///
+    /// # Errors
+    /// [`HostError::UnknownParameter`].
+    fn value(&mut self, id: u32) -> Result<f64, HostError>;
+
+    /// Sets a parameter to a normalised value from the main thread: at once while inactive, with the next block while active.
+    ///
+    /// # Errors
+    /// [`HostError::UnknownParameter`].
+    fn set_value(&mut self, id: u32, value: f64) -> Result<(), HostError>;
+
+    /// The text of a normalised value.
+    ///
+    /// # Errors
+    /// [`HostError::UnknownParameter`].
+    fn text(&mut self, id: u32, value: f64) -> Result<String, HostError>;
+
+    /// The normalised value that a text means.
+    ///
+    /// # Errors
+    /// [`HostError::UnknownParameter`]; [`HostError::Text`] when the plugin does not understand it.
+    fn parse(&mut self, id: u32, text: &str) -> Result<f64, HostError>;
+
+    /// The whole state, as the host would keep it in its session; see [`state`](crate::state) for what is in it.
+    ///
+    /// # Errors
+    /// [`HostError::State`].
+    fn state(&mut self) -> Result<Vec<u8>, HostError>;
+
+    /// Loads a state, also while the processor plays on another thread.
+    ///
+    /// # Errors
+    /// [`HostError::State`] when the plugin refuses it.
+    fn set_state(&mut self, state: &[u8]) -> Result<(), HostError>;
+
+    /// Makes the plugin ready to play and gives the half that plays.
+    ///
+    /// A layout without sidechain is also found where the plugin only has layouts with one: that bus is then left unconnected.
+    ///
+    /// # Errors
+    /// [`HostError::Layout`], [`HostError::Activate`], [`HostError::Lifecycle`] when it is active already.
+    fn activate(&mut self, configuration: &Configuration) -> Result<Box<dyn Processor>, HostError>;
+
+    /// Takes the playing half back and ends the active state.
+    ///
+    /// # Errors
+    /// [`HostError::Lifecycle`] when the plugin is not active or `processor` is of another instance.
+    fn deactivate(&mut self, processor: Box<dyn Processor>) -> Result<(), HostError>;
+
+    /// The latency that the plugin reports, in samples; meaningful while active.
+    fn latency_samples(&mut self) -> u32;
+
+    /// Does what a host does on its main thread when idle: runs the callbacks the plugin asked for, and tells what else it wants.
+    fn run_callbacks(&mut self) -> Requests;
+
+    /// Opens the editor inside an X11 window and gives its size in pixels.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] where there is no editor, or none that can be embedded.
+    fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError>;
+
+    /// Closes the editor, if it is open.
+    fn close_editor(&mut self);
+}
+
+/// The half of an active plugin instance that plays; it may live on another thread.
+pub trait Processor: Send {
+    /// Starts playing; the plugin resets.
+    ///
+    /// # Errors
+    /// [`HostError::Process`] when the plugin refuses.
+    fn start(&mut self) -> Result<(), HostError>;
+
+    /// Stops playing.
+    fn stop(&mut self);
+
+    /// Makes the plugin forget what it has heard. In VST3 this is a stop and a start.
+    ///
+    /// # Errors
+    /// [`HostError::Process`] when the plugin refuses.
+    fn reset(&mut self) -> Result<(), HostError>;
+
+    /// Plays one block, of any number of frames from 0 to the longest announced.
+    ///
+    /// # Errors
+    /// [`HostError::Lifecycle`] before `start`; [`HostError::BlockTooLong`], [`HostError::Channels`],
+    /// [`HostError::EventOffset`] for a block that makes no sense; [`HostError::Process`] and [`HostError::Overrun`] when the plugin
+    /// fails.
+    fn process(&mut self, block: &mut Block<'_>) -> Result<(), HostError>;
+
+    /// The tail that the plugin reports at present.
+    fn tail(&mut self) -> Tail;
+
+    /// Which instance it belongs to: unique among the instances of this process.
+    fn instance(&self) -> u64;
+}

@@ -1,0 +1,247 @@
+//! What a VST3 plugin may ask of its host.
+
+use std::cell::{Cell, RefCell};
+use std::ffi::c_void;
+use std::sync::atomic::{AtomicI32, Ordering};
+
+use ::vst3::Steinberg::IBStream_::IStreamSeekMode_::{kIBSeekCur, kIBSeekEnd, kIBSeekSet};
+use ::vst3::Steinberg::Vst::{
+    IComponentHandler, IComponentHandlerTrait, IHostApplication, IHostApplicationTrait, IParamValueQueue,
+    IParamValueQueueTrait, IParameterChanges, IParameterChangesTrait, ParamID, ParamValue, RestartFlags_, String128,
+};
+use ::vst3::Steinberg::{
+    IBStream, IBStreamTrait, TUID, int32, int64, kInvalidArgument, kNotImplemented, kResultFalse, kResultOk, tresult,
+};
+use ::vst3::{Class, ComPtr, ComWrapper};
+
+use crate::{Event, Requests};
+
+/// Tells the plugin who its host is.
+pub(super) struct HostApplication;
+
+impl Class for HostApplication {
+    type Interfaces = (IHostApplication,);
+}
+
+impl IHostApplicationTrait for HostApplication {
+    unsafe fn getName(&self, name: *mut String128) -> tresult {
+        let mut text: String128 = [0; 128];
+        for (to, from) in text.iter_mut().zip("pyrophone-host".encode_utf16()) {
+            *to = from;
+        }
+        // SAFETY: the plugin gives a place for a whole `String128`.
+        unsafe { name.write(text) };
+        kResultOk
+    }
+
+    unsafe fn createInstance(&self, _: *mut TUID, _: *mut TUID, _: *mut *mut c_void) -> tresult {
+        kNotImplemented
+    }
+}
+
+/// Hears what the plugin wants of its host, from any thread.
+#[derive(Default)]
+pub(super) struct Handler {
+    restart_flags: AtomicI32,
+}
+
+impl Handler {
+    pub fn take_requests(&self) -> Requests {
+        let flags = self.restart_flags.swap(0, Ordering::AcqRel);
+        let has = |flag| flags & flag != 0;
+        Requests {
+            restart: has(RestartFlags_::kReloadComponent | RestartFlags_::kIoChanged),
+            latency_changed: has(RestartFlags_::kLatencyChanged),
+            values_changed: has(RestartFlags_::kParamValuesChanged),
+        }
+    }
+}
+
+impl Class for Handler {
+    type Interfaces = (IComponentHandler,);
+}
+
+impl IComponentHandlerTrait for Handler {
+    unsafe fn beginEdit(&self, _: ParamID) -> tresult {
+        kResultOk
+    }
+
+    unsafe fn performEdit(&self, _: ParamID, _: ParamValue) -> tresult {
+        kResultOk
+    }
+
+    unsafe fn endEdit(&self, _: ParamID) -> tresult {
+        kResultOk
+    }
+
+    unsafe fn restartComponent(&self, flags: int32) -> tresult {
+        self.restart_flags.fetch_or(flags, Ordering::AcqRel);
+        kResultOk
+    }
+}
+
+/// A stream in memory, for states. It is used by the thread that made it only.
+pub(super) struct MemoryStream {
+    bytes: RefCell<Vec<u8>>,
+    position: Cell<usize>,
+}
+
+impl MemoryStream {
+    pub const fn new(bytes: Vec<u8>) -> Self {
+        Self { bytes: RefCell::new(bytes), position: Cell::new(0) }
+    }
+
+    pub fn bytes(&self) -> Vec<u8> {
+        self.bytes.borrow().clone()
+    }
+
+    pub fn rewind(&self) {
+        self.position.set(0);
+    }
+}
+
+impl Class for MemoryStream {
+    type Interfaces = (IBStream,);
+}
+
+impl IBStreamTrait for MemoryStream {
+    unsafe fn read(&self, buffer: *mut c_void, count: int32, done: *mut int32) -> tresult {
+        let bytes = self.bytes.borrow();
+        let rest = bytes.get(self.position.get()..).unwrap_or_default();
+        let length = rest.len().min(usize::try_from(count).unwrap_or(0));
+        // SAFETY: the plugin gives room for `count` bytes, and `done` is null or a place to write to.
+        unsafe {
+            buffer.cast::<u8>().copy_from_nonoverlapping(rest.as_ptr(), length);
+            write_if_wanted(done, length as int32);
+        }
+        self.position.set(self.position.get() + length);
+        kResultOk
+    }
+
+    unsafe fn write(&self, buffer: *mut c_void, count: int32, done: *mut int32) -> tresult {
+        let Ok(length) = usize::try_from(count) else {
+            return kInvalidArgument;
+        };
+        let mut bytes = self.bytes.borrow_mut();
+        let start = self.position.get();
+        let end = start + length;
+        if bytes.len() < end {
+            bytes.resize(end, 0);
+        }
+        // SAFETY: the plugin gives `count` bytes, and `done` is null or a place to write to.
+        unsafe {
+            bytes[start..end].as_mut_ptr().copy_from_nonoverlapping(buffer.cast::<u8>(), length);
+            write_if_wanted(done, count);
+        }
+        self.position.set(end);
+        kResultOk
+    }
+
+    unsafe fn seek(&self, offset: int64, mode: int32, result: *mut int64) -> tresult {
+        let from = match mode {
+            m if m == kIBSeekSet as int32 => 0,
+            m if m == kIBSeekCur as int32 => self.position.get(),
+            m if m == kIBSeekEnd as int32 => self.bytes.borrow().len(),
+            _ => return kInvalidArgument,
+        };
+        let Some(position) = from.checked_add_signed(offset as isize) else {
+            return kResultFalse;
+        };
+        self.position.set(position);
+        // SAFETY: `result` is null or a place to write to.
+        unsafe { write_if_wanted(result, position as int64) };
+        kResultOk
+    }
+
+    unsafe fn tell(&self, position: *mut int64) -> tresult {
+        // SAFETY: `position` is null or a place to write to.
+        unsafe { write_if_wanted(position, self.position.get() as int64) };
+        kResultOk
+    }
+}
+
+/// # Safety
+/// `place` is null or valid for a write.
+unsafe fn write_if_wanted<T>(place: *mut T, value: T) {
+    if !place.is_null() {
+        // SAFETY: by the caller's word.
+        unsafe { place.write(value) };
+    }
+}
+
+/// The changes of one parameter within a block.
+struct Queue {
+    id: ParamID,
+    points: Vec<(int32, ParamValue)>,
+}
+
+impl Class for Queue {
+    type Interfaces = (IParamValueQueue,);
+}
+
+impl IParamValueQueueTrait for Queue {
+    unsafe fn getParameterId(&self) -> ParamID {
+        self.id
+    }
+
+    unsafe fn getPointCount(&self) -> int32 {
+        self.points.len() as int32
+    }
+
+    unsafe fn getPoint(&self, index: int32, offset: *mut int32, value: *mut ParamValue) -> tresult {
+        let point = usize::try_from(index).ok().and_then(|i| self.points.get(i));
+        let Some(&(at, to)) = point else {
+            return kInvalidArgument;
+        };
+        // SAFETY: null or places to write to.
+        unsafe {
+            write_if_wanted(offset, at);
+            write_if_wanted(value, to);
+        }
+        kResultOk
+    }
+
+    /// Input queues are the host's to fill.
+    unsafe fn addPoint(&self, _: int32, _: ParamValue, _: *mut int32) -> tresult {
+        kResultFalse
+    }
+}
+
+/// All changes within a block.
+pub(super) struct ParameterChanges {
+    queues: Vec<ComPtr<IParamValueQueue>>,
+}
+
+impl ParameterChanges {
+    /// `events` in order of their offsets.
+    pub fn new<'a>(events: impl Iterator<Item = &'a Event>) -> Self {
+        let mut queues: Vec<Queue> = Vec::new();
+        for event in events {
+            let point = (event.offset as int32, event.value.clamp(0.0, 1.0));
+            match queues.iter_mut().find(|queue| queue.id == event.id) {
+                Some(queue) => queue.points.push(point),
+                None => queues.push(Queue { id: event.id, points: vec![point] }),
+            }
+        }
+        Self { queues: queues.into_iter().filter_map(|queue| ComWrapper::new(queue).to_com_ptr()).collect() }
+    }
+}
+
+impl Class for ParameterChanges {
+    type Interfaces = (IParameterChanges,);
+}
+
+impl IParameterChangesTrait for ParameterChanges {
+    unsafe fn getParameterCount(&self) -> int32 {
+        self.queues.len() as int32
+    }
+
+    unsafe fn getParameterData(&self, index: int32) -> *mut IParamValueQueue {
+        usize::try_from(index).ok().and_then(|i| self.queues.get(i)).map_or(std::ptr::null_mut(), ComPtr::as_ptr)
+    }
+
+    /// Input changes are the host's to fill.
+    unsafe fn addParameterData(&self, _: *const ParamID, _: *mut int32) -> *mut IParamValueQueue {
+        std::ptr::null_mut()
+    }
+}
