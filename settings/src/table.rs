@@ -46,7 +46,7 @@ pub const DYNAMIC_RANGES: &[&str] = &["off", "learned", "running"];
 /// Names of the values of `quality`.
 pub const QUALITIES: &[&str] = &["draft", "normal", "high", "exact"];
 /// Names of the values of `drive_mode`.
-pub const DRIVE_MODES: &[&str] = &["pressure", "flux", "envelope"];
+pub const DRIVE_MODES: &[&str] = &["pressure", "flux", "envelope", "input envelope"];
 
 const fn float(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> Kind {
     Kind::Float { low, high, default, skew, decimals, off_at_low: false }
@@ -56,8 +56,8 @@ const fn float_or_off(low: f64, high: f64, default: f64, skew: f64, decimals: u3
     Kind::Float { low, high, default, skew, decimals, off_at_low: true }
 }
 
-const fn level() -> Kind {
-    float_or_off(-72.0, 24.0, 0.0, 1.0, 2)
+const fn level(default: f64) -> Kind {
+    float_or_off(-72.0, 24.0, default, 1.0, 2)
 }
 
 const fn control(
@@ -86,13 +86,21 @@ const fn structure(
 
 /// All parameters, in the order of [`Id`].
 pub const PARAMETERS: &[Parameter] = &[
-    control("low_level", "Low level", "Levels", "dB", level(), None, "Level of the flame's own low-frequency part."),
+    control(
+        "low_level",
+        "Low level",
+        "Levels",
+        "dB",
+        level(-12.0),
+        None,
+        "Level of the flame's own low-frequency part.",
+    ),
     control(
         "extension_level",
         "Extension level",
         "Levels",
         "dB",
-        level(),
+        level(-24.0),
         None,
         "Level of the noise that spectral extension adds above the cutoff.",
     ),
@@ -101,11 +109,11 @@ pub const PARAMETERS: &[Parameter] = &[
         "Texture level",
         "Levels",
         "dB",
-        level(),
+        level(0.0),
         None,
         "Level of the fire matched from the recording.",
     ),
-    control("output_level", "Output level", "Levels", "dB", level(), None, "Level of everything together."),
+    control("output_level", "Output level", "Levels", "dB", level(0.0), None, "Level of everything together."),
     control(
         "alpha",
         "Alpha",
@@ -165,7 +173,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Dynamics",
         "Texture",
         "",
-        float(0.0, 1.0, 1.0, 1.0, 3),
+        float(0.0, 1.0, 0.5, 1.0, 3),
         Some(1.0),
         "How far the recording's loudness is mapped onto the input's: 1 follows it wholly, 0 keeps the recording's own.",
     ),
@@ -221,7 +229,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: DRIVE_MODES, default: 0 },
         Some(0.0),
-        "What the input is: the flame's pressure, its flux, or (sidechain first) a sound whose envelope drives a rumble.",
+        "What the input is: the flame's pressure, its flux, or a sound whose envelope drives a rumble (envelope: the sidechain's).",
     ),
     control(
         "drive_gain",

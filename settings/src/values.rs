@@ -75,7 +75,8 @@ impl Values {
                 mode: match self.get(Id::DriveMode) as usize {
                     0 => DriveMode::Pressure,
                     1 => DriveMode::Flux,
-                    _ => DriveMode::Envelope,
+                    2 => DriveMode::Envelope,
+                    _ => DriveMode::InputEnvelope,
                 },
                 gain: self.factor(Id::DriveGain),
                 attack_s: self.get(Id::Attack) / 1000.0,

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use pyrophone_settings::{COUNT, Error, Id, Kind, PARAMETERS, Parameter, Values, index_of};
-use pyrophone_synthesis::controls::{DynamicRange, Quality};
+use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Quality};
 use pyrophone_synthesis::{Controls, Structure};
 
 #[test]
@@ -92,6 +92,10 @@ fn defaults_are_those_of_the_engines() {
     assert!((controls.texture.gate - engine.texture.gate).abs() < 1e-15);
     let mut same = controls;
     same.drive.threshold = engine.drive.threshold;
+    // The engines' own defaults are the paper's, all layers at full level; a fresh instance is the default preset.
+    assert!(controls.mix.low < 1.0 && controls.mix.extension < 1.0);
+    same.mix = engine.mix;
+    same.texture.scaling_alpha = engine.texture.scaling_alpha;
     same.texture.gate = engine.texture.gate;
     assert_eq!(same, engine);
     assert_eq!(values.structure(), Structure::default());
@@ -100,7 +104,7 @@ fn defaults_are_those_of_the_engines() {
 #[test]
 fn levels_are_exact_at_0_db_and_off() {
     let mut values = Values::default();
-    assert_eq!(values.controls().mix.low.to_bits(), 1f64.to_bits());
+    assert_eq!(values.controls().mix.texture.to_bits(), 1f64.to_bits());
     values.set_text("low_level", "-inf dB").unwrap();
     values.set_text("output_level", "-6.02 dB").unwrap();
     let mix = values.controls().mix;
@@ -125,6 +129,15 @@ fn choices_reach_the_engines() {
     {
         values.set_text("dynamic_range", text).unwrap();
         assert_eq!(values.controls().texture.dynamic_range, range);
+    }
+    for (text, mode) in [
+        ("pressure", DriveMode::Pressure),
+        ("flux", DriveMode::Flux),
+        ("envelope", DriveMode::Envelope),
+        ("input envelope", DriveMode::InputEnvelope),
+    ] {
+        values.set_text("drive_mode", text).unwrap();
+        assert_eq!(values.controls().drive.mode, mode);
     }
     values.set_text("gate", "off").unwrap();
     assert_eq!(values.controls().texture.gate, 0.0);

@@ -66,7 +66,8 @@ fn streaming(pair: &Pair, dictionary: &Arc<Dictionary>, quality: Quality) -> (f6
     let mut engine = Texture::new(dictionary.shape(), 1, RATE_HZ).unwrap();
     engine.swap_dictionary(Some(Arc::clone(dictionary)));
     engine.swap_distribution(Some(Arc::new(Distribution::from_magnitudes(pyramid.top_magnitudes()))));
-    let controls = TextureControls { dynamic_range: DynamicRange::Learned, gate: 0.0, quality, ..TextureControls::default() };
+    let controls =
+        TextureControls { dynamic_range: DynamicRange::Learned, gate: 0.0, quality, ..TextureControls::default() };
     let mut out = vec![0.0; 64];
     let ((), time) = timed(|| {
         for block in drive.chunks(64) {
@@ -78,16 +79,26 @@ fn streaming(pair: &Pair, dictionary: &Arc<Dictionary>, quality: Quality) -> (f6
 
 fn engine_table(pairs: &[Pair]) {
     println!("\ntexture, seconds of one core per second of sound (padded), 44.1 kHz mono");
-    println!("{:<16}{:>10}{:>10}{:>12}{:>10}{:>10}{:>10}{:>10}{:>14}", "pair", "index s", "MB/s", "exact", "eps 1", "4096", "1024", "256", "exact compared");
+    println!(
+        "{:<16}{:>10}{:>10}{:>12}{:>10}{:>10}{:>10}{:>10}{:>14}",
+        "pair", "index s", "MB/s", "exact", "eps 1", "4096", "1024", "256", "exact compared"
+    );
     for pair in pairs {
-        let (dictionary, built) = timed(|| Dictionary::new(&[pair.training.clone()], RATE_HZ, &Shape::default(), &|_| true).unwrap());
+        let (dictionary, built) =
+            timed(|| Dictionary::new(&[pair.training.clone()], RATE_HZ, &Shape::default(), &|_| true).unwrap());
         let dictionary = Arc::new(dictionary);
         let megabytes = dictionary.bytes() as f64 / 1e6 / dictionary.seconds();
         let (exact, compared) = streaming(pair, &dictionary, Quality::Exact);
         let options = offline::Options { eps: 1.0, ..offline::Options::default() };
         let (_, loose) = timed(|| offline::synthesize(&pair.input, &dictionary, &options, &|_| true).unwrap());
         let padded_s = Pyramid::of_input(&pair.input, &Shape::default()).unwrap().levels[0].len() as f64 / RATE_HZ;
-        print!("{:<16}{:>10.3}{:>10.2}{exact:>12.4}{:>10.4}", pair.name, built.as_secs_f64(), megabytes, loose.as_secs_f64() / padded_s);
+        print!(
+            "{:<16}{:>10.3}{:>10.2}{exact:>12.4}{:>10.4}",
+            pair.name,
+            built.as_secs_f64(),
+            megabytes,
+            loose.as_secs_f64() / padded_s
+        );
         for candidates in [4096, 1024, 256] {
             print!("{:>10.4}", streaming(pair, &dictionary, Quality::Bounded { candidates }).0);
         }

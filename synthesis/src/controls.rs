@@ -24,9 +24,12 @@ pub enum DriveMode {
     Pressure,
     /// The main input is the flame's velocity flux; its derivative is the pressure.
     Flux,
-    /// The envelope of the sidechain (of the main input where no sidechain is connected) modulates
+    /// The envelope of the sidechain (of the main input where there is no sidechain bus) modulates
     /// a band-limited rumble.
     Envelope,
+    /// The envelope of the main input does: hosts that offer a sidechain bus which nothing is
+    /// connected to cannot be told from a silent one.
+    InputEnvelope,
 }
 
 /// Controls of [`crate::drive`].

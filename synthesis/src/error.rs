@@ -39,7 +39,9 @@ pub enum Error {
         at: usize,
     },
     /// Channels of one signal differ in length.
-    #[error("{what}: channel {channel} has {found} samples, channel 0 has {expected}; all channels must be equally long")]
+    #[error(
+        "{what}: channel {channel} has {found} samples, channel 0 has {expected}; all channels must be equally long"
+    )]
     UnequalChannels {
         /// Which signal.
         what: &'static str,
@@ -57,9 +59,10 @@ pub enum Error {
 
 /// Fails unless `low <= found <= high`; NaN fails too.
 pub(crate) fn in_range(what: &'static str, found: f64, low: f64, high: f64) -> Result<(), Error> {
-    if found >= low && found <= high {
-        Ok(())
-    } else {
-        Err(Error::OutOfRange { what, found, low, high })
-    }
+    if found >= low && found <= high { Ok(()) } else { Err(Error::OutOfRange { what, found, low, high }) }
+}
+
+/// `value` moved into `low..=high`; a NaN becomes `low`, which `clamp` would let through.
+pub(crate) fn within(value: f64, low: f64, high: f64) -> f64 {
+    value.max(low).min(high)
 }

@@ -127,7 +127,14 @@ impl Mix {
     }
 
     #[inline]
-    fn sample(&mut self, layers: &Layers<'_>, controls: &MixControls, i: usize, outputs: &mut [&mut [f32]], peaks: &mut Peaks) {
+    fn sample(
+        &mut self,
+        layers: &Layers<'_>,
+        controls: &MixControls,
+        i: usize,
+        outputs: &mut [&mut [f32]],
+        peaks: &mut Peaks,
+    ) {
         let low = self.low.next(controls.low) * layers.low[i];
         let extension_level = self.extension.next(controls.extension);
         let texture_level = self.texture.next(controls.texture);
@@ -175,7 +182,8 @@ mod tests {
                 while start < end {
                     let stop = end.min(start + cut);
                     let part = |x: &Vec<f64>| x[start..stop].to_vec();
-                    let (extension, texture) = (silent.iter().map(part).collect::<Vec<_>>(), silent.iter().map(part).collect::<Vec<_>>());
+                    let (extension, texture) =
+                        (silent.iter().map(part).collect::<Vec<_>>(), silent.iter().map(part).collect::<Vec<_>>());
                     let dry: Vec<_> = dry.iter().map(|x| x[start..stop].to_vec()).collect();
                     let layers = Layers { low: &low[start..stop], extension: &extension, texture: &texture, dry: &dry };
                     let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(|x| &mut x[start..stop]).collect();

@@ -8,10 +8,10 @@ mod signals;
 use std::sync::Arc;
 
 use effect::{Event, STEREO, any_controls, chain, channels, dictionary, play};
+use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::controls::{Controls, DynamicRange, MixControls, Quality, TextureControls};
 use pyrophone_synthesis::texture::{Shape, offline, shape::Padding};
-use pyrophone_synthesis::Structure;
 use signals::Random;
 
 const RATE_HZ: f64 = 44_100.0;
@@ -114,7 +114,8 @@ fn the_counter_runs_free_while_the_host_stops_or_is_silent_about_time() {
 fn reset_equals_fresh_and_two_runs_are_identical() {
     let mut random = Random::new(5);
     let input = channels(5, 2, 20_000);
-    let events = [first(any_controls(&mut random)), Event { at: 9000, controls: any_controls(&mut random), jump: Some(5) }];
+    let events =
+        [first(any_controls(&mut random)), Event { at: 9000, controls: any_controls(&mut random), jump: Some(5) }];
     let mut used = chain(RATE_HZ, STEREO);
     play(&mut used, &input, &input[..1], 2, &events, 31, || 100);
     used.reset();
@@ -131,7 +132,8 @@ fn latency_measured_is_latency_reported() {
         let at = 3000;
         let mut input = vec![vec![0.0f32; 40_000]];
         input[0][at] = 1.0;
-        let mut controls = Controls { mix: MixControls { extension: 0.0, texture: 0.0, ..MixControls::default() }, ..plain() };
+        let mut controls =
+            Controls { mix: MixControls { extension: 0.0, texture: 0.0, ..MixControls::default() }, ..plain() };
         controls.drive.high_pass_hz = 0.0;
         let largest = |x: &[f32]| (0..x.len()).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())).unwrap();
         let low = play(&mut chain, &input, &[], 1, &[first(controls)], 0, || 64);
@@ -139,7 +141,8 @@ fn latency_measured_is_latency_reported() {
         chain.reset();
         controls.mix.bypass = true;
         let dry = play(&mut chain, &input, &[], 1, &[first(controls)], 0, || 64);
-        let expected: Vec<f32> = (0..40_000).map(|i| if i == at + chain.latency_samples() { 1.0 } else { 0.0 }).collect();
+        let expected: Vec<f32> =
+            (0..40_000).map(|i| if i == at + chain.latency_samples() { 1.0 } else { 0.0 }).collect();
         assert!(dry[0] == expected, "bypass at {rate_hz}");
     }
 }
@@ -156,7 +159,12 @@ fn texture_through_the_chain_is_the_offline_run() {
 
     let mut controls = Controls { mix: MixControls { low: 0.0, extension: 0.0, ..MixControls::default() }, ..plain() };
     controls.drive.high_pass_hz = 0.0;
-    controls.texture = TextureControls { scaling_alpha: 1.0, dynamic_range: DynamicRange::Learned, gate: 0.0, quality: Quality::Exact };
+    controls.texture = TextureControls {
+        scaling_alpha: 1.0,
+        dynamic_range: DynamicRange::Learned,
+        gate: 0.0,
+        quality: Quality::Exact,
+    };
     let channels = Channels { input: 1, sidechain: 0, output: 1 };
     let mut chain = Chain::new(RATE_HZ, channels, &structure).unwrap();
     chain.swap_dictionary(Some(dictionary));

@@ -109,7 +109,11 @@ fn without_a_sidechain_the_main_inputs_envelope_is_taken() {
     let main = white(0, 30_000);
     let controls = off(DriveMode::Envelope);
     let other = white(1, 30_000);
-    assert_eq!(drive(&[&main], &[], &controls, 44_100.0), drive(&[&other], &[&main], &controls, 44_100.0));
+    let of_main = drive(&[&main], &[], &controls, 44_100.0);
+    assert_eq!(of_main, drive(&[&other], &[&main], &controls, 44_100.0));
+    // Asked for, also where there is a sidechain.
+    assert_eq!(of_main, drive(&[&main], &[&other], &off(DriveMode::InputEnvelope), 44_100.0));
+    assert_ne!(of_main, drive(&[&main], &[&other], &controls, 44_100.0));
 }
 
 #[test]
@@ -145,7 +149,7 @@ fn blocks_do_not_matter_and_reset_is_fresh() {
 
 #[test]
 fn silence_gives_exact_silence() {
-    for mode in [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope] {
+    for mode in [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope, DriveMode::InputEnvelope] {
         let controls = DriveControls { mode, ..DriveControls::default() };
         let mut input = white(0, 10_000);
         input.resize(200_000, 0.0);

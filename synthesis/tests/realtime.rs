@@ -19,7 +19,13 @@ use signals::Random;
 use std::sync::Arc;
 
 #[cfg_attr(sanitize_realtime, sanitize(realtime = "nonblocking"))]
-fn process(chain: &mut Chain, main: &mut [&mut [f32]], sidechain: &[&[f32]], controls: &Controls, transport: Transport) {
+fn process(
+    chain: &mut Chain,
+    main: &mut [&mut [f32]],
+    sidechain: &[&[f32]],
+    controls: &Controls,
+    transport: Transport,
+) {
     chain.process(main, sidechain, controls, transport);
 }
 
@@ -92,4 +98,24 @@ fn the_counter_sees_an_allocation_and_a_free() {
     assert_eq!(seen.count_current, -1);
     let seen = allocation_counter::measure(|| std::mem::forget(std::hint::black_box(vec![1u8; 100])));
     assert_eq!(seen.count_total, 1);
+}
+
+/// The sanitizer must be able to fail: a child process that allocates where it must not.
+#[cfg(sanitize_realtime)]
+#[test]
+fn the_sanitizer_stops_at_an_allocation() {
+    #[sanitize(realtime = "nonblocking")]
+    fn allocate() -> Vec<u8> {
+        std::hint::black_box(vec![1u8; std::hint::black_box(100)])
+    }
+    const FLAG: &str = "PYROPHONE_ALLOCATE";
+    if std::env::var_os(FLAG).is_some() {
+        drop(allocate());
+        return;
+    }
+    let this_test = ["--exact", "the_sanitizer_stops_at_an_allocation"];
+    let program = std::env::current_exe().unwrap();
+    let child = std::process::Command::new(program).args(this_test).env(FLAG, "1").output().unwrap();
+    let said = String::from_utf8_lossy(&child.stderr);
+    assert!(!child.status.success() && said.contains("RealtimeSanitizer"), "{said}");
 }

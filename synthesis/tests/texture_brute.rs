@@ -1,8 +1,8 @@
 //! Texture synthesis against a plain brute force, over random settings and signals.
 
-mod common;
 #[path = "common/brute.rs"]
 mod brute;
+mod common;
 #[path = "common/signals.rs"]
 mod signals;
 

@@ -58,7 +58,11 @@ fn every_golden_is_reproduced_to_the_sample() {
         let golden = common::read_f64(&folder.join(format!("texture/{}.f64", case.name)));
         assert_eq!(output[0].len(), golden.len(), "{}", case.name);
         let differing = output[0].iter().zip(&golden).filter(|(a, b)| **a as f32 != **b as f32).count();
-        println!("{}: {differing} samples differ; build {built:.2} s, synth {:.3} s/s", case.name, (started.elapsed().as_secs_f64() - built) / (input.len() as f64 / 44100.0));
+        println!(
+            "{}: {differing} samples differ; build {built:.2} s, synth {:.3} s/s",
+            case.name,
+            (started.elapsed().as_secs_f64() - built) / (input.len() as f64 / 44100.0)
+        );
         assert_eq!(differing, 0, "{}: samples that differ", case.name);
     }
 }

@@ -80,7 +80,12 @@ fn padded_stream_equals_the_whole_signal_run() {
         let pyramid = Pyramid::of_input(&input, &shape).unwrap();
         let latency = shape.latency_samples();
         assert!(pyramid.padding.start[0] > latency, "{shape:?}: padding too short for this test");
-        let controls = TextureControls { scaling_alpha: 0.7, dynamic_range: DynamicRange::Learned, gate: 0.0, quality: Quality::Exact };
+        let controls = TextureControls {
+            scaling_alpha: 0.7,
+            dynamic_range: DynamicRange::Learned,
+            gate: 0.0,
+            quality: Quality::Exact,
+        };
         let mut padded = pyramid.levels[0].clone();
         padded.resize(padded.len() + latency, 0.0);
         let mut engine = engine(&shape, &dictionary, 1);
@@ -124,7 +129,12 @@ fn output_depends_on_no_input_beyond_the_latency() {
     for shape in shapes() {
         let dictionary = dictionary(&shape, 1, 15_000);
         let drive = signal(&mut Random::new(8), 0, 12_000);
-        let controls = TextureControls { gate: 0.0, quality: Quality::Exact, dynamic_range: DynamicRange::Off, ..TextureControls::default() };
+        let controls = TextureControls {
+            gate: 0.0,
+            quality: Quality::Exact,
+            dynamic_range: DynamicRange::Off,
+            ..TextureControls::default()
+        };
         let whole = run(&mut engine(&shape, &dictionary, 1), &drive, &controls, 1, Cut::Every(500));
         let mut changed = drive.clone();
         changed[8000..].iter_mut().for_each(|x| *x = 0.3 - *x);
@@ -139,7 +149,12 @@ fn output_depends_on_no_input_beyond_the_latency() {
 fn silence_is_silent_and_after_it_two_renders_agree() {
     let shape = Shape::default();
     let dictionary = dictionary(&shape, 1, 30_000);
-    let controls = TextureControls { gate: 1e-4, quality: Quality::Exact, dynamic_range: DynamicRange::Off, ..TextureControls::default() };
+    let controls = TextureControls {
+        gate: 1e-4,
+        quality: Quality::Exact,
+        dynamic_range: DynamicRange::Off,
+        ..TextureControls::default()
+    };
     let burst = signal(&mut Random::new(9), 2, 6_000);
     let mut long = signal(&mut Random::new(10), 2, 9_000);
     let silence = 12_000;

@@ -99,6 +99,7 @@ pub struct Chain {
     has_dictionary: bool,
     /// Samples for which input and output have been silent.
     silent_samples: usize,
+    tail_samples: usize,
     meters: Meters,
     main: Vec<Vec<f64>>,
     sidechain: Vec<Vec<f64>>,
@@ -135,6 +136,7 @@ impl Chain {
             latency_samples,
             has_dictionary: false,
             silent_samples: 0,
+            tail_samples: 0,
             meters: Meters::default(),
             main: block(channels.input),
             sidechain: block(channels.sidechain),
@@ -150,9 +152,9 @@ impl Chain {
         self.latency_samples
     }
 
-    /// Samples that may still sound after the input has fallen silent.
+    /// Samples that may still sound after the input has fallen silent, with the controls of the last call.
     pub fn tail_samples(&self) -> usize {
-        self.voices[0].tail_samples() + self.crossfade_samples
+        self.tail_samples
     }
 
     /// Whether input and output have been silent for longer than the tail.
@@ -179,6 +181,7 @@ impl Chain {
         self.dry_delays.iter_mut().for_each(Delay::reset);
         self.mix.reset();
         self.silent_samples = 0;
+        self.tail_samples = 0;
         self.meters = Meters::default();
         self.top_magnitudes.clear();
     }
@@ -208,12 +211,19 @@ impl Chain {
     /// Processes one block of any length in place. `main` has as many channels as the output; the
     /// first `channels.input` of them hold the input. A sidechain channel that is missing is
     /// silent. `controls` hold for the whole call.
-    pub fn process(&mut self, main: &mut [&mut [f32]], sidechain: &[&[f32]], controls: &Controls, transport: Transport) {
+    pub fn process(
+        &mut self,
+        main: &mut [&mut [f32]],
+        sidechain: &[&[f32]],
+        controls: &Controls,
+        transport: Transport,
+    ) {
         self.top_magnitudes.clear();
         let samples = main.iter().map(|x| x.len()).min().unwrap_or(0);
         if samples == 0 || main.len() < self.channels.output {
             return;
         }
+        self.tail_samples = self.voices[0].tail_samples(controls) + self.crossfade_samples;
         self.follow(transport);
         let mut start = 0;
         while start < samples {
@@ -339,7 +349,8 @@ impl Chain {
     fn mix_down(&mut self, main: &mut [&mut [f32]], controls: &Controls, start: usize, end: usize) {
         let samples = end - start;
         let heard = &self.voices[self.active].layers;
-        let layers = Layers { low: &heard.low[..samples], extension: &heard.extension, texture: &heard.texture, dry: &self.dry };
+        let layers =
+            Layers { low: &heard.low[..samples], extension: &heard.extension, texture: &heard.texture, dry: &self.dry };
         let mut outputs: [&mut [f32]; MAX_CHANNELS] = Default::default();
         for (output, channel) in outputs.iter_mut().zip(main.iter_mut()) {
             *output = &mut channel[start..end];

@@ -89,8 +89,9 @@ impl Voice {
     }
 
     /// Samples that may sound after the input has fallen silent, latency included.
-    pub fn tail_samples(&self) -> usize {
-        self.latency_samples + self.texture.tail_samples().max(self.extend.tail_samples())
+    pub fn tail_samples(&self, controls: &Controls) -> usize {
+        let drive = self.drive.tail_samples(&controls.drive);
+        self.latency_samples + drive + self.texture.tail_samples().max(self.extend.tail_samples())
     }
 
     /// Starts anew at `position` of the host's timeline.

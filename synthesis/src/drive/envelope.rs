@@ -1,6 +1,7 @@
 //! Envelope follower.
 
 use crate::controls::DriveControls;
+use crate::error::within;
 
 /// A falling envelope ends here: -240 dBFS.
 const SILENCE: f64 = 1e-12;
@@ -26,7 +27,7 @@ impl Envelope {
     pub fn process(&mut self, controls: &DriveControls, signal: &mut [f64]) {
         let attack = self.step(controls.attack_s, 1e-4, 1.0);
         let release = self.step(controls.release_s, 1e-3, 5.0);
-        let threshold = controls.threshold.max(0.0).min(1.0);
+        let threshold = within(controls.threshold, 0.0, 1.0);
         for sample in signal {
             let magnitude = sample.abs();
             let step = if magnitude > self.state { attack } else { release };
@@ -40,7 +41,7 @@ impl Envelope {
 
     /// Part of the way covered in one sample, for a time constant in seconds.
     fn step(&self, seconds: f64, shortest: f64, longest: f64) -> f64 {
-        -(-1.0 / (seconds.max(shortest).min(longest) * self.sample_rate_hz)).exp_m1()
+        -(-1.0 / (within(seconds, shortest, longest) * self.sample_rate_hz)).exp_m1()
     }
 }
 

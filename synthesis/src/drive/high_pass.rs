@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
+use crate::error::within;
+
 /// Time in seconds in which a change of the corner takes place.
 const GLIDE_S: f64 = 0.02;
 
@@ -57,7 +59,7 @@ impl HighPass {
         if signal.is_empty() {
             return;
         }
-        self.aim(corner_hz.max(0.0).min(MAX_CORNER_HZ));
+        self.aim(within(corner_hz, 0.0, MAX_CORNER_HZ));
         for sample in signal {
             if self.wet == 0.0 && self.glide_left == 0 {
                 // Nothing can change any more in this call.

@@ -12,7 +12,7 @@ use high_pass::HighPass;
 use rumble::Rumble;
 
 use crate::controls::{DriveControls, DriveMode};
-use crate::error::{Error, in_range};
+use crate::error::{Error, in_range, within};
 
 /// The frequency in Hz at which differentiating flux leaves its level alone.
 const FLUX_UNITY_HZ: f64 = 100.0;
@@ -26,9 +26,14 @@ const CANCEL_RATIO: f64 = 1e-3;
 /// Mean power below which cancelling is not worth a word: -80 dBFS.
 const CANCEL_FLOOR: f64 = 1e-8;
 
+/// What is left of a full-scale input, in nepers, when the drive counts as fallen silent: -120 dB,
+/// the lowest threshold of texture's gate.
+const SILENCE_NEPERS: f64 = 13.8;
+
 /// The drive's signal path.
 #[derive(Debug)]
 pub struct Drive {
+    sample_rate_hz: f64,
     flux_gain: f64,
     /// The mean input before this one; none right after reset, where a flux has no past.
     previous: Option<f64>,
@@ -46,6 +51,7 @@ impl Drive {
     pub fn new(sample_rate_hz: f64) -> Result<Self, Error> {
         in_range("sample rate in Hz", sample_rate_hz, 8000.0, 384_000.0)?;
         Ok(Self {
+            sample_rate_hz,
             flux_gain: 0.5 / (std::f64::consts::PI * FLUX_UNITY_HZ / sample_rate_hz).sin(),
             previous: None,
             envelope: Envelope::new(sample_rate_hz),
@@ -60,6 +66,20 @@ impl Drive {
     /// The drive is not delayed.
     pub fn latency_samples(&self) -> usize {
         0
+    }
+
+    /// Samples for which the drive goes on after a full-scale input has ended: the envelope's release
+    /// down to its threshold, and the high-pass, which rings as exp(-2 pi f t / sqrt 2).
+    pub fn tail_samples(&self, controls: &DriveControls) -> usize {
+        let release_s = match controls.mode {
+            DriveMode::Envelope | DriveMode::InputEnvelope => {
+                controls.release_s * (-controls.threshold.ln()).clamp(0.0, SILENCE_NEPERS)
+            }
+            DriveMode::Pressure | DriveMode::Flux => 0.0,
+        };
+        let corner = std::f64::consts::SQRT_2 * std::f64::consts::PI * controls.high_pass_hz;
+        let ringing_s = if corner > 0.0 { SILENCE_NEPERS / corner } else { 0.0 };
+        ((release_s + ringing_s) * self.sample_rate_hz).ceil() as usize
     }
 
     /// Back to silence; the next sample stands at `position` on the host's timeline.
@@ -77,11 +97,11 @@ impl Drive {
     }
 
     /// Makes the drive of one block of any length. `controls` hold for the whole block. Every
-    /// channel of `main` and `sidechain` is as long as `drive`; `sidechain` may be empty, and the
-    /// envelope is then that of the main input.
+    /// channel of `main` and `sidechain` is as long as `drive`; where `sidechain` is
+    /// empty, the envelope is that of the main input.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &DriveControls, drive: &mut [f64]) {
-        let follows = controls.mode == DriveMode::Envelope;
-        let source = if follows && !sidechain.is_empty() { sidechain } else { main };
+        let from_sidechain = controls.mode == DriveMode::Envelope && !sidechain.is_empty();
+        let source = if from_sidechain { sidechain } else { main };
         self.mean(source, drive);
         match controls.mode {
             DriveMode::Pressure => self.previous = drive.last().copied().or(self.previous),
@@ -91,14 +111,15 @@ impl Drive {
                     *sample = (*sample - before) * self.flux_gain;
                 }
             }
-            DriveMode::Envelope => {
+            DriveMode::Envelope | DriveMode::InputEnvelope => {
                 self.previous = None;
                 self.envelope.process(controls, drive);
                 self.rumble.modulate(controls.seed, self.position, drive);
             }
         }
         if controls.gain != 1.0 {
-            drive.iter_mut().for_each(|sample| *sample *= controls.gain);
+            let gain = within(controls.gain, 0.0, f64::MAX);
+            drive.iter_mut().for_each(|sample| *sample *= gain);
         }
         self.high_pass.process(controls.high_pass_hz, drive);
         self.position = self.position.wrapping_add(drive.len() as i64);

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::controls::ExtendControls;
+use crate::error::within;
 
 /// The frequencies of one window's blend, fit and noise, kept within what the engine can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +19,6 @@ pub struct Band {
 impl Band {
     /// The band that `controls` ask for; values out of range move to its ends.
     pub fn new(controls: &ExtendControls) -> Self {
-        let within = |value: f64, low: f64, high: f64| value.max(low).min(high);
         let cutoff_hz = within(controls.cutoff_hz, 40.0, 1000.0);
         Self {
             alpha: within(controls.alpha, 0.0, 6.0),

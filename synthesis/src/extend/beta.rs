@@ -94,12 +94,12 @@ impl Fitter {
     pub fn fit(&self, windowed: &[f64], energy: f64, level: f64) -> (f64, f64) {
         let noise = self.turn.spectrum(windowed);
         let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
-        for node in 0..NODES {
+        for (node, noise) in noise.iter().enumerate() {
             let (weight, upper) = (self.weight[node], self.upper[node]);
             let lower = 1.0 - upper;
             let drive = self.drive[node];
-            a += weight * upper * upper * noise[node].norm_sqr();
-            b += 2.0 * weight * upper * lower * (drive.re * noise[node].re + drive.im * noise[node].im);
+            a += weight * upper * upper * noise.norm_sqr();
+            b += 2.0 * weight * upper * lower * (drive.re * noise.re + drive.im * noise.im);
             c += weight * (lower * lower - 1.0) * drive.norm_sqr();
         }
         let raw = positive_root(a, b, c).max(0.0);

@@ -4,9 +4,10 @@ use super::band::Band;
 use super::beta::{Fit, Fitter};
 use super::layout::Layout;
 use super::noise::NoiseSource;
-use super::spectrum::Transform;
+use super::spectrum::{Transform, quick_len};
 use super::window::{History, Overlap, triangle};
 use crate::controls::ExtendControls;
+use crate::error::within;
 
 /// Makes one window's noise at a time.
 #[derive(Debug)]
@@ -31,8 +32,8 @@ pub(crate) struct High {
 
 impl High {
     pub fn new(layout: &Layout, sample_rate_hz: f64, fit_width_hz: f64) -> Self {
-        let short = Transform::new((2 * (layout.half_width + layout.envelope_reach)).next_power_of_two());
-        let long = Transform::new(layout.transform_len);
+        let short = Transform::new(quick_len(2 * (layout.half_width + layout.envelope_reach)));
+        let long = Transform::new(quick_len(2 * (layout.half_width + layout.high_reach)));
         Self {
             layout: *layout,
             sample_rate_hz,
@@ -62,7 +63,7 @@ impl High {
         let start = (window - 1) * self.layout.half_width as i64;
         let segment = drive.slice(start, self.windowed.len());
         fits.fill(Fit { window, ..Fit::default() });
-        let amount = controls.noise_amount.max(0.0).min(4.0);
+        let amount = within(controls.noise_amount, 0.0, 4.0);
         if amount == 0.0 || segment.iter().all(|sample| *sample == 0.0) {
             return;
         }

@@ -29,7 +29,7 @@ pub(crate) struct Layout {
     pub envelope_reach: usize,
     /// Half-length of the noise's high-pass.
     pub high_reach: usize,
-    /// Length of the transforms.
+    /// Length of the transforms for low part and noise.
     pub transform_len: usize,
     /// Delay of all outputs.
     pub latency: usize,
@@ -50,10 +50,8 @@ impl Layout {
         // sound; a window must be complete, with its envelope, one filter length before it does.
         let latency = (half_width + low_reach).max(2 * half_width + envelope_reach + scaled(HIGH_REACH));
         let high_reach = latency - 2 * half_width - envelope_reach;
-        let transform_len = scaled(TRANSFORM_LEN)
-            .max(half_width + 2 * low_reach)
-            .max(2 * half_width + 2 * high_reach)
-            .next_power_of_two();
+        let transform_len =
+            scaled(TRANSFORM_LEN).max(half_width + 2 * low_reach).max(4 * half_width).next_power_of_two();
         Ok(Self { half_width, low_reach, envelope_reach, high_reach, transform_len, latency })
     }
 }

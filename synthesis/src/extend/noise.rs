@@ -5,6 +5,7 @@ use super::band::Band;
 use super::layout::Layout;
 use super::spectrum::Transform;
 use crate::controls::ExtendControls;
+use crate::error::within;
 use crate::noise::White;
 
 /// Where the extension's noise comes from.
@@ -31,7 +32,11 @@ pub struct PowerLaw {
     band: Option<Band>,
     shape: Vec<f64>,
     taps: Vec<f64>,
-    /// White noise around the window: one stream shared by all channels, then one of each.
+    /// Blocks stand on multiples of their length, so that a block is the same whoever asks for it.
+    block_len: usize,
+    /// One per channel.
+    blocks: Vec<Block>,
+    /// White noise around the block: one stream shared by all channels, then one of each.
     streams: Vec<Stream>,
 }
 
@@ -48,13 +53,38 @@ impl PowerLaw {
             band: None,
             shape: vec![0.0; transform.bins()],
             taps: vec![0.0; reach + 1],
+            block_len: 2 * layout.half_width,
+            blocks: (0..channels).map(|_| Block { kind: None, samples: vec![0.0; 2 * layout.half_width] }).collect(),
             streams: (0..=channels as u32).map(|stream| Stream::new(stream, layout.transform_len)).collect(),
             transform,
         }
     }
 
+    fn make(&mut self, channel: usize, kind: &Kind) {
+        if self.band != Some(kind.band) {
+            self.set_band(&kind.band);
+        }
+        let from = kind.number * self.block_len as i64 - self.reach as i64;
+        let count = self.block_len + 2 * self.reach;
+        let time = &mut self.transform.time;
+        time.fill(0.0);
+        // Powers add up to 1, so width does not change the level.
+        let shared = (1.0 - kind.own * kind.own).sqrt();
+        for (gain, stream) in [(shared, 0), (kind.own, channel + 1)] {
+            if gain > 0.0 {
+                let white = self.streams[stream].at(kind.seed, from, count);
+                time.iter_mut().zip(white).for_each(|(sum, white)| *sum += gain * white);
+            }
+        }
+        self.transform.forward();
+        self.transform.filter(&self.shape);
+        let block = &mut self.blocks[channel];
+        block.samples.copy_from_slice(&self.transform.time[self.reach..self.reach + self.block_len]);
+        block.kind = Some(*kind);
+    }
+
     /// Samples the wanted response, cuts it to the filter's length and tapers its last quarter, so
-    /// that the noise at a position is the same in every window.
+    /// that blocks join without a seam.
     fn set_band(&mut self, band: &Band) {
         let bin_hz = self.sample_rate_hz / self.transform.len() as f64;
         let log_cutoff = band.cutoff_hz.ln();
@@ -76,31 +106,45 @@ impl PowerLaw {
 
 impl NoiseSource for PowerLaw {
     fn fill(&mut self, channel: usize, start: i64, controls: &ExtendControls, out: &mut [f64]) {
-        let band = Band::new(controls);
-        if self.band != Some(band) {
-            self.set_band(&band);
-        }
-        let from = start - self.reach as i64;
-        let count = out.len() + 2 * self.reach;
-        // Powers add up to 1, so width does not change the level. One channel alone has no width.
-        let own = if self.streams.len() == 2 { 0.0 } else { controls.width.max(0.0).min(1.0) };
-        let shared = (1.0 - own * own).sqrt();
-        let time = &mut self.transform.time;
-        time.fill(0.0);
-        for (gain, stream) in [(shared, 0), (own, channel + 1)] {
-            if gain > 0.0 {
-                let white = self.streams[stream].at(controls.seed, from, count);
-                time.iter_mut().zip(white).for_each(|(sum, white)| *sum += gain * white);
+        // One channel alone has no width.
+        let own = if self.blocks.len() == 1 { 0.0 } else { within(controls.width, 0.0, 1.0) };
+        let len = self.block_len as i64;
+        let mut done = 0;
+        while done < out.len() {
+            let at = start + done as i64;
+            let offset = at.rem_euclid(len) as usize;
+            let kind = Kind { number: at.div_euclid(len), band: Band::new(controls), seed: controls.seed, own };
+            if self.blocks[channel].kind != Some(kind) {
+                self.make(channel, &kind);
             }
+            let piece = &self.blocks[channel].samples[offset..];
+            let count = piece.len().min(out.len() - done);
+            out[done..done + count].copy_from_slice(&piece[..count]);
+            done += count;
         }
-        self.transform.forward();
-        self.transform.filter(&self.shape);
-        out.copy_from_slice(&self.transform.time[self.reach..self.reach + out.len()]);
     }
 
     fn level(&self, _controls: &ExtendControls) -> f64 {
         1.0
     }
+}
+
+/// All that a block of noise depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Kind {
+    /// The block begins at this times the blocks' length.
+    number: i64,
+    band: Band,
+    seed: u32,
+    /// Part of the channel's own stream in amplitude.
+    own: f64,
+}
+
+/// A channel's latest block. Windows overlap, so the next one mostly begins with it.
+#[derive(Debug)]
+struct Block {
+    kind: Option<Kind>,
+    samples: Vec<f64>,
 }
 
 /// The stretch of one white stream that was last asked for; the next one overlaps it.

@@ -17,6 +17,14 @@ pub(crate) struct Transform {
     pub spectrum: Vec<Complex64>,
 }
 
+/// The shortest quick length of at least `samples`: a power of two, or 3 or 9 times one.
+pub(crate) fn quick_len(samples: usize) -> usize {
+    [1, 3, 9]
+        .map(|factor| factor * samples.div_ceil(factor).next_power_of_two().max(2))
+        .into_iter()
+        .fold(usize::MAX, usize::min)
+}
+
 impl std::fmt::Debug for Transform {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.debug_struct("Transform").field("len", &self.len).finish_non_exhaustive()

@@ -35,7 +35,12 @@ pub struct Dictionary {
 impl Dictionary {
     /// Analyses a recording: `channels` equally long (1-8), finite samples at `sample_rate_hz`.
     /// Fails where the recording is too short for the levels, and when `progress` calls it off.
-    pub fn new(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &Shape, progress: Progress<'_>) -> Result<Self, Error> {
+    pub fn new(
+        channels: &[Vec<f64>],
+        sample_rate_hz: f64,
+        shape: &Shape,
+        progress: Progress<'_>,
+    ) -> Result<Self, Error> {
         shape.validate()?;
         crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 8.0)?;
         crate::error::in_range("sample rate of the recording in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
@@ -78,7 +83,11 @@ impl Dictionary {
                 *done += share;
                 go_on(*done)
             };
-            if windows.is_empty() { Ok(None) } else { Index::new(&dictionary.features(level), windows, &step).map(Some) }
+            if windows.is_empty() {
+                Ok(None)
+            } else {
+                Index::new(&dictionary.features(level), windows, &step).map(Some)
+            }
         });
         dictionary.indices = indices.collect::<Result<_, Error>>()?;
         go_on(1.0)?;

@@ -42,7 +42,12 @@ impl Distribution {
         let descends = |pair: &&[f64]| pair[1] < pair[0];
         let negative = quantiles.first().filter(|x| **x < 0.0).copied();
         if let Some(found) = negative.or(quantiles.windows(2).find(descends).map(|pair| pair[1])) {
-            return Err(Error::OutOfRange { what: "next value of a learned distribution", found, low: 0.0, high: f64::MAX });
+            return Err(Error::OutOfRange {
+                what: "next value of a learned distribution",
+                found,
+                low: 0.0,
+                high: f64::MAX,
+            });
         }
         Ok(Self { quantiles })
     }

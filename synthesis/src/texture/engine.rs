@@ -87,7 +87,9 @@ impl Texture {
         // last finer window has read them.
         let life = |level: usize| {
             let behind = if level == 0 { latency as i64 } else { schedule.offset[level - 1] };
-            ((behind - schedule.offset.get(level).copied().unwrap_or(0)).max(0) as usize >> level) + 4 * shape.reach() + 8
+            ((behind - schedule.offset.get(level).copied().unwrap_or(0)).max(0) as usize >> level)
+                + 4 * shape.reach()
+                + 8
         };
         let level = |level: usize| Level {
             samples: Ring::new(life(level)),

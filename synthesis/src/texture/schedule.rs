@@ -68,7 +68,10 @@ fn free_slot(due: i64, coarser: &[i64], period: &[i64], level: usize, w: i64, sp
     let meets = |delay: i64| coarser.iter().any(|offset| (due + delay - offset).rem_euclid(period[level]) == 0);
     let tidy = |delay: i64| ((due + delay).rem_euclid(w) == slot) == (level > 0);
     let all = 0..=spare.max(0);
-    all.clone().find(|delay| !meets(*delay) && tidy(*delay)).or_else(|| all.clone().find(|delay| !meets(*delay))).unwrap_or(0)
+    all.clone()
+        .find(|delay| !meets(*delay) && tidy(*delay))
+        .or_else(|| all.clone().find(|delay| !meets(*delay)))
+        .unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -77,9 +80,7 @@ mod tests {
 
     fn shapes() -> impl Iterator<Item = Shape> {
         let sizes = (2..=10).flat_map(|levels| (2..=16).map(move |window| (levels, window)));
-        sizes.flat_map(|(levels, window)| {
-            (1..=6).map(move |feature| Shape { levels, window, feature, falloff: 0.0 })
-        })
+        sizes.flat_map(|(levels, window)| (1..=6).map(move |feature| Shape { levels, window, feature, falloff: 0.0 }))
     }
 
     #[test]
@@ -118,9 +119,8 @@ mod tests {
     fn the_papers_levels_never_meet() {
         let shape = Shape::default();
         let Schedule { offset, period } = Schedule::new(&shape);
-        let busiest = (0..1024i64).map(|t| {
-            (0..shape.top()).filter(|l| (t - offset[*l]).rem_euclid(period[*l]) == 0).count()
-        });
+        let busiest =
+            (0..1024i64).map(|t| (0..shape.top()).filter(|l| (t - offset[*l]).rem_euclid(period[*l]) == 0).count());
         assert_eq!(busiest.max(), Some(1));
     }
 }

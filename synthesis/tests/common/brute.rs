@@ -44,7 +44,9 @@ fn pad(x: &[f64], levels: usize, mirror: bool) -> Padded {
         let size = (finer.len() - 1) / 2 + 1;
         let taps = [0.05, 0.25, 0.40, 0.25, 0.05];
         let coarser = (0..size as i64).map(|i| {
-            (0..5).filter(|t| (0..finer.len() as i64).contains(&(2 * i + t - 2))).fold(0.0, |sum, t| sum + taps[t as usize] * finer[(2 * i + t - 2) as usize])
+            (0..5)
+                .filter(|t| (0..finer.len() as i64).contains(&(2 * i + t - 2)))
+                .fold(0.0, |sum, t| sum + taps[t as usize] * finer[(2 * i + t - 2) as usize])
         });
         padded.levels.push(coarser.collect());
         padded.start.push(padded.start[l - 1].div_ceil(2));
@@ -117,7 +119,8 @@ pub fn synthesize(input: &[f64], training: &[f64], s: &Settings) -> Vec<f64> {
     }
     for l in (0..s.levels - 1).rev() {
         let windows = entries(&training, l, s);
-        let features: Vec<Vec<f64>> = windows.iter().map(|w| feature(&training.levels[l], &training.levels[l + 1], *w, s)).collect();
+        let features: Vec<Vec<f64>> =
+            windows.iter().map(|w| feature(&training.levels[l], &training.levels[l + 1], *w, s)).collect();
         if windows.is_empty() {
             continue;
         }
@@ -153,7 +156,11 @@ pub fn synthesize(input: &[f64], training: &[f64], s: &Settings) -> Vec<f64> {
             let w = s.window as i64;
             for i in 0..=2 * w {
                 let (from, to) = (from * w + i, to * w + i);
-                if from >= 0 && (from as usize) < training.levels[l].len() && to >= 0 && (to as usize) < output.levels[l].len() {
+                if from >= 0
+                    && (from as usize) < training.levels[l].len()
+                    && to >= 0
+                    && (to as usize) < output.levels[l].len()
+                {
                     let factor = (w - (w - i).abs()) as f64 * (1.0 / w as f64) * scale;
                     output.levels[l][to as usize] += factor * training.levels[l][from as usize];
                 }

@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
+use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
     Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality, TextureControls,
 };
 use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
-use pyrophone_synthesis::Structure;
 
 use crate::signals::{Random, signal};
 
@@ -34,7 +34,7 @@ pub fn chain(rate_hz: f64, channels: Channels) -> Chain {
 
 /// Some controls, every one of them moved.
 pub fn any_controls(random: &mut Random) -> Controls {
-    let mode = [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope][random.below(3)];
+    let mode = [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope, DriveMode::InputEnvelope][random.below(4)];
     let dynamic_range = [DynamicRange::Off, DynamicRange::Learned, DynamicRange::Running][random.below(3)];
     let quality = [Quality::Exact, Quality::Bounded { candidates: 1 + random.below(4096) as u32 }][random.below(2)];
     let level = |random: &mut Random| if random.below(4) == 0 { 0.0 } else { 2.0 * random.unit() };
@@ -96,7 +96,8 @@ pub fn play(
     mut next_block: impl FnMut() -> usize,
 ) -> Vec<Vec<f32>> {
     let samples = input[0].len();
-    let mut out: Vec<Vec<f32>> = (0..outputs).map(|c| input.get(c).cloned().unwrap_or_else(|| vec![0.0; samples])).collect();
+    let mut out: Vec<Vec<f32>> =
+        (0..outputs).map(|c| input.get(c).cloned().unwrap_or_else(|| vec![0.0; samples])).collect();
     let mut controls = Controls::default();
     let (mut position, mut start) = (position, 0);
     while start < samples {

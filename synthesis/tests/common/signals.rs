@@ -45,7 +45,13 @@ pub fn signal(random: &mut Random, kind: usize, samples: usize) -> Vec<f64> {
                 3 => (i as f64 * 0.03 * (0.2 + level)).sin(),
                 4 => level,
                 5 => 0.0,
-                _ => if i / 2000 % 2 == 0 { 0.0 } else { 8.0 * slower + 0.1 * white },
+                _ => {
+                    if i / 2000 % 2 == 0 {
+                        0.0
+                    } else {
+                        8.0 * slower + 0.1 * white
+                    }
+                }
             };
             f64::from((0.5 * x) as f32)
         })

@@ -40,7 +40,11 @@ pub struct Index {
 impl Index {
     /// Indexes `windows`, at least one, of `features`; `progress` is called with parts that add
     /// up to 1 and may call it off.
-    pub fn new(features: &Features<'_>, windows: Range<usize>, progress: &dyn Fn(f32) -> Result<(), Error>) -> Result<Self, Error> {
+    pub fn new(
+        features: &Features<'_>,
+        windows: Range<usize>,
+        progress: &dyn Fn(f32) -> Result<(), Error>,
+    ) -> Result<Self, Error> {
         let axes = Axes::new(features, windows.clone());
         progress(0.3)?;
         let points = axes.project_all(features, windows.clone());

@@ -61,7 +61,14 @@ impl Searcher {
 
     /// The nearest window of `index` to `query`, the lowest of equally near ones. `features` must
     /// be those the index was made of. `hint`, if it is one of the index's windows, is tried first.
-    pub fn nearest(&mut self, index: &Index, features: &Features<'_>, query: &[f64], hint: Option<usize>, budget: Budget) -> Answer {
+    pub fn nearest(
+        &mut self,
+        index: &Index,
+        features: &Features<'_>,
+        query: &[f64],
+        hint: Option<usize>,
+        budget: Budget,
+    ) -> Answer {
         let hint = hint.filter(|window| index.windows().contains(window));
         match budget {
             Budget::Exact { eps } => nearest_exact(index, features, query, hint, eps, &mut self.stack),
