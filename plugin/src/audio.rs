@@ -1,0 +1,159 @@
+//! The audio thread's part: the engines, and their ends of the rings to the loader. Nothing here
+//! allocates, locks, frees or waits, but for [`Audio::set_chain`].
+
+use std::sync::atomic::Ordering;
+
+use pyrophone_settings::Values;
+use pyrophone_synthesis::chain::{Chain, Meters, Transport};
+
+use crate::loader::link::{AudioLink, Retired, Update, fingerprint};
+
+/// Longest piece that the engines are given at once.
+const LONGEST_PIECE: usize = 8192;
+
+/// Most channels of a bus.
+pub const MAX_CHANNELS: usize = 2;
+
+/// The engines of one instance.
+pub struct Audio {
+    link: AudioLink,
+    running: Option<Running>,
+    /// Stands in for a sidechain that is not there; as long as the longest piece that is processed
+    /// at once.
+    silence: Vec<f32>,
+}
+
+struct Running {
+    chain: Chain,
+    sidechain_channels: usize,
+    /// Of the structure that runs.
+    structure: u64,
+    latency_samples: u32,
+    /// Of the structure for which a restart was last asked.
+    restart_asked: u64,
+}
+
+/// What a restart would bring.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Restart {
+    /// The latency in samples after it.
+    pub latency_samples: u32,
+}
+
+impl Audio {
+    /// No engines yet.
+    pub fn new(link: AudioLink) -> Self {
+        Self { link, running: None, silence: Vec::new() }
+    }
+
+    /// Exchanges the engines; not real-time safe. `values` are those they were made of.
+    pub fn set_chain(&mut self, chain: Option<Chain>, sidechain_channels: usize, max_block: usize, values: &Values) {
+        self.silence = vec![0.0; max_block.clamp(1, LONGEST_PIECE)];
+        let structure = fingerprint(&values.structure());
+        self.running = chain.map(|chain| Running {
+            latency_samples: chain.latency_samples() as u32,
+            chain,
+            sidechain_channels,
+            structure,
+            restart_asked: structure,
+        });
+        self.receive_updates();
+    }
+
+    /// Takes over what the loader has sent, and hands back what it replaces.
+    pub fn receive_updates(&mut self) {
+        let Some(running) = &mut self.running else { return };
+        while let Some(update) = self.link.receive() {
+            let retired = match update {
+                Update::Dictionary(new) => running.chain.swap_dictionary(new).map(Retired::Dictionary),
+                Update::Distribution(new) => running.chain.swap_distribution(new).map(Retired::Distribution),
+            };
+            if let Some(retired) = retired {
+                self.link.retire(retired);
+            }
+        }
+    }
+
+    /// The restart to ask the host for, once, when the parameters say another structure than runs
+    /// and everything is ready for it.
+    pub fn wanted_restart(&mut self, values: &Values) -> Option<Restart> {
+        let running = self.running.as_mut()?;
+        let wanted = fingerprint(&values.structure());
+        if wanted == running.structure {
+            running.restart_asked = wanted;
+            return None;
+        }
+        if wanted == running.restart_asked {
+            return None;
+        }
+        let latency_samples = self.link.shared.prepared_latency_samples(wanted)?;
+        running.restart_asked = wanted;
+        Some(Restart { latency_samples })
+    }
+
+    /// Latency in samples of the engines that run.
+    pub fn latency_samples(&self) -> Option<u32> {
+        self.running.as_ref().map(|running| running.latency_samples)
+    }
+
+    /// Back to the state of a fresh activation.
+    pub fn reset(&mut self) {
+        if let Some(running) = &mut self.running {
+            running.chain.reset();
+        }
+    }
+
+    /// Processes one block in place. `main` has the output's channels, the first of them hold the
+    /// input; `sidechain` channels shorter than the block count as silent.
+    pub fn process(
+        &mut self,
+        main: &mut [&mut [f32]],
+        sidechain: &[&mut [f32]],
+        values: &Values,
+        transport: Transport,
+    ) {
+        let Some(running) = &mut self.running else {
+            main.iter_mut().for_each(|channel| channel.fill(0.0));
+            return;
+        };
+        let controls = values.controls();
+        let samples = main.first().map_or(0, |channel| channel.len());
+        let learns =
+            self.link.shared.learning.load(Ordering::Relaxed) && (transport.playing || transport.position.is_none());
+        let channels = main.len().min(MAX_CHANNELS);
+        let mut start = 0;
+        while start < samples {
+            let end = samples.min(start + self.silence.len());
+            let mut pieces: [&mut [f32]; MAX_CHANNELS] = [&mut [], &mut []];
+            for (piece, channel) in pieces.iter_mut().zip(main.iter_mut()) {
+                *piece = &mut channel[start..end];
+            }
+            let mut side: [&[f32]; MAX_CHANNELS] = [&self.silence[..end - start]; MAX_CHANNELS];
+            for (piece, channel) in side.iter_mut().zip(sidechain) {
+                *piece = channel.get(start..end).unwrap_or(piece);
+            }
+            let position = transport.position.map(|position| position.wrapping_add(start as i64));
+            running.chain.process(
+                &mut pieces[..channels],
+                &side[..running.sidechain_channels.min(MAX_CHANNELS)],
+                &controls,
+                Transport { position, ..transport },
+            );
+            if learns {
+                self.link.send_magnitudes(running.chain.top_level());
+            }
+            start = end;
+        }
+    }
+
+    /// The meters since the last call.
+    pub fn take_meters(&mut self) -> Meters {
+        self.running.as_mut().map(|running| running.chain.take_meters()).unwrap_or_default()
+    }
+
+    /// Samples that may still sound, or `None` once all is silent.
+    pub fn tail_samples(&self) -> Option<u32> {
+        let chain = &self.running.as_ref()?.chain;
+        (!chain.is_silent()).then(|| chain.tail_samples().min(u32::MAX as usize - 1) as u32)
+    }
+}

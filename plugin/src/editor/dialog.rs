@@ -1,0 +1,107 @@
+//! The system's file dialog, on a thread of its own so that neither window nor sound wait for it.
+
+use std::future::Future;
+use std::path::{Path, PathBuf};
+use std::pin::pin;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex};
+use std::task::{Context, Poll, Wake, Waker};
+use std::thread::{JoinHandle, Thread};
+use std::time::Duration;
+
+use nice_plug_egui::RepaintNotifier;
+
+/// File names that recordings have.
+const EXTENSIONS: &[&str] = &["wav", "wave", "flac", "ogg", "oga", "mp3", "aif", "aiff", "aifc", "caf"];
+
+/// How often the thread looks whether it was called off.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// An open dialog; dropping it calls it off.
+pub struct Dialog {
+    chosen: Mutex<Receiver<Option<PathBuf>>>,
+    called_off: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Unpark(Thread);
+
+impl Wake for Unpark {
+    fn wake(self: Arc<Self>) {
+        self.0.unpark();
+    }
+}
+
+impl Dialog {
+    /// Opens the dialog in the folder of `path`; `notifier` wakes the window at its end.
+    pub fn open(path: &str, notifier: RepaintNotifier) -> Self {
+        let folder = Path::new(path).parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
+        let (sender, receiver) = channel();
+        let called_off = Arc::new(AtomicBool::new(false));
+        let flag = called_off.clone();
+        let ask = move || {
+            let mut dialog = rfd::AsyncFileDialog::new()
+                .set_title("Load a recording of fire")
+                .add_filter("Sound files", EXTENSIONS)
+                .add_filter("All files", &["*"]);
+            if let Some(folder) = folder {
+                dialog = dialog.set_directory(folder);
+            }
+            let chosen = wait_for(dialog.pick_file(), &flag).flatten().map(|file| file.path().to_owned());
+            // The window may be gone; then nobody wants the answer.
+            let _ = sender.send(chosen);
+            notifier.request_repaint();
+        };
+        // Without a thread the receiver is cut off, which reads as "nothing chosen".
+        let thread = std::thread::Builder::new().name("pyrophone-dialog".to_owned()).spawn(ask).ok();
+        Self { chosen: Mutex::new(receiver), called_off, thread }
+    }
+
+    /// The answer, once there is one: a file, or none.
+    pub fn poll(&mut self) -> Option<Option<PathBuf>> {
+        let receiver = self.chosen.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner);
+        match receiver.try_recv() {
+            Ok(chosen) => Some(chosen),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(None),
+        }
+    }
+}
+
+impl Drop for Dialog {
+    fn drop(&mut self) {
+        self.called_off.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A panic in there only means that nothing was chosen.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Runs a future to its end on this thread, or until called off.
+fn wait_for<T>(future: impl Future<Output = T>, called_off: &AtomicBool) -> Option<T> {
+    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
+    let mut context = Context::from_waker(&waker);
+    let mut future = pin!(future);
+    while !called_off.load(Ordering::Relaxed) {
+        if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
+            return Some(value);
+        }
+        std::thread::park_timeout(GLANCE);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_future_ends_or_is_called_off() {
+        let off = AtomicBool::new(false);
+        assert_eq!(wait_for(std::future::ready(3), &off), Some(3));
+        let off = AtomicBool::new(true);
+        assert_eq!(wait_for(std::future::pending::<u8>(), &off), None);
+    }
+}

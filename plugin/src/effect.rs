@@ -1,0 +1,226 @@
+//! What hosts call.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use nice_plug::prelude::*;
+use nice_plug_egui::{EguiEditor, EguiEditorState, RepaintNotifier};
+use pyrophone_synthesis::chain::{Chain, Channels};
+
+use crate::audio::Audio;
+use crate::editor::{self, Window};
+use crate::fence::Fence;
+use crate::host_clock::{HostClock, Reported};
+use crate::loader::{Engine, Loader};
+use crate::meters::Meters;
+use crate::parameters::{EffectParams, sanitize};
+
+/// The longest that an activation waits for a load under way. Hosts bounce in "real-time" mode
+/// too, so some wait is due there; where the host says that it renders offline there is no limit.
+const ACTIVATION_WAIT: Duration = Duration::from_secs(2);
+
+/// How often the window is asked to show new levels.
+const METER_HZ: f32 = 30.0;
+
+/// The effect.
+pub struct Pyrophone {
+    params: Arc<EffectParams>,
+    loader: Loader,
+    audio: Audio,
+    meters: Arc<Meters>,
+    clock: HostClock,
+    fence: Fence,
+    executor: Option<AsyncExecutor<Self>>,
+    notifier: RepaintNotifier,
+    window: Arc<EguiEditorState>,
+    sample_rate_hz: f32,
+    /// Samples since the window was asked to show new levels.
+    since_repaint: f32,
+}
+
+/// What the framework's background thread does for an instance: nothing, see [`Fence`].
+pub struct PassFence;
+
+impl Default for Pyrophone {
+    fn default() -> Self {
+        let notifier = RepaintNotifier::new();
+        let (loader, params, link) = Loader::start(notifier.clone());
+        Self {
+            params,
+            loader,
+            audio: Audio::new(link),
+            meters: Arc::default(),
+            clock: HostClock::default(),
+            fence: Fence::default(),
+            executor: None,
+            notifier,
+            window: editor::initial_state(),
+            sample_rate_hz: 0.0,
+            since_repaint: 0.0,
+        }
+    }
+}
+
+const fn layout(input: u32, output: u32, sidechain: &'static [NonZeroU32], name: &'static str) -> AudioIOLayout {
+    AudioIOLayout {
+        main_input_channels: NonZeroU32::new(input),
+        main_output_channels: NonZeroU32::new(output),
+        aux_input_ports: sidechain,
+        aux_output_ports: &[],
+        names: PortNames { layout: Some(name), aux_inputs: &["Sidechain"], ..PortNames::const_default() },
+    }
+}
+
+const MONO: &[NonZeroU32] = &[new_nonzero_u32(1)];
+const STEREO: &[NonZeroU32] = &[new_nonzero_u32(2)];
+
+impl Plugin for Pyrophone {
+    const NAME: &'static str = "Pyrophone";
+    const VENDOR: &'static str = "Pyrophone";
+    const URL: &'static str = "";
+    const EMAIL: &'static str = "";
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+
+    const AUDIO_IO_LAYOUTS: &'static [AudioIOLayout] = &[
+        layout(2, 2, STEREO, "Stereo, stereo sidechain"),
+        layout(2, 2, &[], "Stereo"),
+        layout(2, 2, MONO, "Stereo, mono sidechain"),
+        layout(1, 2, STEREO, "Mono to stereo, stereo sidechain"),
+        layout(1, 2, &[], "Mono to stereo"),
+        layout(1, 2, MONO, "Mono to stereo, mono sidechain"),
+        layout(1, 1, STEREO, "Mono, stereo sidechain"),
+        layout(1, 1, &[], "Mono"),
+        layout(1, 1, MONO, "Mono, mono sidechain"),
+    ];
+    const SAMPLE_ACCURATE_AUTOMATION: bool = true;
+
+    type Editor = EguiEditor<Window>;
+    type SysExMessage = ();
+    type BackgroundTask = PassFence;
+
+    fn task_executor(&mut self) -> TaskExecutor<Self> {
+        let fence = self.fence.clone();
+        Box::new(move |PassFence| fence.pass())
+    }
+
+    fn params(&self) -> Arc<dyn Params> {
+        self.params.clone()
+    }
+
+    fn editor(&mut self, executor: AsyncExecutor<Self>) -> Option<Self::Editor> {
+        self.executor = Some(executor);
+        let window = Window::new(self.params.clone(), self.loader.handle(), self.meters.clone(), self.notifier.clone());
+        editor::create(self.window.clone(), self.notifier.clone(), window)
+    }
+
+    fn filter_state(state: &mut PluginState) {
+        sanitize(state);
+    }
+
+    fn activate(
+        &mut self,
+        layout: &AudioIOLayout,
+        config: &BufferConfig,
+        context: &mut impl ActivateContext<Self>,
+    ) -> bool {
+        let count = |channels: Option<NonZeroU32>| channels.map_or(0, |channels| channels.get() as usize);
+        let channels = Channels {
+            input: count(layout.main_input_channels),
+            sidechain: layout.aux_input_ports.first().map_or(0, |port| port.get() as usize),
+            output: count(layout.main_output_channels),
+        };
+        let values = self.params.values();
+        let sample_rate_hz = f64::from(config.sample_rate);
+        let engine = Engine { sample_rate_hz, structure: values.structure(), channels };
+        let ticket = self.loader.set_engine(engine);
+        let chain = match Chain::new(sample_rate_hz, channels, &engine.structure) {
+            Ok(chain) => chain,
+            Err(error) => {
+                nice_error!("Pyrophone cannot run: {error}");
+                return false;
+            }
+        };
+        let latency_samples = chain.latency_samples() as u32;
+        let offline = config.process_mode == ProcessMode::Offline;
+        let began = Instant::now();
+        let is_loaded = self.loader.wait(ticket, (!offline).then_some(ACTIVATION_WAIT));
+        let waited_s = began.elapsed().as_secs_f32();
+        if !is_loaded {
+            nice_log!("Pyrophone starts without its recording, which is still loading after {waited_s:.1} s");
+        } else if waited_s > 0.2 {
+            let why = if offline { "an offline render needs its recording" } else { "a recording was loading" };
+            nice_log!("Pyrophone waited {waited_s:.1} s, because {why}");
+        }
+        self.audio.set_chain(Some(chain), channels.sidechain, config.max_buffer_size as usize, &values);
+        self.sample_rate_hz = config.sample_rate;
+        self.meters.set_engine(config.sample_rate, latency_samples);
+        context.set_latency_samples(latency_samples);
+        true
+    }
+
+    fn reset(&mut self) {
+        self.audio.reset();
+        self.clock.reset();
+    }
+
+    fn process(
+        &mut self,
+        buffer: &mut Buffer,
+        aux: &mut AuxiliaryBuffers,
+        context: &mut impl ProcessContext<Self>,
+    ) -> ProcessStatus {
+        self.audio.receive_updates();
+        let values = self.params.values();
+        let samples = buffer.samples();
+        let transport = context.transport();
+        let reported = Reported {
+            api: context.plugin_api(),
+            playing: transport.playing,
+            position: transport.pos_samples(),
+            has_tempo: transport.tempo.is_some(),
+        };
+        let transport = self.clock.transport(reported, samples);
+        let sidechain = aux.inputs.first().map_or(&[] as &[_], |port| port.as_slice_immutable());
+        self.audio.process(buffer.as_slice(), sidechain, &values, transport);
+
+        self.meters.publish(&self.audio.take_meters());
+        self.since_repaint += samples as f32;
+        if self.since_repaint * METER_HZ >= self.sample_rate_hz {
+            self.since_repaint = 0.0;
+            self.notifier.request_repaint();
+        }
+        if let Some(restart) = self.audio.wanted_restart(&values) {
+            if self.audio.latency_samples() != Some(restart.latency_samples) {
+                context.set_latency_samples(restart.latency_samples);
+            }
+            context.request_restart();
+        }
+        match self.audio.tail_samples() {
+            Some(tail) => ProcessStatus::Tail(tail),
+            None => ProcessStatus::Normal,
+        }
+    }
+
+    fn deactivate(&mut self) {
+        if let Some(executor) = &self.executor
+            && !self.fence.wait(|| executor.execute_background(PassFence))
+        {
+            nice_warn!("Pyrophone's background tasks have not ended in time");
+        }
+    }
+}
+
+impl ClapPlugin for Pyrophone {
+    const CLAP_ID: &'static str = "org.pyrophone.pyrophone";
+    const CLAP_DESCRIPTION: Option<&'static str> =
+        Some("Turns a low-frequency flame signal, or any sound's envelope, into full-band fire");
+    const CLAP_MANUAL_URL: Option<&'static str> = None;
+    const CLAP_SUPPORT_URL: Option<&'static str> = None;
+    const CLAP_FEATURES: &'static [ClapFeature] =
+        &[ClapFeature::AudioEffect, ClapFeature::Mono, ClapFeature::Stereo, ClapFeature::MultiEffects];
+}
+
+impl Vst3Plugin for Pyrophone {
+    const VST3_CLASS_ID: [u8; 16] = *b"PyrophoneFireFX1";
+    const VST3_SUBCATEGORIES: &'static [Vst3SubCategory] = &[Vst3SubCategory::Fx, Vst3SubCategory::Generator];
+}

@@ -1,0 +1,26 @@
+//! Pyrophone as a CLAP and VST3 effect.
+//!
+//! | module | is | lives on |
+//! |---|---|---|
+//! | [`effect`] | what hosts call | whichever thread the host says |
+//! | [`parameters`] | the settings' table as host parameters | any thread |
+//! | [`audio`] | the engines, and their ends of the rings | the audio thread |
+//! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
+//! | [`persist`] | what a session keeps besides the parameters | any thread |
+//! | [`meters`] | levels for the editor | any thread |
+//! | [`editor`] | the window | the host's window thread |
+
+pub mod audio;
+pub mod editor;
+pub mod effect;
+pub mod fence;
+pub mod host_clock;
+pub mod loader;
+pub mod meters;
+pub mod parameters;
+pub mod persist;
+
+pub use effect::Pyrophone;
+
+nice_plug::nice_export_clap!(Pyrophone);
+nice_plug::nice_export_vst3!(Pyrophone);

@@ -1,0 +1,113 @@
+//! Learning the distribution of the drive's amplitudes from one pass, and handing it to the
+//! engine it holds for.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use pyrophone_settings::session::{Learned, Session};
+use pyrophone_synthesis::texture::Distribution;
+
+use super::Engine;
+use super::link::{LoaderLink, Update};
+use super::status::Status;
+
+/// Most amplitudes of one pass: about an hour and a half at 44.1 kHz and six levels.
+const MAX_VALUES: usize = 1 << 23;
+
+/// A pass that is being learned, and whether the engine has what was learned.
+#[derive(Default)]
+pub struct Learner {
+    /// The amplitudes so far, while learning.
+    values: Option<Vec<f64>>,
+    /// Whether learning was switched off and only the rest on the way is awaited.
+    is_closing: bool,
+    is_sent: bool,
+}
+
+impl Learner {
+    /// Has the distribution sent again.
+    pub fn resend(&mut self) {
+        self.is_sent = false;
+    }
+
+    /// Takes in what has passed; whether a pass has ended and changed the session.
+    pub fn follow(
+        &mut self,
+        link: &mut LoaderLink,
+        session: &mut Session,
+        engine: Option<&Engine>,
+        status: &Status,
+    ) -> bool {
+        let is_on = link.shared.learning.load(Ordering::Relaxed);
+        let Some(values) = &mut self.values else {
+            if is_on {
+                link.shared.magnitudes_lost.store(false, Ordering::Relaxed);
+                self.values = Some(Vec::new());
+                self.is_closing = false;
+                status.update(|view| view.learning = Some(0));
+            }
+            return false;
+        };
+        let before = values.len();
+        link.take_magnitudes(values);
+        if values.len() > MAX_VALUES {
+            values.truncate(MAX_VALUES);
+        }
+        if values.len() != before {
+            status.update(|view| view.learning = Some(values.len()));
+        }
+        if is_on {
+            return false;
+        }
+        // What was on its way when the switch went off arrives by the next look.
+        if !std::mem::replace(&mut self.is_closing, true) {
+            return false;
+        }
+        let values = self.values.take().unwrap_or_default();
+        status.update(|view| view.learning = None);
+        if link.shared.magnitudes_lost.load(Ordering::Relaxed) {
+            status.fail("some of the pass was missed, because it was rendered too fast; learn in real time".to_owned());
+        }
+        match engine {
+            Some(engine) if !values.is_empty() => {
+                session.learned = Some(Learned {
+                    sample_rate_hz: engine.sample_rate_hz,
+                    levels: engine.structure.levels,
+                    quantiles: Distribution::from_magnitudes(values).quantiles().to_vec(),
+                });
+                self.is_sent = false;
+                true
+            }
+            _ => {
+                status.fail("nothing was learned; press Learn, play the track, and press it again".to_owned());
+                false
+            }
+        }
+    }
+
+    /// Sends the session's distribution to the engine, if it holds for that engine.
+    pub fn send(&mut self, link: &mut LoaderLink, session: &Session, engine: &Engine, status: &Status) {
+        if self.is_sent {
+            return;
+        }
+        let (distribution, text) = match &session.learned {
+            None => (None, None),
+            Some(learned)
+                if learned.sample_rate_hz != engine.sample_rate_hz || learned.levels != engine.structure.levels =>
+            {
+                let Learned { sample_rate_hz, levels, .. } = learned;
+                let text =
+                    format!("learned at {sample_rate_hz} Hz and {levels} levels, which is not what runs: learn again");
+                (None, Some(text))
+            }
+            Some(learned) => match Distribution::from_quantiles(learned.quantiles.clone()) {
+                Ok(distribution) => {
+                    (Some(Arc::new(distribution)), Some(format!("{} amplitudes", learned.quantiles.len())))
+                }
+                Err(error) => (None, Some(error.to_string())),
+            },
+        };
+        self.is_sent = link.send(Update::Distribution(distribution));
+        status.update(|view| view.learned = text);
+    }
+}

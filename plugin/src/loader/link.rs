@@ -1,0 +1,172 @@
+//! Rings between the loader's thread and the audio thread. What the audio thread gives up goes
+//! back through a ring and is freed by the loader.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+
+use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::texture::{Dictionary, Distribution};
+use ringbuf::traits::{Consumer, Observer, Producer, Split};
+use ringbuf::{HeapCons, HeapProd, HeapRb};
+
+/// Something new for the engines.
+pub enum Update {
+    /// The recording's dictionary, or none.
+    Dictionary(Option<Arc<Dictionary>>),
+    /// The learned distribution, or none.
+    Distribution(Option<Arc<Distribution>>),
+}
+
+/// Something that the audio thread no longer needs.
+pub enum Retired {
+    /// A dictionary.
+    Dictionary(Arc<Dictionary>),
+    /// A distribution.
+    Distribution(Arc<Distribution>),
+}
+
+/// Updates that may be under way; a few suffice, since the loader tries again.
+const UPDATES: usize = 8;
+/// Retired things that may be under way.
+const RETIRED: usize = 32;
+/// Magnitudes that may be under way: three quarters of a minute at 44.1 kHz and six levels, for a
+/// host that renders faster than the loader looks.
+const MAGNITUDES: usize = 1 << 16;
+
+/// Switches that both threads look at.
+#[derive(Debug, Default)]
+pub struct Shared {
+    /// Whether the amplitudes that pass are to be learned.
+    pub learning: AtomicBool,
+    /// Whether some of them were lost on the way.
+    pub magnitudes_lost: AtomicBool,
+    prepared: AtomicU64,
+    prepared_latency_samples: AtomicU32,
+}
+
+impl Shared {
+    /// Tells that everything is ready for engines of this structure.
+    pub fn set_prepared(&self, structure: &Structure, latency_samples: u32) {
+        self.prepared_latency_samples.store(latency_samples, Ordering::Relaxed);
+        self.prepared.store(fingerprint(structure), Ordering::Release);
+    }
+
+    /// The latency in samples of engines of this structure, if everything is ready for them.
+    pub fn prepared_latency_samples(&self, structure: u64) -> Option<u32> {
+        let is_ready = self.prepared.load(Ordering::Acquire) == structure;
+        is_ready.then(|| self.prepared_latency_samples.load(Ordering::Relaxed))
+    }
+}
+
+/// A number that tells structures apart; never 0.
+pub fn fingerprint(structure: &Structure) -> u64 {
+    let Structure { levels, window, feature, falloff, half_width, fit_width_hz } = *structure;
+    let fields =
+        [levels as u64, window as u64, feature as u64, falloff.to_bits(), half_width as u64, fit_width_hz.to_bits()];
+    // FNV-1a over words.
+    fields.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, field| (hash ^ field).wrapping_mul(0x0100_0000_01b3)) | 1
+}
+
+/// The loader's ends.
+pub struct LoaderLink {
+    updates: HeapProd<Update>,
+    retired: HeapCons<Retired>,
+    magnitudes: HeapCons<f64>,
+    /// Switches.
+    pub shared: Arc<Shared>,
+}
+
+/// The audio thread's ends.
+pub struct AudioLink {
+    updates: HeapCons<Update>,
+    retired: HeapProd<Retired>,
+    magnitudes: HeapProd<f64>,
+    /// Switches.
+    pub shared: Arc<Shared>,
+}
+
+/// Both ends of new rings.
+pub fn pair() -> (LoaderLink, AudioLink) {
+    let (updates_in, updates_out) = HeapRb::new(UPDATES).split();
+    let (retired_in, retired_out) = HeapRb::new(RETIRED).split();
+    let (magnitudes_in, magnitudes_out) = HeapRb::new(MAGNITUDES).split();
+    let shared = Arc::new(Shared::default());
+    let loader =
+        LoaderLink { updates: updates_in, retired: retired_out, magnitudes: magnitudes_out, shared: shared.clone() };
+    let audio = AudioLink { updates: updates_out, retired: retired_in, magnitudes: magnitudes_in, shared };
+    (loader, audio)
+}
+
+impl LoaderLink {
+    /// Sends an update; whether there was room.
+    pub fn send(&mut self, update: Update) -> bool {
+        self.updates.try_push(update).is_ok()
+    }
+
+    /// Frees what the audio thread has given up.
+    pub fn free_retired(&mut self) {
+        while self.retired.try_pop().is_some() {}
+    }
+
+    /// Moves the magnitudes that have arrived to the end of `values`.
+    pub fn take_magnitudes(&mut self, values: &mut Vec<f64>) {
+        values.extend(self.magnitudes.pop_iter());
+    }
+}
+
+impl AudioLink {
+    /// The next update, as long as there is room to give back what it replaces; real-time safe.
+    pub fn receive(&mut self) -> Option<Update> {
+        if self.retired.is_full() { None } else { self.updates.try_pop() }
+    }
+
+    /// Gives something up after a [`receive`](Self::receive); real-time safe.
+    pub fn retire(&mut self, retired: Retired) {
+        // `receive` has made sure of the room; were there none after all, leaking is the only
+        // thing that neither waits nor frees.
+        if let Err(unsent) = self.retired.try_push(retired) {
+            std::mem::forget(unsent);
+        }
+    }
+
+    /// Passes on magnitudes to be learned; real-time safe.
+    pub fn send_magnitudes(&mut self, magnitudes: &[f64]) {
+        if self.magnitudes.push_slice(magnitudes) < magnitudes.len() {
+            self.shared.magnitudes_lost.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fingerprints_tell_structures_apart() {
+        let base = Structure::default();
+        let others = [
+            Structure { levels: 5, ..base },
+            Structure { window: 5, ..base },
+            Structure { feature: 4, ..base },
+            Structure { falloff: 0.001, ..base },
+            Structure { half_width: 501, ..base },
+            Structure { fit_width_hz: 30.1, ..base },
+        ];
+        for other in others {
+            assert_ne!(fingerprint(&base), fingerprint(&other), "{other:?}");
+        }
+        assert_ne!(fingerprint(&base), 0);
+    }
+
+    #[test]
+    fn lost_magnitudes_are_noticed() {
+        let (mut loader, mut audio) = pair();
+        audio.send_magnitudes(&vec![0.5; MAGNITUDES]);
+        assert!(!audio.shared.magnitudes_lost.load(Ordering::Relaxed));
+        audio.send_magnitudes(&[0.5]);
+        assert!(audio.shared.magnitudes_lost.load(Ordering::Relaxed));
+        let mut values = Vec::new();
+        loader.take_magnitudes(&mut values);
+        assert_eq!(values.len(), MAGNITUDES);
+    }
+}

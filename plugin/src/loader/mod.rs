@@ -1,0 +1,132 @@
+//! Everything that takes time: decoding, resampling, indexing, learning. One thread per instance,
+//! joined when the instance goes.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`mailbox`] | orders to the thread, and waiting for them |
+//! | [`worker`] | the thread |
+//! | [`source`] | from a path or a session to a decoded recording |
+//! | [`cache`] | what instances of one process share |
+//! | [`learner`] | the learned distribution |
+//! | [`link`] | rings between the thread and the audio thread |
+//! | [`status`] | what the editor shows of it |
+
+pub mod cache;
+pub mod learner;
+pub mod link;
+pub mod mailbox;
+pub mod source;
+pub mod status;
+pub mod worker;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use nice_plug_egui::RepaintNotifier;
+use pyrophone_synthesis::Structure;
+
+use crate::parameters::EffectParams;
+use crate::persist::SessionStore;
+use link::{AudioLink, Shared};
+use mailbox::{Mailbox, Order, Ticket};
+use status::Status;
+use worker::Worker;
+
+/// The sample rate and structure of the engines that run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Engine {
+    /// Sample rate in Hz.
+    pub sample_rate_hz: f64,
+    /// Structure.
+    pub structure: Structure,
+    /// Channels, for the latency of an engine to come.
+    pub channels: pyrophone_synthesis::chain::Channels,
+}
+
+/// A handle to the loader's thread, for the editor.
+#[derive(Clone)]
+pub struct LoaderHandle {
+    mailbox: Arc<Mailbox>,
+    /// What it is doing.
+    pub status: Arc<Status>,
+    /// The switches it shares with the audio thread.
+    pub shared: Arc<Shared>,
+}
+
+/// The loader's thread; dropping it calls off its work and waits for its end.
+pub struct Loader {
+    handle: LoaderHandle,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Loader {
+    /// Starts the thread; answers the parameters it follows and the audio thread's ends of its
+    /// rings. Where no thread can be started, recordings cannot be loaded, and the status says so.
+    pub fn start(notifier: RepaintNotifier) -> (Self, Arc<EffectParams>, AudioLink) {
+        let mailbox = Arc::new(Mailbox::default());
+        let session = {
+            let mailbox = mailbox.clone();
+            Arc::new(SessionStore::new(move || mailbox.post(Order::ReadSession)))
+        };
+        let params = Arc::new(EffectParams::new(session));
+        let status = Arc::new(Status::new(notifier));
+        let (link, audio_link) = link::pair();
+        let handle = LoaderHandle { mailbox: mailbox.clone(), status: status.clone(), shared: link.shared.clone() };
+        let worker = Worker::new(mailbox, params.clone(), status.clone(), link);
+        let thread = std::thread::Builder::new().name("pyrophone-loader".to_owned()).spawn(move || worker.run());
+        if let Err(error) = &thread {
+            status.fail(format!("no recordings can be loaded: the system refuses a thread ({error}); close something"));
+        }
+        (Self { handle, thread: thread.ok() }, params, audio_link)
+    }
+
+    /// A handle for the editor.
+    pub fn handle(&self) -> LoaderHandle {
+        self.handle.clone()
+    }
+
+    /// Tells what engine runs from now on; its dictionary and distribution are sent again.
+    pub fn set_engine(&self, engine: Engine) -> Ticket {
+        self.handle.mailbox.post_ticketed(Order::Engine(engine))
+    }
+
+    /// Waits until everything ordered up to `ticket` is done, or `limit` is over (`None`: no
+    /// limit); whether it is done.
+    pub fn wait(&self, ticket: Ticket, limit: Option<Duration>) -> bool {
+        self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) && self.handle.mailbox.wait(ticket, limit)
+    }
+}
+
+impl LoaderHandle {
+    /// Loads a recording; the latest call wins, and the old sound plays on until it is ready.
+    pub fn load(&self, path: PathBuf) {
+        self.mailbox.post(Order::Load(path));
+    }
+
+    /// Takes the recording away.
+    pub fn unload(&self) {
+        self.mailbox.post(Order::Unload);
+    }
+
+    /// Keeps the recording itself in the session, or not.
+    pub fn set_embed(&self, embed: bool) {
+        self.mailbox.post(Order::Embed(embed));
+    }
+
+    /// Forgets the learned distribution.
+    pub fn forget_learned(&self) {
+        self.mailbox.post(Order::ForgetLearned);
+    }
+}
+
+impl Drop for Loader {
+    fn drop(&mut self) {
+        self.handle.mailbox.quit();
+        if let Some(thread) = self.thread.take() {
+            // A panic in the thread has been reported by the thread itself.
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! From a path or a session's reference to a decoded recording.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pyrophone_recording::{Error, Recording, content_hash, decode_bytes, embed, read, unembed};
+use pyrophone_settings::session::RecordingReference;
+
+use super::cache::RECORDINGS;
+use super::worker::Job;
+
+/// A recording that was found.
+pub struct Found {
+    /// The decoded recording, shared with other instances.
+    pub recording: Arc<Recording>,
+    /// How the session names it.
+    pub reference: RecordingReference,
+    /// What the user should know although it was found.
+    pub notice: Option<String>,
+}
+
+/// Why there is no recording.
+#[derive(Debug, PartialEq)]
+pub enum Failure {
+    /// A later order made it useless.
+    CalledOff,
+    /// It cannot be used; in the user's words.
+    Message(String),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Cancelled => Self::CalledOff,
+            error => Self::Message(error.to_string()),
+        }
+    }
+}
+
+/// Opens the file that the user has chosen. With `keep`, the file itself goes into the reference
+/// where it is small enough.
+pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
+    let bytes = read(path)?;
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let recording = decode(&bytes, &name, job)?;
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut notice = None;
+    let embedded = if keep { embed(&bytes).map_err(|error| notice = Some(error.to_string())).ok() } else { None };
+    let reference = RecordingReference {
+        path: path.to_string_lossy().into_owned(),
+        content_hash: recording.content_hash.clone(),
+        embedded,
+    };
+    Ok(Found { recording, reference, notice })
+}
+
+/// Finds the recording that a session names: the very file at its place, else the one inside the
+/// session, else whatever lies at its place now. The reference stays as it was saved.
+pub fn find(reference: &RecordingReference, job: &Job) -> Result<Found, Failure> {
+    let path = Path::new(&reference.path);
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let found = |recording, notice| Ok(Found { recording, reference: reference.clone(), notice });
+    let at_place = read(path);
+    if let Ok(bytes) = &at_place
+        && content_hash(bytes) == reference.content_hash
+    {
+        return found(decode(bytes, &name, job)?, None);
+    }
+    if let Some(embedded) = &reference.embedded {
+        let bytes = unembed(embedded)?;
+        if content_hash(&bytes) == reference.content_hash {
+            return found(decode(&bytes, &name, job)?, None);
+        }
+    }
+    let bytes = at_place?;
+    let recording = decode(&bytes, &name, job)?;
+    let notice =
+        format!("{}: the file has changed since the session was saved; load it again to confirm", reference.path);
+    found(recording, Some(notice))
+}
+
+/// Packs the file of a reference for keeping inside the session, if it still is that file.
+pub fn pack(reference: &RecordingReference) -> Result<String, String> {
+    let bytes = read(Path::new(&reference.path)).map_err(|error| error.to_string())?;
+    if content_hash(&bytes) != reference.content_hash {
+        return Err(format!("{}: the file has changed since it was loaded; load it again", reference.path));
+    }
+    embed(&bytes).map_err(|error| error.to_string())
+}
+
+fn decode(bytes: &[u8], name: &str, job: &Job) -> Result<Arc<Recording>, Failure> {
+    let make = || decode_bytes(bytes, name, &|done| job.goes_on("Reading", 0.2 * done));
+    match RECORDINGS.get_or_make(&content_hash(bytes), || job.is_called_off(), make) {
+        Some(made) => Ok(made?),
+        None => Err(Failure::CalledOff),
+    }
+}

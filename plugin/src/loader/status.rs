@@ -1,0 +1,58 @@
+//! What the editor shows of the loader's work.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use nice_plug_egui::RepaintNotifier;
+
+/// A moment of the loader.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct View {
+    /// The recording that sounds: name, length, rate, channels.
+    pub recording: Option<String>,
+    /// Path of the recording that the session names, whether or not it was found.
+    pub path: Option<String>,
+    /// What is under way, and how much of it is done (0-1).
+    pub progress: Option<(String, f32)>,
+    /// The last thing that went wrong, until something goes right.
+    pub error: Option<String>,
+    /// The learned distribution, or that there is none.
+    pub learned: Option<String>,
+    /// Amplitudes learned so far, while learning.
+    pub learning: Option<usize>,
+    /// Whether the recording itself is kept in the session.
+    pub embed: bool,
+}
+
+/// The present moment; the loader writes it, the editor reads it.
+pub struct Status {
+    view: Mutex<View>,
+    notifier: RepaintNotifier,
+}
+
+impl Status {
+    /// Nothing is loaded; `notifier` wakes the window at changes.
+    pub fn new(notifier: RepaintNotifier) -> Self {
+        Self { view: Mutex::default(), notifier }
+    }
+
+    /// The present moment.
+    pub fn view(&self) -> View {
+        self.lock().clone()
+    }
+
+    /// Changes the moment.
+    pub fn update(&self, change: impl FnOnce(&mut View)) {
+        change(&mut self.lock());
+        self.notifier.request_repaint();
+    }
+
+    /// Says what went wrong.
+    pub fn fail(&self, message: String) {
+        nice_plug::prelude::nice_warn!("{message}");
+        self.update(|view| view.error = Some(message));
+    }
+
+    fn lock(&self) -> MutexGuard<'_, View> {
+        self.view.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

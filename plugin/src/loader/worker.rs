@@ -1,0 +1,366 @@
+//! The loader's thread: brings what the engines have towards what is wanted.
+//!
+//! Wanted are the recording of the user or the session, for the engine that runs and for the
+//! structure that the parameters say. After each order, and twenty times a second, the worker
+//! does what is missing.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+use pyrophone_recording::Recording;
+use pyrophone_settings::session::Session;
+use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::chain::Chain;
+use pyrophone_synthesis::texture::{Dictionary, Shape};
+
+use super::Engine;
+use super::cache::{DICTIONARIES, DictionaryKey};
+use super::learner::Learner;
+use super::link::{LoaderLink, Update};
+use super::mailbox::{Mailbox, Order};
+use super::source::{self, Failure, Found};
+use super::status::Status;
+use crate::parameters::EffectParams;
+use crate::persist;
+
+/// How often the worker looks at parameters and rings when there are no orders.
+const TICK: Duration = Duration::from_millis(50);
+
+/// One attempt to do what is missing.
+pub struct Job {
+    mailbox: Arc<Mailbox>,
+    status: Arc<Status>,
+    params: Arc<EffectParams>,
+    epoch: u64,
+    /// The structure that the parameters say.
+    wanted: Structure,
+    /// Progress last shown, in percent.
+    shown: AtomicU32,
+}
+
+impl Job {
+    /// Whether a later order makes the work useless.
+    pub fn is_called_off(&self) -> bool {
+        self.mailbox.is_called_off(self.epoch)
+    }
+
+    /// Shows progress (0-1); whether to go on.
+    pub fn goes_on(&self, what: &str, done: f32) -> bool {
+        let percent = (done * 100.0) as u32 + 1;
+        if self.shown.swap(percent, Ordering::Relaxed) != percent {
+            self.status.update(|view| view.progress = Some((what.to_owned(), done)));
+        }
+        !self.is_called_off()
+    }
+
+    /// The same for work that depends on the structure.
+    fn goes_on_indexing(&self, what: &str, done: f32) -> bool {
+        self.goes_on(what, done) && self.params.values().structure() == self.wanted
+    }
+}
+
+/// A recording that is to be fetched.
+enum Pending {
+    /// The user's choice; where it fails, the old one stays.
+    File(PathBuf),
+    /// The session's; where it fails, there is none.
+    Session,
+}
+
+/// The thread's own things.
+pub struct Worker {
+    mailbox: Arc<Mailbox>,
+    params: Arc<EffectParams>,
+    status: Arc<Status>,
+    link: LoaderLink,
+    session: Session,
+    pending: Option<Pending>,
+    recording: Option<Arc<Recording>>,
+    engine: Option<Engine>,
+    dictionary: Option<(DictionaryKey, Arc<Dictionary>)>,
+    /// What could not be indexed, so that it is not tried again.
+    failed: Option<DictionaryKey>,
+    dictionary_is_sent: bool,
+    prepared: Option<Engine>,
+    learner: Learner,
+}
+
+impl Drop for Worker {
+    /// However the thread ends, nobody may wait for it any longer.
+    fn drop(&mut self) {
+        self.mailbox.quit();
+    }
+}
+
+impl Worker {
+    /// A worker without a recording.
+    pub fn new(mailbox: Arc<Mailbox>, params: Arc<EffectParams>, status: Arc<Status>, link: LoaderLink) -> Self {
+        Self {
+            mailbox,
+            params,
+            status,
+            link,
+            session: Session::default(),
+            pending: None,
+            recording: None,
+            engine: None,
+            dictionary: None,
+            failed: None,
+            dictionary_is_sent: true,
+            prepared: None,
+            learner: Learner::default(),
+        }
+    }
+
+    /// Works until asked to end.
+    pub fn run(mut self) {
+        loop {
+            let batch = self.mailbox.take(TICK);
+            if batch.quit {
+                return;
+            }
+            for order in batch.orders {
+                self.accept(order);
+            }
+            self.link.free_retired();
+            if self.learner.follow(&mut self.link, &mut self.session, self.engine.as_ref(), &self.status) {
+                self.params.session.store(&self.session);
+            }
+            let job = Job {
+                mailbox: self.mailbox.clone(),
+                status: self.status.clone(),
+                params: self.params.clone(),
+                epoch: batch.epoch,
+                wanted: self.params.values().structure(),
+                shown: AtomicU32::new(0),
+            };
+            let is_done = self.fetch(&job).and_then(|()| self.index(&job));
+            if job.shown.load(Ordering::Relaxed) != 0 {
+                self.status.update(|view| view.progress = None);
+            }
+            self.send();
+            if is_done.is_ok() {
+                self.mailbox.settle(batch.ticket);
+            }
+        }
+    }
+
+    fn accept(&mut self, order: Order) {
+        match order {
+            Order::Load(path) => self.pending = Some(Pending::File(path)),
+            Order::Unload => {
+                self.pending = None;
+                self.session.recording = None;
+                self.set_recording(None);
+                self.status.update(|view| view.error = None);
+                self.params.session.store(&self.session);
+            }
+            Order::ReadSession => self.read_session(),
+            Order::Engine(engine) => {
+                self.engine = Some(engine);
+                self.failed = None;
+                self.dictionary_is_sent = false;
+                self.learner.resend();
+            }
+            Order::Embed(embed) => self.set_embed(embed),
+            Order::ForgetLearned => {
+                self.session.learned = None;
+                self.learner.resend();
+                self.params.session.store(&self.session);
+            }
+        }
+    }
+
+    /// Takes over the session that the host has loaded. One that cannot be understood changes
+    /// nothing; a later version's is kept for saving, a damaged one is not.
+    fn read_session(&mut self) {
+        let Some(field) = self.params.session.take_arrived() else { return };
+        match persist::decode(&field) {
+            Ok(session) => {
+                self.session = session;
+                self.pending = Some(Pending::Session);
+                self.learner.resend();
+                self.status.update(|view| view.error = None);
+            }
+            Err(error) => {
+                self.status.fail(error.to_string());
+                if matches!(error, pyrophone_settings::Error::Session { .. }) {
+                    self.params.session.store(&self.session);
+                }
+            }
+        }
+        self.show_session();
+    }
+
+    fn set_embed(&mut self, embed: bool) {
+        self.session.embed = embed;
+        if let Some(reference) = &mut self.session.recording {
+            match (embed, reference.embedded.is_some()) {
+                (true, false) => match source::pack(reference) {
+                    Ok(packed) => reference.embedded = Some(packed),
+                    Err(message) => self.status.fail(message),
+                },
+                (false, true) => reference.embedded = None,
+                _ => {}
+            }
+        }
+        self.params.session.store(&self.session);
+        self.show_session();
+    }
+
+    fn show_session(&self) {
+        let path = self.session.recording.as_ref().map(|reference| reference.path.clone());
+        self.status.update(|view| {
+            view.path = path;
+            view.embed = self.session.embed;
+        });
+    }
+
+    /// Fetches the recording that is to be fetched.
+    fn fetch(&mut self, job: &Job) -> Result<(), Failure> {
+        let found = match &self.pending {
+            None => return Ok(()),
+            Some(Pending::File(path)) => {
+                let usable = source::open(path, self.session.embed, job).and_then(|found| {
+                    // The old recording stays until the new one has its index.
+                    let dictionary = self.build(&found.recording, job)?;
+                    Ok((found, dictionary))
+                });
+                usable.map(|(found, dictionary)| {
+                    self.session.recording = Some(found.reference.clone());
+                    self.params.session.store(&self.session);
+                    self.dictionary = dictionary;
+                    Some(found)
+                })
+            }
+            Some(Pending::Session) => {
+                self.session.recording.clone().map(|reference| source::find(&reference, job)).transpose()
+            }
+        };
+        match found {
+            Err(Failure::CalledOff) => return Err(Failure::CalledOff),
+            Err(Failure::Message(message)) => {
+                if matches!(self.pending, Some(Pending::Session)) {
+                    self.set_recording(None);
+                }
+                self.status.fail(message);
+            }
+            Ok(found) => {
+                let (recording, notice) = match found {
+                    Some(Found { recording, notice, .. }) => (Some(recording), notice),
+                    None => (None, None),
+                };
+                self.status.update(|view| view.error = notice);
+                self.set_recording(recording);
+            }
+        }
+        self.pending = None;
+        self.show_session();
+        Ok(())
+    }
+
+    fn set_recording(&mut self, recording: Option<Arc<Recording>>) {
+        let shown = recording.as_ref().map(|recording| {
+            let (seconds, kilohertz) = (recording.duration_s(), f64::from(recording.sample_rate_hz) / 1000.0);
+            let channels = match recording.channels.len() {
+                1 => "mono".to_owned(),
+                2 => "stereo".to_owned(),
+                count => format!("{count} channels"),
+            };
+            format!("{}: {seconds:.1} s, {kilohertz} kHz, {channels}", recording.name)
+        });
+        self.status.update(|view| view.recording = shown);
+        self.recording = recording;
+        self.failed = None;
+        self.dictionary_is_sent = false;
+        if self.recording.is_none() {
+            self.dictionary = None;
+        }
+    }
+
+    /// Makes the dictionary of the recording for the structure that is wanted, and tells the audio
+    /// thread when everything is ready for that structure.
+    fn index(&mut self, job: &Job) -> Result<(), Failure> {
+        let Some(engine) = self.engine else { return Ok(()) };
+        if let Some(recording) = self.recording.clone() {
+            let key = self.key(&recording, &job.wanted, engine.sample_rate_hz);
+            let is_made = self.dictionary.as_ref().is_some_and(|(made, _)| *made == key);
+            if !is_made && self.failed.as_ref() != Some(&key) {
+                match self.build(&recording, job) {
+                    Ok(dictionary) => {
+                        self.dictionary = dictionary;
+                        self.dictionary_is_sent = false;
+                    }
+                    Err(Failure::CalledOff) => return Err(Failure::CalledOff),
+                    Err(Failure::Message(message)) => {
+                        self.failed = Some(key);
+                        self.dictionary = None;
+                        self.dictionary_is_sent = false;
+                        self.status.fail(message);
+                    }
+                }
+            }
+        }
+        let next = Engine { structure: job.wanted, ..engine };
+        if self.prepared != Some(next) {
+            match Chain::new(next.sample_rate_hz, next.channels, &next.structure) {
+                Ok(chain) => {
+                    self.link.shared.set_prepared(&next.structure, chain.latency_samples() as u32);
+                }
+                Err(error) => self.status.fail(error.to_string()),
+            }
+            self.prepared = Some(next);
+        }
+        Ok(())
+    }
+
+    fn key(&self, recording: &Recording, structure: &Structure, sample_rate_hz: f64) -> DictionaryKey {
+        DictionaryKey::new(&recording.content_hash, sample_rate_hz, &Shape::at_rate(structure, sample_rate_hz))
+    }
+
+    /// The dictionary of a recording for the structure that is wanted; none as long as no sample
+    /// rate is known.
+    fn build(&self, recording: &Recording, job: &Job) -> Result<Option<(DictionaryKey, Arc<Dictionary>)>, Failure> {
+        let Some(Engine { sample_rate_hz, .. }) = self.engine else { return Ok(None) };
+        let shape = Shape::at_rate(&job.wanted, sample_rate_hz);
+        let key = self.key(recording, &job.wanted, sample_rate_hz);
+        let make = || -> Result<Dictionary, Failure> {
+            let resampling = |done: f32| job.goes_on_indexing("Resampling", 0.2 + 0.2 * done);
+            let resampled = pyrophone_recording::resample(recording, sample_rate_hz.round() as u32, &resampling)?;
+            let channels: Vec<Vec<f64>> = resampled
+                .channels
+                .iter()
+                .map(|channel| channel.iter().map(|sample| f64::from(*sample)).collect())
+                .collect();
+            let indexing = |done: f32| job.goes_on_indexing("Indexing", 0.4 + 0.6 * done);
+            Dictionary::new(&channels, sample_rate_hz, &shape, &indexing).map_err(|error| match error {
+                pyrophone_synthesis::Error::Cancelled => Failure::CalledOff,
+                error => Failure::Message(format!("{}: {error}", recording.name)),
+            })
+        };
+        let is_called_off = || !job.goes_on_indexing("Waiting for another instance", 0.4);
+        match DICTIONARIES.get_or_make(&key, is_called_off, make) {
+            Some(made) => Ok(Some((key, made?))),
+            None => Err(Failure::CalledOff),
+        }
+    }
+
+    /// Sends what the running engine lacks. A dictionary for a structure that it does not have yet
+    /// waits until it has.
+    fn send(&mut self) {
+        let Some(engine) = self.engine else { return };
+        if !self.dictionary_is_sent {
+            let fitting = |recording: &Arc<Recording>| self.key(recording, &engine.structure, engine.sample_rate_hz);
+            self.dictionary_is_sent = match (&self.dictionary, self.recording.as_ref().map(fitting)) {
+                (Some((key, dictionary)), Some(fitting)) if *key == fitting => {
+                    self.link.send(Update::Dictionary(Some(dictionary.clone())))
+                }
+                (None, _) => self.link.send(Update::Dictionary(None)),
+                _ => false,
+            };
+        }
+        self.learner.send(&mut self.link, &self.session, &engine, &self.status);
+    }
+}

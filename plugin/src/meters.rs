@@ -1,0 +1,93 @@
+//! Levels for the editor: written by the audio thread, read and cleared by the window.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use pyrophone_synthesis::chain;
+
+/// A level that holds the largest magnitude until it is read. Magnitudes are not negative, so
+/// their bits are ordered as they are.
+#[derive(Debug, Default)]
+pub struct Peak(AtomicU32);
+
+impl Peak {
+    /// Raises the level to `magnitude`, if that is larger.
+    pub fn raise(&self, magnitude: f32) {
+        if magnitude > 0.0 {
+            self.0.fetch_max(magnitude.to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// The level since the last call, which is then cleared.
+    pub fn take(&self) -> f32 {
+        f32::from_bits(self.0.swap(0, Ordering::Relaxed))
+    }
+}
+
+/// What the editor shows of the sound.
+#[derive(Debug, Default)]
+pub struct Meters {
+    /// Main input.
+    pub input: Peak,
+    /// Drive, after its high-pass.
+    pub drive: Peak,
+    /// Low layer.
+    pub low: Peak,
+    /// Extension layer.
+    pub extension: Peak,
+    /// Texture layer.
+    pub texture: Peak,
+    /// Output.
+    pub output: Peak,
+    cancels: AtomicBool,
+    latency_samples: AtomicU32,
+    sample_rate_bits: AtomicU32,
+}
+
+impl Meters {
+    /// Takes over what the engines have measured; real-time safe.
+    pub fn publish(&self, measured: &chain::Meters) {
+        let peaks = [
+            (&self.input, measured.input),
+            (&self.drive, measured.drive),
+            (&self.low, measured.low),
+            (&self.extension, measured.extension),
+            (&self.texture, measured.texture),
+            (&self.output, measured.output),
+        ];
+        for (peak, magnitude) in peaks {
+            peak.raise(magnitude);
+        }
+        self.cancels.store(measured.cancels, Ordering::Relaxed);
+    }
+
+    /// Whether the input's channels cancel in the mean that drives the engines.
+    pub fn input_cancels(&self) -> bool {
+        self.cancels.load(Ordering::Relaxed)
+    }
+
+    /// Takes over what an activation has decided.
+    pub fn set_engine(&self, sample_rate_hz: f32, latency_samples: u32) {
+        self.sample_rate_bits.store(sample_rate_hz.to_bits(), Ordering::Relaxed);
+        self.latency_samples.store(latency_samples, Ordering::Relaxed);
+    }
+
+    /// Latency in samples and sample rate in Hz, once there was an activation.
+    pub fn engine(&self) -> Option<(u32, f32)> {
+        let sample_rate_hz = f32::from_bits(self.sample_rate_bits.load(Ordering::Relaxed));
+        (sample_rate_hz > 0.0).then(|| (self.latency_samples.load(Ordering::Relaxed), sample_rate_hz))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_hold_the_largest_until_taken() {
+        let peak = Peak::default();
+        for magnitude in [0.25, 0.75, 0.5, f32::NAN, -1.0] {
+            peak.raise(magnitude);
+        }
+        assert_eq!((peak.take(), peak.take()), (0.75, 0.0));
+    }
+}

@@ -1,0 +1,173 @@
+//! The settings' table as host parameters.
+//!
+//! Ids, ranges, defaults and texts are the table's. The host's values are 32-bit floats; they are
+//! rounded to the table's grid where they are read, so the engines get the very numbers that a
+//! preset states.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use nice_plug::prelude::*;
+use nice_plug_core::plugin::ParamValue;
+use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, index_of, session};
+
+use crate::persist::SessionStore;
+
+/// One host parameter.
+pub enum Slot {
+    /// A continuous value.
+    Float(FloatParam),
+    /// A whole number, or the index of a choice.
+    Int(IntParam),
+    /// Off or on.
+    Toggle(BoolParam),
+}
+
+/// All host parameters, in the table's order, and what else the state holds.
+pub struct EffectParams {
+    /// Boxed, because hosts' wrappers keep pointers to the parameters.
+    slots: Box<[Slot]>,
+    /// The recording and the learned distribution.
+    pub session: Arc<SessionStore>,
+}
+
+impl EffectParams {
+    /// Parameters at their defaults.
+    pub fn new(session: Arc<SessionStore>) -> Self {
+        Self { slots: PARAMETERS.iter().map(Slot::new).collect(), session }
+    }
+
+    /// The present values, rounded to the table's grid; real-time safe.
+    pub fn values(&self) -> Values {
+        let mut values = Values::default();
+        for (index, slot) in self.slots.iter().enumerate() {
+            values.set_nearest(index, slot.plain());
+        }
+        values
+    }
+
+    /// The host parameter at a place of the table.
+    pub fn slot(&self, index: usize) -> &Slot {
+        &self.slots[index]
+    }
+}
+
+impl Slot {
+    fn new(parameter: &'static Parameter) -> Self {
+        let text = move |plain: f64| parameter.to_text(plain);
+        let parse = move |text: &str| parameter.parse(text).ok();
+        match parameter.kind {
+            Kind::Float { low, high, default, skew, decimals, .. } => {
+                let (min, max) = (low as f32, high as f32);
+                let range = if skew == 1.0 {
+                    FloatRange::Linear { min, max }
+                } else {
+                    FloatRange::Skewed { min, max, factor: skew as f32 }
+                };
+                let float = FloatParam::new(parameter.name, default as f32, range)
+                    .with_step_size(10f64.powi(-(decimals as i32)) as f32)
+                    .with_value_to_string(Arc::new(move |plain| text(f64::from(plain))))
+                    .with_string_to_value(Arc::new(move |text| parse(text).map(|plain| plain as f32)));
+                Self::Float(if parameter.automatable { float } else { float.non_automatable() })
+            }
+            Kind::Int { .. } | Kind::Choice { .. } => {
+                let range = IntRange::Linear { min: parameter.low() as i32, max: parameter.high() as i32 };
+                let int = IntParam::new(parameter.name, parameter.default_value() as i32, range)
+                    .with_value_to_string(Arc::new(move |plain| text(f64::from(plain))))
+                    .with_string_to_value(Arc::new(move |text| parse(text).map(|plain| plain as i32)));
+                Self::Int(if parameter.automatable { int } else { int.non_automatable() })
+            }
+            Kind::Toggle { default } => {
+                let toggle = BoolParam::new(parameter.name, default)
+                    .with_value_to_string(Arc::new(move |on| text(f64::from(u8::from(on)))))
+                    .with_string_to_value(Arc::new(move |text| parse(text).map(|plain| plain > 0.5)));
+                Self::Toggle(if parameter.id == "bypass" { toggle.make_bypass() } else { toggle })
+            }
+        }
+    }
+
+    /// The present plain value as the host has it; not yet on the table's grid.
+    pub fn plain(&self) -> f64 {
+        match self {
+            Self::Float(float) => f64::from(float.value()),
+            Self::Int(int) => f64::from(int.value()),
+            Self::Toggle(toggle) => f64::from(u8::from(toggle.value())),
+        }
+    }
+
+    /// Tells the host that the user takes hold of the parameter.
+    pub fn begin(&self, setter: &ParamSetter) {
+        match self {
+            Self::Float(float) => setter.begin_set_parameter(float),
+            Self::Int(int) => setter.begin_set_parameter(int),
+            Self::Toggle(toggle) => setter.begin_set_parameter(toggle),
+        }
+    }
+
+    /// Sets the plain value through the host; between [`begin`](Self::begin) and
+    /// [`end`](Self::end).
+    pub fn set(&self, setter: &ParamSetter, plain: f64) {
+        match self {
+            Self::Float(float) => setter.set_parameter(float, plain as f32),
+            Self::Int(int) => setter.set_parameter(int, plain as i32),
+            Self::Toggle(toggle) => setter.set_parameter(toggle, plain > 0.5),
+        }
+    }
+
+    /// Tells the host that the user lets go of the parameter.
+    pub fn end(&self, setter: &ParamSetter) {
+        match self {
+            Self::Float(float) => setter.end_set_parameter(float),
+            Self::Int(int) => setter.end_set_parameter(int),
+            Self::Toggle(toggle) => setter.end_set_parameter(toggle),
+        }
+    }
+
+    fn pointer(&self) -> ParamPtr {
+        match self {
+            Self::Float(float) => float.as_ptr(),
+            Self::Int(int) => int.as_ptr(),
+            Self::Toggle(toggle) => toggle.as_ptr(),
+        }
+    }
+}
+
+// SAFETY: the pointers are to elements of a boxed slice that is never exchanged, so they are valid
+// for as long as this object is; wrappers hold it in an `Arc`.
+unsafe impl Params for EffectParams {
+    fn param_map(&self) -> Vec<(String, ParamPtr, String)> {
+        PARAMETERS
+            .iter()
+            .zip(&self.slots)
+            .map(|(parameter, slot)| (parameter.id.to_owned(), slot.pointer(), parameter.group.to_owned()))
+            .collect()
+    }
+
+    fn serialize_fields(&self) -> BTreeMap<String, String> {
+        BTreeMap::from([(session::FIELD.to_owned(), self.session.field().to_string())])
+    }
+
+    fn deserialize_fields(&self, serialized: &BTreeMap<String, String>) {
+        if let Some(field) = serialized.get(session::FIELD) {
+            self.session.arrive(field.as_str().into());
+        }
+    }
+}
+
+/// Brings a state's values into their ranges and drops those that belong to no parameter or are
+/// of the wrong kind; wrappers apply what is left without a check.
+pub fn sanitize(state: &mut PluginState) {
+    state.params.retain(|id, value| {
+        let Ok(index) = index_of(id) else { return false };
+        let parameter = &PARAMETERS[index];
+        match (parameter.kind, value) {
+            (Kind::Float { .. }, ParamValue::F32(plain)) => *plain = parameter.snap(f64::from(*plain)) as f32,
+            (Kind::Int { .. } | Kind::Choice { .. }, ParamValue::I32(plain)) => {
+                *plain = parameter.snap(f64::from(*plain)) as i32;
+            }
+            (Kind::Toggle { .. }, ParamValue::Bool(_)) => {}
+            _ => return false,
+        }
+        true
+    });
+}
