@@ -1,56 +1,13 @@
-//! The audio thread's part: long blocks, missing sidechains, restarts, and no allocation.
+//! The audio thread's part: long blocks, missing sidechains, restarts.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
 use pyrophone::audio::Audio;
 use pyrophone::loader::{Engine, Loader};
-use pyrophone_settings::{COUNT, PARAMETERS, Preset, Values};
+use pyrophone_settings::{Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
-
-thread_local! {
-    static WATCHED: Cell<bool> = const { Cell::new(false) };
-    static COUNT_OF_CALLS: Cell<usize> = const { Cell::new(0) };
-}
-
-/// The system's allocator; counts calls on a watched thread.
-struct Counting;
-
-fn count() {
-    if WATCHED.get() {
-        COUNT_OF_CALLS.set(COUNT_OF_CALLS.get() + 1);
-    }
-}
-
-// SAFETY: all is passed on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: as the caller promises.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        count();
-        // SAFETY: as the caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// Allocations and releases of this thread during `work`.
-fn calls_during(work: impl FnOnce()) -> usize {
-    COUNT_OF_CALLS.set(0);
-    WATCHED.set(true);
-    work();
-    WATCHED.set(false);
-    COUNT_OF_CALLS.get()
-}
 
 const RATE_HZ: f64 = 44_100.0;
 
@@ -156,71 +113,4 @@ fn a_restart_is_asked_for_once_and_when_all_is_ready() {
     assert_eq!(restart.latency_samples as usize, chain(&new, 0).latency_samples());
     assert_eq!(audio.wanted_restart(&new), None, "once");
     assert_eq!(audio.wanted_restart(&old), None, "and not when it was taken back");
-}
-
-#[test]
-fn nothing_allocates_while_sound_runs() {
-    let folder = tempfile::tempdir().unwrap();
-    let (loader, params, link) = Loader::start(RepaintNotifier::new());
-    let mut audio = Audio::new(link);
-    let old = params.values();
-    audio.set_chain(Some(chain(&old, 2)), 2, 512, &old);
-    loader.set_engine(Engine { sample_rate_hz: RATE_HZ, structure: old.structure(), channels: channels(2) });
-    let recordings: Vec<_> = (0..2)
-        .map(|index| {
-            let path = folder.path().join(format!("{index}.wav"));
-            let spec = hound::WavSpec {
-                channels: 1,
-                sample_rate: 44_100,
-                bits_per_sample: 32,
-                sample_format: hound::SampleFormat::Float,
-            };
-            let mut writer = hound::WavWriter::create(&path, spec).unwrap();
-            noise(44_100, 7 + index).into_iter().for_each(|sample| writer.write_sample(sample).unwrap());
-            writer.finalize().unwrap();
-            path
-        })
-        .collect();
-    let map = params.param_map();
-    let (left, right) = (noise(512, 1), noise(512, 2));
-    let (mut x, mut y) = (left.clone(), right.clone());
-    let (mut side_x, mut side_y) = (noise(512, 3), noise(512, 4));
-    let mut swaps = 0;
-    let mut heard = 0.0f32;
-    loader.handle().shared.learning.store(true, std::sync::atomic::Ordering::Relaxed);
-    for block in 0..600usize {
-        if block % 150 == 0 {
-            loader.handle().load(recordings[block / 150 % 2].clone());
-            std::thread::sleep(Duration::from_millis(200));
-        }
-        // A control is automated to another value in every block.
-        let index = block % COUNT;
-        if PARAMETERS[index].automatable && PARAMETERS[index].id != "bypass" {
-            let share = (block as f32 * 0.618).fract();
-            // SAFETY: the parameters are alive.
-            unsafe { map[index].1._internal_set_normalized_value(share) };
-        }
-        let samples = [1, 17, 64, 480, 512][block % 5];
-        x.copy_from_slice(&left);
-        y.copy_from_slice(&right);
-        let transport = Transport { playing: true, position: Some((block * 512) as i64) };
-        let calls = calls_during(|| {
-            audio.receive_updates();
-            let values = params.values();
-            let side = [&mut side_x[..samples], &mut side_y[..samples]];
-            audio.process(&mut [&mut x[..samples], &mut y[..samples]], &side, &values, transport);
-            audio.wanted_restart(&values);
-            if !audio.take_meters().no_recording {
-                swaps += 1;
-            }
-            audio.tail_samples();
-            if block % 97 == 0 {
-                audio.reset();
-            }
-        });
-        assert_eq!(calls, 0, "block {block} of {samples} samples");
-        heard = x[..samples].iter().fold(heard, |peak, sample| peak.max(sample.abs()));
-    }
-    assert!(swaps > 0, "a recording has arrived");
-    assert!(heard > 1e-5, "something was heard");
 }

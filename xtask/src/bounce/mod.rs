@@ -1,0 +1,216 @@
+//! `cargo xtask bounce`: a file through the built plugin, in a headless host.
+//!
+//! For any preset the output is the one of `pyrophone render`, bit for bit.
+
+mod play;
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::ValueEnum;
+use pyrophone_host::Format;
+use pyrophone_host::bounce::BlockSize;
+use pyrophone_recording::{Recording, decode, no_progress, resample, write_wav_f32};
+use pyrophone_settings::session::{Learned, RecordingReference};
+use pyrophone_settings::table::DYNAMIC_RANGES;
+use pyrophone_settings::{Automation, Id, Preset, Values};
+use pyrophone_synthesis::chain::learn;
+
+pub use play::{Request, play};
+
+/// Options of `cargo xtask bounce`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The bundle to load: clap or vst3
+    #[arg(long)]
+    format: Format,
+    /// Main input, mono or stereo
+    #[arg(long, value_name = "IN.wav")]
+    input: PathBuf,
+    /// Sound for the sidechain, cut or followed by silence to the input's length
+    #[arg(long, value_name = "S.wav")]
+    sidechain: Option<PathBuf>,
+    /// Fire recording that texture draws from
+    #[arg(long, value_name = "T.wav")]
+    training: Option<PathBuf>,
+    /// Name of a factory preset or a preset's file
+    #[arg(long, value_name = "NAME|FILE", default_value = "default")]
+    preset: String,
+    /// Where the input's loudness distribution comes from, instead of the preset's choice
+    #[arg(long, value_enum)]
+    dynamic_range: Option<DynamicRange>,
+    /// Learn that distribution from this file instead of a first pass over the input
+    #[arg(long, value_name = "FILE.wav")]
+    learn: Option<PathBuf>,
+    /// Steps of parameters: time_s,id,value or sample,id,value
+    #[arg(long, value_name = "FILE.csv")]
+    automation: Option<PathBuf>,
+    /// Set a parameter after the preset; may be repeated
+    #[arg(long = "set", value_name = "id=value")]
+    settings: Vec<String>,
+    /// Frames of a block, or `random`, or `random:SEED`: 0 to 1024 frames
+    #[arg(long, value_name = "N|random", default_value = "512")]
+    block: Block,
+    /// Tell the plugin that the host renders offline
+    #[arg(long)]
+    offline: bool,
+    /// Feed the zeros that the published program puts before and after the input, and trim them again
+    #[arg(long)]
+    reference_padding: bool,
+    /// Resample the input to this rate first
+    #[arg(long, value_name = "HZ")]
+    sample_rate: Option<u32>,
+    /// Channels of the output, 1 or 2 [default: as many as the input's]
+    #[arg(long, value_name = "N")]
+    channels: Option<usize>,
+    /// File to write: 32-bit float, as long as the input
+    #[arg(long, value_name = "OUT.wav")]
+    output: PathBuf,
+}
+
+/// Values of `--dynamic-range`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DynamicRange {
+    /// No mapping
+    Off,
+    /// From --learn, or from a first pass over the input
+    Learned,
+    /// Estimated as it runs
+    Running,
+}
+
+/// Value of `--block`.
+#[derive(Debug, Clone)]
+struct Block(BlockSize);
+
+impl FromStr for Block {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let random = |seed| BlockSize::Random { seed, max: 1024 };
+        let not_understood = || format!("`{text}` is neither 1 to 65536 frames nor random nor random:SEED");
+        let size = match text.split_once(':') {
+            None if text == "random" => random(1),
+            Some(("random", seed)) => random(seed.parse().map_err(|_| not_understood())?),
+            _ => BlockSize::Fixed(
+                text.parse().ok().filter(|frames| (1..=65_536).contains(frames)).ok_or_else(not_understood)?,
+            ),
+        };
+        Ok(Self(size))
+    }
+}
+
+/// Plays the file and writes the output.
+pub fn run(args: &Args) -> Result<()> {
+    let values = values(args)?;
+    let automation = args.automation.as_deref().map(Automation::load).transpose()?.unwrap_or_default();
+    let main = load(&args.input, args.sample_rate)?;
+    let rate_hz = main.sample_rate_hz;
+    let sidechain = args.sidechain.as_deref().map(|path| load(path, Some(rate_hz))).transpose()?;
+    let sidechain = sidechain.map_or_else(Vec::new, |sound| fitted(sound.channels, main.len_samples()));
+
+    let learned = if needs_learning(&values, &automation, f64::from(rate_hz)) {
+        Some(match &args.learn {
+            Some(path) => learned(&values, &load(path, Some(rate_hz))?, &[])?,
+            None => learned(&values, &main, &sidechain)?,
+        })
+    } else {
+        None
+    };
+    let played = play(&Request {
+        format: args.format,
+        values: &values,
+        automation: &automation,
+        main: &main,
+        sidechain: &sidechain,
+        training: args.training.as_deref().map(reference).transpose()?,
+        learned,
+        block: args.block.0.clone(),
+        offline: args.offline,
+        reference_padding: args.reference_padding,
+        output_channels: args.channels.unwrap_or(main.channels.len()),
+    })?;
+    write_wav_f32(&args.output, &played.channels, rate_hz)?;
+    eprintln!(
+        "{}: latency {} samples, recording ready in {:.2} s, {:.2} s of sound played in {:.2} s",
+        args.output.display(),
+        played.latency_samples,
+        played.loading.as_secs_f64(),
+        main.duration_s(),
+        played.playing.as_secs_f64(),
+    );
+    Ok(())
+}
+
+/// The preset, then `--dynamic-range` (or `--learn`, which asks for the learned one), then `--set`.
+fn values(args: &Args) -> Result<Values> {
+    let choice = match (args.dynamic_range, &args.learn) {
+        (Some(DynamicRange::Learned) | None, Some(_)) => Some(DynamicRange::Learned),
+        (Some(_), Some(_)) => bail!("--learn contradicts --dynamic-range off and running; leave one of the two out"),
+        (choice, None) => choice,
+    };
+    let choice = choice.map(|choice| match choice {
+        DynamicRange::Off => "dynamic_range=off",
+        DynamicRange::Learned => "dynamic_range=learned",
+        DynamicRange::Running => "dynamic_range=running",
+    });
+    preset(&args.preset, choice.into_iter().chain(args.settings.iter().map(String::as_str)))
+}
+
+/// A preset's values, changed by settings `id=value`.
+pub fn preset<'a>(name: &str, settings: impl IntoIterator<Item = &'a str>) -> Result<Values> {
+    let mut values = Preset::find(name)?.values;
+    for setting in settings {
+        let (id, text) = setting
+            .split_once('=')
+            .with_context(|| format!("--set {setting}: there is no '='; write it as in --set alpha=3.0"))?;
+        values.set_text(id.trim(), text)?;
+    }
+    values.structure().validate()?;
+    Ok(values)
+}
+
+/// Reads a sound and brings it to a rate.
+pub fn load(path: &Path, rate_hz: Option<u32>) -> Result<Recording> {
+    let sound = decode(path, &no_progress)?;
+    match rate_hz {
+        Some(rate_hz) => Ok(resample(&sound, rate_hz, &no_progress)?),
+        None => Ok(sound),
+    }
+}
+
+/// A recording as a session names it.
+pub fn reference(path: &Path) -> Result<RecordingReference> {
+    let content_hash = decode(path, &no_progress)?.content_hash;
+    let path = path.canonicalize().with_context(|| path.display().to_string())?;
+    let path = path.to_str().with_context(|| format!("{} is not UTF-8; rename it", path.display()))?.to_owned();
+    Ok(RecordingReference { path, content_hash, embedded: None })
+}
+
+/// The distribution of the input's amplitudes, as a session keeps it.
+pub fn learned(values: &Values, main: &Recording, sidechain: &[Vec<f32>]) -> Result<Learned> {
+    let sample_rate_hz = f64::from(main.sample_rate_hz);
+    let structure = values.structure();
+    let distribution = learn(sample_rate_hz, &structure, &values.controls(), &main.channels, sidechain)
+        .with_context(|| main.name.clone())?;
+    Ok(Learned { sample_rate_hz, levels: structure.levels, quantiles: distribution.quantiles().to_vec() })
+}
+
+fn needs_learning(values: &Values, automation: &Automation, rate_hz: f64) -> bool {
+    let is_learned = |plain: f64| DYNAMIC_RANGES.get(plain as usize) == Some(&"learned");
+    let events = automation.events(rate_hz);
+    is_learned(values.get(Id::DynamicRange))
+        || events.iter().any(|event| event.parameter == Id::DynamicRange as usize && is_learned(event.value))
+}
+
+fn fitted(mut channels: Vec<Vec<f32>>, samples: usize) -> Vec<Vec<f32>> {
+    channels.iter_mut().for_each(|channel| channel.resize(samples, 0.0));
+    channels
+}
+
+/// Channels of a bus, which the plugin has one or two of.
+fn bus(what: &str, channels: usize) -> Result<u32> {
+    ensure!(channels <= 2, "the {what} has {channels} channels, but the plugin takes one or two; mix it down first");
+    Ok(channels as u32)
+}

@@ -1,0 +1,54 @@
+//! The plugin as CLAP and VST3 bundles.
+
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::{cargo, project};
+
+const PACKAGE: &str = "pyrophone-plugin";
+/// The plugin's library as Cargo names it.
+const LIBRARY: &str = "pyrophone";
+/// The bundles' name in `bundler.toml`.
+const NAME: &str = "Pyrophone";
+
+/// How to build.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Profile {
+    /// With debug assertions.
+    Dev,
+    /// As for use.
+    Release,
+}
+
+/// Builds the bundles and gives their paths, CLAP first.
+pub fn bundle(profile: Profile) -> Result<[PathBuf; 2]> {
+    let (folder, flags) = match profile {
+        Profile::Dev => ("debug", vec![]),
+        Profile::Release => ("release", vec!["--release".to_owned()]),
+    };
+    let status = cargo::command().args(["build", "--package", PACKAGE]).args(&flags).status()?;
+    ensure!(status.success(), "the plugin does not build; see above");
+
+    let target = project::target_dir();
+    // The bundler looks for a library named after its package.
+    let built = target.join(folder).join(format!("{DLL_PREFIX}{LIBRARY}{DLL_SUFFIX}"));
+    let expected = target.join(folder).join(format!("{DLL_PREFIX}{}{DLL_SUFFIX}", PACKAGE.replace('-', "_")));
+    if built.exists() {
+        fs::copy(&built, &expected).with_context(|| format!("copying {}", built.display()))?;
+    }
+    nice_plug_xtask::bundle(&target, PACKAGE, &flags, false)?;
+
+    let bundles = paths();
+    for path in &bundles {
+        ensure!(path.exists(), "{} was not made; does the plugin export this format?", path.display());
+    }
+    Ok(bundles)
+}
+
+/// Where the bundles are, CLAP first.
+pub fn paths() -> [PathBuf; 2] {
+    ["clap", "vst3"].map(|extension| project::target_dir().join("bundled").join(format!("{NAME}.{extension}")))
+}

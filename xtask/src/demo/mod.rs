@@ -1,0 +1,139 @@
+//! `cargo xtask demo`: fire from every engine, on a page to hear and see it.
+
+mod analysis;
+mod comparisons;
+mod page;
+mod plots;
+mod signals;
+mod studio;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use pyrophone_recording::write_wav_f32;
+
+use crate::bounce::{load, preset};
+use crate::project;
+use page::Section;
+use studio::{Beside, Job, Sound, Studio};
+
+/// Options of `cargo xtask demo`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Low-frequency flame signal, mono or stereo [default: a generated one]
+    #[arg(long, value_name = "IN.wav")]
+    input: Option<PathBuf>,
+    /// Fire recording that texture draws from [default: a generated one]
+    #[arg(long, value_name = "T.wav")]
+    training: Option<PathBuf>,
+    /// Folder to write to [default: target/demo]
+    #[arg(long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// What each factory preset is to its listener.
+const PRESETS: [(&str, &str, &str); 4] = [
+    (
+        "extend",
+        "Extension",
+        "The flame's own lows; above 180 Hz noise whose level and slope continue them. Needs no recording.",
+    ),
+    (
+        "texture",
+        "Texture",
+        "Pieces of the recording, chosen so that they move with the flame. Gated, fit for live use.",
+    ),
+    ("default", "Both engines", "The preset that a new instance starts with: lows, extension and texture together."),
+    (
+        "texture-paper",
+        "Texture, as published",
+        "Exact search, the input's loudness learned in a first pass, no gate: in silence the recording's quietest moment repeats.",
+    ),
+];
+
+/// Makes the page and says where it is.
+pub fn run(args: &Args) -> Result<()> {
+    let folder = args.output.clone().unwrap_or_else(|| project::target_dir().join("demo"));
+    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    let studio = Studio::new(folder);
+    let mut sections = vec![engines(&studio, args)?];
+    match comparisons::reference_folder() {
+        Some(reference) => sections.extend(comparisons::sections(&studio, &reference)?),
+        None => eprintln!("no reference data (PYROPHONE_REFERENCE), so the page has no comparisons with the paper"),
+    }
+    let path = studio.folder().join("index.html");
+    std::fs::write(&path, page::render(&sections)).with_context(|| path.display().to_string())?;
+    println!("{}", path.canonicalize().unwrap_or(path).display());
+    Ok(())
+}
+
+/// One input through every factory preset.
+fn engines(studio: &Studio, args: &Args) -> Result<Section> {
+    let (flame, input_note) = source(studio, args.input.as_deref(), "flame", || vec![signals::flame()])?;
+    let (fire, training_note) = source(studio, args.training.as_deref(), "fire", signals::fire)?;
+    let is_generated = args.input.is_none() || args.training.is_none();
+
+    let input = load(&flame, None)?;
+    let input_sound = Sound::of(input.channels.clone(), input.sample_rate_hz);
+    let training = load(&fire, None)?;
+    let training_sound = Sound::of(training.channels, training.sample_rate_hz);
+    let mut rows = vec![
+        studio.row(
+            "input",
+            "Input",
+            &format!("{input_note} Most of it lies below 180 Hz: small speakers do not play it."),
+            &input_sound,
+            &Beside::Input,
+        )?,
+        studio.row("training", "Recording", &training_note, &training_sound, &Beside::Training)?,
+    ];
+    for (name, title, note) in PRESETS {
+        let values = preset(name, [])?;
+        let uses_recording = name != "extend";
+        let burnt = studio.burn(&Job {
+            input: &input,
+            training: uses_recording.then_some(fire.as_path()),
+            values: &values,
+            output_channels: 2,
+        })?;
+        let beside = Beside::Result {
+            input: &input_sound,
+            training: uses_recording.then_some(&training_sound),
+            alpha: (name == "extend").then_some(2.5),
+        };
+        let mut row = studio.row(name, title, note, &burnt.sound, &beside)?;
+        row.facts.push(burnt.speed());
+        row.facts.push(format!("preset {name}"));
+        rows.push(row);
+    }
+    let intro = if is_generated {
+        "<b class=generated>Generated</b> What is marked so was not recorded anywhere: this project computes a puffing flame and a \
+         crackling fire, so that there is something to hear on any machine. Give your own with \
+         <code>cargo xtask demo --input flame.wav --training fire.wav</code>."
+    } else {
+        "Your sounds, bounced through the CLAP plugin with each factory preset."
+    };
+    Ok(Section { title: "One flame, every engine".into(), intro: intro.into(), rows, table: None })
+}
+
+/// A file that the user gave, or one that is generated; with what the page says of it.
+fn source(
+    studio: &Studio,
+    given: Option<&Path>,
+    name: &str,
+    generate: impl FnOnce() -> Vec<Vec<f32>>,
+) -> Result<(PathBuf, String)> {
+    if let Some(path) = given {
+        let shown = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        return Ok((path.to_owned(), format!("{}.", page::escaped(&shown))));
+    }
+    let path = studio.folder().join(format!("generated-{name}.wav"));
+    write_wav_f32(&path, &generate(), signals::RATE_HZ)?;
+    let note = match name {
+        "flame" => {
+            "<b class=generated>Generated</b> Pressure of a turbulent flame: pockets of gas that puff at 30–180 Hz, in gusts."
+        }
+        _ => "<b class=generated>Generated</b> Roar, hiss and bursts of crackle, in stereo.",
+    };
+    Ok((path, note.to_owned()))
+}

@@ -1,0 +1,88 @@
+//! The bundles to where hosts look for plugins.
+
+use std::env::var_os;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::bundle::{self, Profile};
+
+/// Where to.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// For all users instead of the present one
+    #[arg(long)]
+    system: bool,
+    /// Into this folder instead of the usual ones
+    #[arg(long, value_name = "DIR", conflicts_with = "system")]
+    to: Option<PathBuf>,
+}
+
+/// Builds the release bundles and installs them.
+pub fn run(args: &Args) -> Result<()> {
+    let bundles = bundle::bundle(Profile::Release)?;
+    let folders = match &args.to {
+        Some(folder) => [folder.clone(), folder.clone()],
+        None if args.system => system_folders(),
+        None => user_folders()?,
+    };
+    for (bundle, folder) in bundles.iter().zip(&folders) {
+        let name = bundle.file_name().context("a bundle without a name")?;
+        let installed = folder.join(name);
+        replace(bundle, &installed).with_context(|| format!("installing {}", installed.display()))?;
+        println!("{}", installed.display());
+    }
+    Ok(())
+}
+
+/// The CLAP and the VST3 folder of the present user.
+fn user_folders() -> Result<[PathBuf; 2]> {
+    let variable = if cfg!(windows) { "LOCALAPPDATA" } else { "HOME" };
+    let home = PathBuf::from(var_os(variable).with_context(|| format!("{variable} is not set; use --to DIR"))?);
+    Ok(if cfg!(windows) {
+        ["CLAP", "VST3"].map(|format| home.join("Programs/Common").join(format))
+    } else if cfg!(target_os = "macos") {
+        ["CLAP", "VST3"].map(|format| home.join("Library/Audio/Plug-Ins").join(format))
+    } else {
+        [".clap", ".vst3"].map(|format| home.join(format))
+    })
+}
+
+/// The CLAP and the VST3 folder of all users.
+fn system_folders() -> [PathBuf; 2] {
+    if cfg!(windows) {
+        let common = var_os("CommonProgramFiles").unwrap_or_else(|| r"C:\Program Files\Common Files".into());
+        ["CLAP", "VST3"].map(|format| PathBuf::from(&common).join(format))
+    } else if cfg!(target_os = "macos") {
+        ["CLAP", "VST3"].map(|format| Path::new("/Library/Audio/Plug-Ins").join(format))
+    } else {
+        ["clap", "vst3"].map(|format| Path::new("/usr/lib").join(format))
+    }
+}
+
+/// Copies a file or a whole folder over what is there. The old one is removed, not overwritten: a host that has it open
+/// keeps what it has loaded.
+fn replace(from: &Path, to: &Path) -> std::io::Result<()> {
+    if to.is_dir() {
+        fs::remove_dir_all(to)?;
+    } else if to.exists() {
+        fs::remove_file(to)?;
+    }
+    copy(from, to)
+}
+
+fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+    if let Some(folder) = to.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    if !from.is_dir() {
+        return fs::copy(from, to).map(|_| ());
+    }
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        copy(&entry.path(), &to.join(entry.file_name()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,111 @@
+//! `cargo xtask`: the project's chores.
+//!
+//! This program is kept small, so that it starts soon on a bare machine. What plays through plugins and draws pictures
+//! is the binary `xtask-sound`, which it builds and calls.
+
+mod bench;
+mod bundle;
+mod cargo;
+mod install;
+mod project;
+mod setup;
+mod test;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+/// Pyrophone's chores.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Build the plugin into CLAP and VST3 bundles in target/bundled
+    Bundle {
+        /// Build optimised, as for use in a host
+        #[arg(long)]
+        release: bool,
+    },
+    /// Build the release bundles and copy them to where hosts look for plugins
+    Install(install::Args),
+    /// Play a file through the built plugin in a headless host; see `bounce --help`
+    #[command(disable_help_flag = true)]
+    Bounce(Forwarded),
+    /// Build everything, make fire and write a page to hear and see it; see `demo --help`
+    #[command(disable_help_flag = true)]
+    Demo(Forwarded),
+    /// Everything that must pass
+    Test,
+    /// The long tests
+    Soak,
+    /// Real-time factors and worst blocks
+    Bench,
+}
+
+/// Arguments that `xtask-sound` understands.
+#[derive(Debug, clap::Args)]
+struct Forwarded {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
+    arguments: Vec<OsString>,
+}
+
+impl Forwarded {
+    fn asks_for_help(&self) -> bool {
+        self.arguments.iter().any(|argument| argument == "--help" || argument == "-h")
+    }
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse().command) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(command: Command) -> Result<ExitCode> {
+    std::env::set_current_dir(project::root())?;
+    match command {
+        Command::Bundle { release } => {
+            for path in bundle::bundle(if release { bundle::Profile::Release } else { bundle::Profile::Dev })? {
+                println!("{}", path.display());
+            }
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::Install(args) => install::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Bounce(forwarded) => sound("bounce", &forwarded),
+        Command::Demo(forwarded) => {
+            if !forwarded.asks_for_help() {
+                setup::ensure(&setup::BUILD)?;
+            }
+            sound("demo", &forwarded)
+        }
+        Command::Test => test::run(),
+        Command::Soak => test::soak(),
+        Command::Bench => bench::run(),
+    }
+}
+
+/// Builds the release bundles, unless only help is wanted, and `xtask-sound`; then hands over to it.
+fn sound(command: &str, forwarded: &Forwarded) -> Result<ExitCode> {
+    if !forwarded.asks_for_help() {
+        bundle::bundle(bundle::Profile::Release)?;
+    }
+    let mut sound = cargo::command();
+    sound.args(["run", "--release", "--package", "xtask", "--bin", "xtask-sound", "--", command]);
+    if command == "demo" && std::env::var_os("NICE_LOG").is_none() {
+        // What the plugin tells its user in a host's log is of no use between the demo's lines.
+        sound.env("NICE_LOG", project::target_dir().join("demo.log"));
+    }
+    let status = sound.args(&forwarded.arguments).status()?;
+    Ok(cargo::exit_code(status))
+}

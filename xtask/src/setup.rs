@@ -1,0 +1,135 @@
+//! What the machine must have besides Rust: it is looked for, and installed where that is possible.
+
+use std::env::{split_paths, var_os};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use anyhow::{Result, bail, ensure};
+
+/// Something that may be missing.
+#[derive(Debug)]
+pub struct Need {
+    found: Found,
+    /// Debian's package.
+    package: &'static str,
+    /// What it is for.
+    purpose: &'static str,
+}
+
+#[derive(Debug)]
+enum Found {
+    /// A program in PATH.
+    Program(&'static str),
+    /// A library in one of the system's folders.
+    Library(&'static str),
+    /// A driver that Mesa opens by its path, in the first of these folders that exists.
+    Driver(&'static str),
+}
+
+const LINKER: Need = Need { found: Found::Program("cc"), package: "gcc", purpose: "linking" };
+const C_LIBRARY: Need = Need { found: Found::Library("crt1.o"), package: "libc6-dev", purpose: "linking" };
+
+/// Enough to build and to make sound.
+pub const BUILD: [Need; 2] = [LINKER, C_LIBRARY];
+
+/// Enough for the tests too: they open the editor on a screen that is not there.
+pub const TEST: [Need; 11] = [
+    LINKER,
+    C_LIBRARY,
+    Need { found: Found::Program("Xvfb"), package: "xvfb", purpose: "a screen for the editor's test" },
+    library("libX11.so.6", "libx11-6"),
+    library("libX11-xcb.so.1", "libx11-xcb1"),
+    library("libxcb.so.1", "libxcb1"),
+    library("libxkbcommon.so.0", "libxkbcommon0"),
+    library("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"),
+    library("libEGL.so.1", "libegl1"),
+    library("libGL.so.1", "libgl1"),
+    Need { found: Found::Driver("swrast_dri.so"), package: "libgl1-mesa-dri", purpose: "drawing the editor" },
+];
+
+const fn library(name: &'static str, package: &'static str) -> Need {
+    Need { found: Found::Library(name), package, purpose: "the plugin's editor" }
+}
+
+/// Installs what is missing, or fails with the command that would. On systems other than Linux nothing is looked for.
+pub fn ensure(needs: &[Need]) -> Result<()> {
+    if !cfg!(target_os = "linux") {
+        return Ok(());
+    }
+    let missing: Vec<&Need> = needs.iter().filter(|need| !need.is_met()).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    for need in &missing {
+        eprintln!("missing: {} ({})", need.package, need.purpose);
+    }
+    let packages: Vec<&str> = missing.iter().map(|need| need.package).collect();
+    let by_hand = format!("apt-get update && apt-get install -y --no-install-recommends {}", packages.join(" "));
+    ensure!(
+        is_program("apt-get"),
+        "this system has no apt-get; install what Debian calls {} and try again",
+        packages.join(" ")
+    );
+    if !is_root() && !sudo_asks_nothing() {
+        bail!("run this once, then try again:\n  sudo sh -c '{by_hand}'");
+    }
+    eprintln!("installing {}", packages.join(" "));
+    // A list of packages that cannot be brought up to date may still be good enough.
+    let _ = apt_get(&["update"]);
+    let mut install = vec!["install", "-y", "--no-install-recommends"];
+    install.extend(&packages);
+    ensure!(apt_get(&install)?, "apt-get failed; see above. Run this yourself, then try again:\n  {by_hand}");
+    if let Some(need) = missing.iter().find(|need| !need.is_met()) {
+        bail!("{} is installed, but {:?} is still not found", need.package, need.found);
+    }
+    Ok(())
+}
+
+impl Need {
+    fn is_met(&self) -> bool {
+        match self.found {
+            Found::Program(name) => is_program(name),
+            Found::Library(name) => library_folders().any(|folder| Path::new(&folder).join(name).exists()),
+            Found::Driver(name) => library_folders().any(|folder| {
+                let folder = Path::new(&folder);
+                // Since version 24 Mesa has one library for all drivers.
+                folder.join("dri").join(name).exists()
+                    || std::fs::read_dir(folder).is_ok_and(|entries| {
+                        entries.flatten().any(|entry| entry.file_name().to_string_lossy().starts_with("libgallium"))
+                    })
+            }),
+        }
+    }
+}
+
+/// Where shared libraries lie on Debian and its kin, and elsewhere.
+fn library_folders() -> impl Iterator<Item = String> {
+    let triplet = format!("{}-linux-gnu", std::env::consts::ARCH);
+    ["/usr/lib", "/lib", "/usr/local/lib"]
+        .into_iter()
+        .flat_map(move |folder| [format!("{folder}/{triplet}"), folder.to_owned(), format!("{folder}64")])
+}
+
+/// Whether a program is in PATH.
+pub fn is_program(name: &str) -> bool {
+    var_os("PATH").is_some_and(|path| split_paths(&path).any(|folder| folder.join(name).is_file()))
+}
+
+fn is_root() -> bool {
+    let id = Command::new("id").arg("-u").output();
+    id.is_ok_and(|id| id.stdout.trim_ascii() == b"0")
+}
+
+fn sudo_asks_nothing() -> bool {
+    let sudo = Command::new("sudo").args(["-n", "true"]).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    sudo.is_ok_and(|status| status.success())
+}
+
+fn apt_get(arguments: &[&str]) -> Result<bool> {
+    let mut command = if is_root() { Command::new("env") } else { Command::new("sudo") };
+    if !is_root() {
+        command.args(["-n", "env"]);
+    }
+    let status = command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq"]).args(arguments).status()?;
+    Ok(status.success())
+}
