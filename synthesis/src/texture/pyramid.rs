@@ -53,8 +53,8 @@ pub fn mirrored(signal: &[f64], padding: &Padding) -> Vec<f64> {
     let (start, end) = (padding.start[0], padding.end[0]);
     let mut padded = vec![0.0; padding.size[0]];
     padded[start..end].copy_from_slice(signal);
-    for i in 0..start {
-        padded[i] = signal.get(start - i).copied().unwrap_or(0.0);
+    for (i, before) in padded[..start].iter_mut().enumerate() {
+        *before = signal.get(start - i).copied().unwrap_or(0.0);
     }
     for i in end..padded.len() {
         padded[i] = (2 * end).checked_sub(i + 2).map_or(0.0, |mirror| padded[mirror]);

@@ -157,10 +157,10 @@ impl Builder<'_> {
             let (point, length) = &self.points[*i as usize];
             leaf.windows[lane] = self.first_window as u32 + i;
             leaf.radius = leaf.radius.max(*length);
-            for d in 0..COORDINATES {
-                leaf.points[d][lane] = point[d];
-                bounds.0[d] = bounds.0[d].min(point[d]);
-                bounds.1[d] = bounds.1[d].max(point[d]);
+            for (d, x) in point.iter().enumerate() {
+                leaf.points[d][lane] = *x;
+                bounds.0[d] = bounds.0[d].min(*x);
+                bounds.1[d] = bounds.1[d].max(*x);
             }
         }
         tree.leaves.push(leaf);
