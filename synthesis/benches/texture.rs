@@ -14,7 +14,6 @@ use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape, Texture, off
 use pyrophone_synthesis::{Controls, Structure};
 
 #[path = "../tests/common/signals.rs"]
-#[allow(dead_code)]
 mod signals;
 
 const RATE_HZ: f64 = 44_100.0;
@@ -84,8 +83,9 @@ fn engine_table(pairs: &[Pair]) {
         "pair", "index s", "MB/s", "exact", "eps 1", "4096", "1024", "256", "exact compared"
     );
     for pair in pairs {
-        let (dictionary, built) =
-            timed(|| Dictionary::new(&[pair.training.clone()], RATE_HZ, &Shape::default(), &|_| true).unwrap());
+        let (dictionary, built) = timed(|| {
+            Dictionary::new(std::slice::from_ref(&pair.training), RATE_HZ, &Shape::default(), &|_| true).unwrap()
+        });
         let dictionary = Arc::new(dictionary);
         let megabytes = dictionary.bytes() as f64 / 1e6 / dictionary.seconds();
         let (exact, compared) = streaming(pair, &dictionary, Quality::Exact);
@@ -115,13 +115,15 @@ fn chain_table(pairs: &[Pair]) {
             let structure = Structure::default();
             let shape = Shape::at_rate(&structure, rate_hz);
             // The pair is played as if it had been recorded at this rate.
-            let dictionary = Dictionary::new(&[pair.training.clone()], rate_hz, &shape, &|_| true).unwrap();
+            let dictionary = Dictionary::new(std::slice::from_ref(&pair.training), rate_hz, &shape, &|_| true).unwrap();
             let channels = Channels { input: 2, sidechain: 0, output: 2 };
             let mut chain = Chain::new(rate_hz, channels, &structure).unwrap();
             chain.swap_dictionary(Some(Arc::new(dictionary)));
             let input: Vec<f32> = pair.input.iter().map(|x| *x as f32).collect();
             let controls = Controls::default();
-            chain.swap_distribution(learn(rate_hz, &structure, &controls, &[input.clone()], &[]).ok().map(Arc::new));
+            chain.swap_distribution(
+                learn(rate_hz, &structure, &controls, std::slice::from_ref(&input), &[]).ok().map(Arc::new),
+            );
             let mut shares = Vec::new();
             let mut buffers = [vec![0.0f32; block], vec![0.0f32; block]];
             let blocks = (60.0 * rate_hz) as usize / block;

@@ -168,7 +168,7 @@ fn texture_through_the_chain_is_the_offline_run() {
     let channels = Channels { input: 1, sidechain: 0, output: 1 };
     let mut chain = Chain::new(RATE_HZ, channels, &structure).unwrap();
     chain.swap_dictionary(Some(dictionary));
-    let learned = learn(RATE_HZ, &structure, &controls, &[input.clone()], &[]).unwrap();
+    let learned = learn(RATE_HZ, &structure, &controls, std::slice::from_ref(&input), &[]).unwrap();
     chain.swap_distribution(Some(Arc::new(learned)));
     let Padding { size, start, .. } = Padding::new(input.len(), shape.levels, "input").unwrap();
     let mut padded = vec![0.0f32; size[0] + chain.latency_samples()];

@@ -12,7 +12,7 @@ fn dragon_through_both_formats_is_the_golden_output() {
     let input: Vec<f32> = input[0].iter().map(|x| *x as f32).collect();
     let golden: Vec<f32> = reference::read_f64(&folder.join("texture/dragon.f64")).iter().map(|x| *x as f32).collect();
     let values = preset("texture-paper", &[]);
-    let learned = learned(&values, &[input.clone()], RATE_HZ);
+    let learned = learned(&values, std::slice::from_ref(&input), RATE_HZ);
     let session = session(Some(&folder.join("training/dragon.wav")), Some(learned));
     let padding = Padding::new(input.len(), 6, "input").expect("long enough");
     for format in Format::ALL {
@@ -25,7 +25,7 @@ fn dragon_through_both_formats_is_the_golden_output() {
                 extra_after: padding.size[0] - padding.end[0],
                 ..BounceOptions::new(RATE_HZ, MONO)
             };
-            let output = play(plugin.as_mut(), &[input.clone()], &options);
+            let output = play(plugin.as_mut(), std::slice::from_ref(&input), &options);
             let found = differing(&output[0][..input.len()], &golden);
             println!("{format}, {block:?}: {found} of {} samples differ", golden.len());
             assert_eq!(found, 0, "{format}, {block:?}");
