@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use nice_plug::prelude::*;
+use nice_plug_core::context::process::SendEventError;
 use pyrophone::Pyrophone;
 use pyrophone::effect::PassFence;
 use pyrophone_settings::session::{FIELD, RecordingReference, Session};
@@ -87,7 +88,7 @@ fn noise(samples: usize, seed: u32) -> Vec<f32> {
 fn session(folder: &Path, name: &str) -> String {
     let path: PathBuf = folder.join(name);
     pyrophone_recording::write_wav_f32(&path, &[noise(60_000, name.len() as u32)], RATE_HZ as u32).unwrap();
-    let content_hash = pyrophone_recording::read(&path).unwrap().content_hash;
+    let content_hash = pyrophone_recording::content_hash(&pyrophone_recording::read(&path).unwrap());
     let path = path.to_str().unwrap().to_owned();
     let recording = Some(RecordingReference { path, content_hash, embedded: None });
     serde_json::to_string(&Session { recording, embed: false, learned: None }.to_json()).unwrap()
