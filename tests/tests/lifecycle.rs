@@ -39,7 +39,7 @@ fn group(format: Format, size: usize, round: usize, recordings: &[PathBuf]) {
             players.push(scope.spawn(move || player.play_automated(input, Clock::Playing(0), 64, automation)));
         }
         for (index, main) in mains.iter_mut().enumerate() {
-            if (round + index) % 3 == 0 {
+            if (round + index).is_multiple_of(3) {
                 let path = &recordings[(round + index) % recordings.len()];
                 load_session(*main, &values, &session(Some(path), None));
             }
