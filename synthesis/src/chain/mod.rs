@@ -2,7 +2,7 @@
 //!
 //! Time is an internal sample counter, anchored to the host's position at reset; it runs free when
 //! the host stops or tells nothing. A jump, a loop or a start of playback elsewhere starts a second
-//! [`Voice`](voice) at the new position exactly as a fresh instance would start there; once what was
+//! *voice* at the new position exactly as a fresh instance would start there; once what was
 //! played before the jump has come out of the first one, the second takes over in a crossfade of
 //! 10 ms. So whatever was played before, two passes from one place sound the same.
 
