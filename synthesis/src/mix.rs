@@ -173,12 +173,12 @@ mod tests {
 
     #[test]
     fn a_step_acts_on_the_sound_it_arrived_with() {
-        let (low, silent, dry) = layers_of_ones(4000);
+        let (low, silent, dry) = layers_of_ones(6000);
         let run = |cut: usize| {
             let mut mix = Mix::new(1000, 48_000.0);
-            let mut outputs = [vec![0.0f32; 4000], vec![0.0f32; 4000]];
+            let mut outputs = [vec![0.0f32; 6000], vec![0.0f32; 6000]];
             let mut start = 0;
-            for (end, gain) in [(500, 1.0), (4000, 0.5)] {
+            for (end, gain) in [(500, 1.0), (6000, 0.5)] {
                 while start < end {
                     let stop = end.min(start + cut);
                     let part = |x: &Vec<f64>| x[start..stop].to_vec();
@@ -193,7 +193,7 @@ mod tests {
             }
             outputs[0].clone()
         };
-        let whole = run(4000);
+        let whole = run(6000);
         assert!(whole[..1500].iter().all(|x| *x == 1.0));
         assert!(whole[1500] < 1.0);
         assert_eq!(*whole.last().unwrap(), 0.5);

@@ -31,7 +31,7 @@ pub fn show(ui: &mut egui::Ui, params: &EffectParams, setter: &ParamSetter) {
             ui.add_space(4.0);
             ui.strong(group);
             if group == "Structure" {
-                ui.weak("Changes restart the engines and the latency.");
+                ui.weak("A change restarts the engines and may change the latency.");
             }
             for (index, parameter) in members {
                 row(ui, parameter, params.slot(index), setter);
@@ -51,7 +51,7 @@ fn row(ui: &mut egui::Ui, parameter: &Parameter, slot: &Slot, setter: &ParamSett
             ui.add(name).on_hover_text(parameter.help);
         });
         let is_default = plain == parameter.default_value();
-        let reset = ui.add_enabled(!is_default, egui::Button::new("⟲").small());
+        let reset = ui.add_enabled(!is_default, egui::Button::new("<").small());
         if reset.on_hover_text(format!("Back to {}", parameter.to_text(parameter.default_value()))).clicked() {
             set_once(slot, setter, parameter.default_value());
         }

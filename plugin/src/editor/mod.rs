@@ -32,7 +32,7 @@ use presets::Presets;
 use recording::RecordingPanel;
 
 /// Size of a new window in points.
-const SIZE: (f32, f32) = (900.0, 640.0);
+const SIZE: (f32, f32) = (900.0, 720.0);
 /// The smallest size in points at which everything can be reached.
 const SMALLEST: (f32, f32) = (560.0, 400.0);
 

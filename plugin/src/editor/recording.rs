@@ -88,14 +88,14 @@ impl RecordingPanel {
         }
         ui.horizontal(|ui| {
             let learning = &loader.shared.learning;
-            let mut is_on = learning.load(Ordering::Relaxed);
+            let is_on = learning.load(Ordering::Relaxed);
             let text = if is_on { "Learning: press when it has played" } else { "Learn" };
-            let learn = ui.toggle_value(&mut is_on, text);
+            let learn = ui.add(egui::Button::new(text).selected(is_on));
             if learn
                 .on_hover_text("Press, play the track once, press again: the texture then follows its loudness")
-                .changed()
+                .clicked()
             {
-                learning.store(is_on, Ordering::Relaxed);
+                learning.store(!is_on, Ordering::Relaxed);
             }
             if let Some(values) = view.learning {
                 ui.label(format!("{values} amplitudes so far"));

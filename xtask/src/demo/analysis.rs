@@ -179,9 +179,11 @@ mod tests {
 
     const RATE_HZ: u32 = 44_100;
 
+    /// Two seconds, faded in and out over a tenth: an abrupt end has power everywhere.
     fn tone(frequency_hz: f64) -> Vec<f32> {
         let step = std::f64::consts::TAU * frequency_hz / f64::from(RATE_HZ);
-        (0..2 * RATE_HZ).map(|n| (step * f64::from(n)).sin() as f32).collect()
+        let fade = |n: u32| (f64::from(n.min(2 * RATE_HZ - n)) / (0.1 * f64::from(RATE_HZ))).min(1.0);
+        (0..2 * RATE_HZ).map(|n| (fade(n) * (step * f64::from(n)).sin()) as f32).collect()
     }
 
     #[test]
