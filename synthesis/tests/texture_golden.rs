@@ -51,18 +51,12 @@ fn every_golden_is_reproduced_to_the_sample() {
             range.clone().map_or(channels[0].clone(), |range| channels[0][range].to_vec())
         };
         let (input, training) = (cut("signals", &case.input), cut("training", &case.training));
-        let started = std::time::Instant::now();
         let dictionary = Dictionary::new(&[training], 44_100.0, &case.shape, &|_| true).unwrap();
-        let built = started.elapsed().as_secs_f64();
         let output = offline::synthesize(&input, &Arc::new(dictionary), &case.options, &|_| true).unwrap();
         let golden = common::read_f64(&folder.join(format!("texture/{}.f64", case.name)));
         assert_eq!(output[0].len(), golden.len(), "{}", case.name);
         let differing = output[0].iter().zip(&golden).filter(|(a, b)| **a as f32 != **b as f32).count();
-        println!(
-            "{}: {differing} samples differ; build {built:.2} s, synth {:.3} s/s",
-            case.name,
-            (started.elapsed().as_secs_f64() - built) / (input.len() as f64 / 44100.0)
-        );
+        println!("{}: {differing} of {} samples differ", case.name, golden.len());
         assert_eq!(differing, 0, "{}: samples that differ", case.name);
     }
 }

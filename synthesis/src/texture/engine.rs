@@ -50,7 +50,7 @@ pub struct Texture {
     latency_samples: i64,
     /// Top-level magnitudes that arose in the last call of `process`.
     top_magnitudes: Vec<f64>,
-    /// Factors on the windows that arose since they were last taken, for tests and plots.
+    /// Windows and boxes compared since it was made.
     compared: u64,
 }
 
