@@ -40,6 +40,17 @@ pub struct Restart {
     pub latency_samples: u32,
 }
 
+/// What sounds on after the input has fallen silent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tail {
+    /// Nothing.
+    Over,
+    /// So many samples at most.
+    Samples(u32),
+    /// There is no end: the gate is off.
+    Endless,
+}
+
 impl Audio {
     /// No engines yet.
     pub fn new(link: AudioLink) -> Self {
@@ -151,9 +162,13 @@ impl Audio {
         self.running.as_mut().map(|running| running.chain.take_meters()).unwrap_or_default()
     }
 
-    /// Samples that may still sound, or `None` once all is silent.
-    pub fn tail_samples(&self) -> Option<u32> {
-        let chain = &self.running.as_ref()?.chain;
-        (!chain.is_silent()).then(|| chain.tail_samples().min(u32::MAX as usize - 1) as u32)
+    /// What may still sound after the input has fallen silent.
+    pub fn tail(&self) -> Tail {
+        let Some(Running { chain, .. }) = &self.running else { return Tail::Over };
+        match chain.tail_samples() {
+            _ if chain.is_silent() => Tail::Over,
+            Some(samples) => Tail::Samples(samples.min(u32::MAX as usize - 1) as u32),
+            None => Tail::Endless,
+        }
     }
 }

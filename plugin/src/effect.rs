@@ -7,7 +7,7 @@ use nice_plug::prelude::*;
 use nice_plug_egui::{EguiEditor, EguiEditorState, RepaintNotifier};
 use pyrophone_synthesis::chain::{Chain, Channels};
 
-use crate::audio::Audio;
+use crate::audio::{Audio, Tail};
 use crate::editor::{self, Window};
 use crate::fence::Fence;
 use crate::host_clock::{HostClock, Reported};
@@ -195,9 +195,10 @@ impl Plugin for Pyrophone {
             }
             context.request_restart();
         }
-        match self.audio.tail_samples() {
-            Some(tail) => ProcessStatus::Tail(tail),
-            None => ProcessStatus::Normal,
+        match self.audio.tail() {
+            Tail::Over => ProcessStatus::Normal,
+            Tail::Samples(samples) => ProcessStatus::Tail(samples),
+            Tail::Endless => ProcessStatus::KeepAlive,
         }
     }
 

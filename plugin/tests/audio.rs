@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
-use pyrophone::audio::Audio;
+use pyrophone::audio::{Audio, Tail};
 use pyrophone::loader::{Engine, Loader};
 use pyrophone_settings::{Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
@@ -84,7 +84,7 @@ fn without_engines_there_is_silence() {
     let mut channel = noise(100, 1);
     audio.process(&mut [&mut channel], &[], &Values::default(), PLAYING);
     assert!(channel.iter().all(|sample| *sample == 0.0));
-    assert_eq!((audio.tail_samples(), audio.latency_samples()), (None, None));
+    assert_eq!((audio.tail(), audio.latency_samples()), (Tail::Over, None));
 }
 
 #[test]

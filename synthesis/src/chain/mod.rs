@@ -100,6 +100,8 @@ pub struct Chain {
     /// Samples for which input and output have been silent.
     silent_samples: usize,
     tail_samples: usize,
+    /// Whether texture sounds over silence too, its gate being off.
+    endless: bool,
     meters: Meters,
     main: Vec<Vec<f64>>,
     sidechain: Vec<Vec<f64>>,
@@ -137,6 +139,7 @@ impl Chain {
             has_dictionary: false,
             silent_samples: 0,
             tail_samples: 0,
+            endless: false,
             meters: Meters::default(),
             main: block(channels.input),
             sidechain: block(channels.sidechain),
@@ -153,13 +156,13 @@ impl Chain {
     }
 
     /// Samples that may still sound after the input has fallen silent, with the controls of the last call.
-    pub fn tail_samples(&self) -> usize {
-        self.tail_samples
+    pub fn tail_samples(&self) -> Option<usize> {
+        (!self.endless).then_some(self.tail_samples)
     }
 
     /// Whether input and output have been silent for longer than the tail.
     pub fn is_silent(&self) -> bool {
-        self.silent_samples > self.tail_samples()
+        self.silent_samples > self.tail_samples
     }
 
     /// Shape of the dictionaries that it takes.
@@ -182,6 +185,7 @@ impl Chain {
         self.mix.reset();
         self.silent_samples = 0;
         self.tail_samples = 0;
+        self.endless = false;
         self.meters = Meters::default();
         self.top_magnitudes.clear();
     }
@@ -224,6 +228,7 @@ impl Chain {
             return;
         }
         self.tail_samples = self.voices[0].tail_samples(controls) + self.crossfade_samples;
+        self.endless = self.has_dictionary && controls.texture.gate <= 0.0;
         self.follow(transport);
         let mut start = 0;
         while start < samples {
