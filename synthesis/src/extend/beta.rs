@@ -153,11 +153,15 @@ struct Rotors {
 impl Rotors {
     /// Fourier transform at the nodes of a signal of 2 h samples about its sample h.
     fn spectrum(&self, signal: &[f64]) -> [Complex64; NODES] {
-        transform_at(&self.cos, &self.sin, signal)
+        // For the widest vectors that this machine has.
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || transform_at(&self.cos, &self.sin, signal),
+        )
     }
 }
 
-#[multiversion::multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[inline(always)]
 fn transform_at(turn_cos: &[f64; NODES], turn_sin: &[f64; NODES], signal: &[f64]) -> [Complex64; NODES] {
     let half = signal.len() / 2;
     let (before, after) = signal.split_at(half);

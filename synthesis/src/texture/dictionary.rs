@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::distribution::{Distribution, Histogram};
-use super::feature::Features;
+use super::feature::{Excerpt, Features};
 use super::pyramid::{Pyramid, mirrored};
 use super::search::Index;
 use super::shape::{Padding, Shape};
@@ -15,6 +15,27 @@ use crate::Error;
 /// Called with the part done, 0-1; answers whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
 
+/// The part of an array that is needed.
+#[derive(Debug)]
+struct Kept {
+    samples: Vec<f64>,
+    first: usize,
+}
+
+impl Kept {
+    fn new(mut samples: Vec<f64>, needed: &Range<usize>) -> Self {
+        samples.truncate(needed.end);
+        let first = needed.start.min(samples.len());
+        samples.drain(..first);
+        samples.shrink_to_fit();
+        Self { samples, first }
+    }
+
+    fn excerpt(&self) -> Excerpt<'_> {
+        Excerpt { samples: &self.samples, first: self.first }
+    }
+}
+
 /// A recording's windows on all levels below the top, and the index that finds the nearest.
 #[derive(Debug)]
 pub struct Dictionary {
@@ -22,10 +43,11 @@ pub struct Dictionary {
     sample_rate_hz: f64,
     weights: Vec<f64>,
     unweighted: bool,
-    /// The pyramid of the mean of the channels.
-    pyramid: Pyramid,
+    seconds: f64,
+    /// What windows and their features are read from, of the pyramid of the mean of the channels.
+    levels: Vec<Kept>,
     /// Level 0 of every channel; empty for a recording of one channel, whose mean it is.
-    channels: Vec<Vec<f64>>,
+    channels: Vec<Kept>,
     /// Index of each level below the top; none where the level has no whole window.
     indices: Vec<Option<Index>>,
     distribution: Distribution,
@@ -58,8 +80,11 @@ impl Dictionary {
         let mean = mean_of(channels);
         let pyramid = Pyramid::of_recording(&mean, shape)?;
         go_on(0.1)?;
+        let padding = &pyramid.padding;
+        let windows: Vec<Range<usize>> = (0..shape.top()).map(|level| windows(level, shape, padding)).collect();
+        let needed = needed(&windows, shape, padding);
         let several = if channels.len() > 1 { channels } else { &[] };
-        let channels = several.iter().map(|x| mirrored(x, &pyramid.padding)).collect();
+        let channels = several.iter().map(|x| Kept::new(mirrored(x, padding), &needed[0])).collect();
         let distribution = Distribution::from_magnitudes(pyramid.top_magnitudes());
         let weights = shape.weights();
         let mut dictionary = Self {
@@ -69,13 +94,14 @@ impl Dictionary {
             weights,
             prior: Histogram::of(&distribution),
             distribution,
-            pyramid,
+            seconds: (padding.end[0] - padding.start[0]) as f64 / sample_rate_hz,
+            levels: pyramid.levels.into_iter().zip(&needed).map(|(level, needed)| Kept::new(level, needed)).collect(),
             channels,
             indices: Vec::new(),
         };
         let done = std::sync::Mutex::new(0.1f32);
         let indices = (0..shape.top()).into_par_iter().map(|level| {
-            let windows = dictionary.windows(level);
+            let windows = windows[level].clone();
             let step = |part: f32| {
                 // Level l holds half the windows of level l - 1.
                 let share = 0.9 * part * 0.5f32.powi(level as i32 + 1);
@@ -111,12 +137,12 @@ impl Dictionary {
 
     /// Length of the recording in seconds.
     pub fn seconds(&self) -> f64 {
-        (self.pyramid.padding.end[0] - self.pyramid.padding.start[0]) as f64 / self.sample_rate_hz
+        self.seconds
     }
 
     /// Bytes held, about.
     pub fn bytes(&self) -> usize {
-        let samples: usize = self.pyramid.levels.iter().chain(&self.channels).map(Vec::len).sum();
+        let samples: usize = self.levels.iter().chain(&self.channels).map(|kept| kept.samples.len()).sum();
         samples * size_of::<f64>() + self.indices.iter().flatten().map(Index::bytes).sum::<usize>()
     }
 
@@ -136,48 +162,63 @@ impl Dictionary {
     }
 
     /// The mean of the channels on `level`.
-    pub fn level(&self, level: usize) -> &[f64] {
-        &self.pyramid.levels[level]
+    pub fn level(&self, level: usize) -> Excerpt<'_> {
+        self.levels[level].excerpt()
     }
 
     /// Level 0 of the sound for one of `outputs` channels: the same channel of a recording with
     /// as many, the mean for one output, else the recording's channels in turn.
-    pub fn channel(&self, channel: usize, outputs: usize) -> &[f64] {
+    pub fn channel(&self, channel: usize, outputs: usize) -> Excerpt<'_> {
         if self.channels.is_empty() || outputs == 1 {
-            &self.pyramid.levels[0]
+            self.level(0)
         } else {
-            &self.channels[channel % self.channels.len()]
+            self.channels[channel % self.channels.len()].excerpt()
         }
     }
 
     /// The features of `level`, which lies below the top.
     pub fn features(&self, level: usize) -> Features<'_> {
         Features {
-            fine: &self.pyramid.levels[level],
-            coarse: &self.pyramid.levels[level + 1],
+            fine: self.level(level),
+            coarse: self.level(level + 1),
             weights: &self.weights,
             unweighted: self.unweighted,
             shape: &self.shape,
         }
     }
+}
 
-    /// The windows of `level` whose causal half lies within the signal and whose coarse taps lie
-    /// within the array.
-    fn windows(&self, level: usize) -> Range<usize> {
-        let shape = &self.shape;
-        let Padding { size, start, end } = &self.pyramid.padding;
-        let (w, reach) = (shape.window, shape.reach());
-        let whole = |window: &usize| {
-            let centre = window * w;
-            let causal = centre >= reach + start[level] && centre - w < end[level];
-            let coarse = centre / 2 >= reach && centre / 2 + reach + 1 < size[level + 1];
-            causal && coarse
-        };
-        let all = 0..size[level] / w + 1;
-        let first = all.clone().find(whole).unwrap_or(0);
-        let count = (first..all.end).take_while(whole).count();
-        first..first + count
+/// The windows of `level` whose causal half lies within the signal and whose coarse taps lie within
+/// the array.
+fn windows(level: usize, shape: &Shape, Padding { size, start, end }: &Padding) -> Range<usize> {
+    let (w, reach) = (shape.window, shape.reach());
+    let whole = |window: &usize| {
+        let centre = window * w;
+        let causal = centre >= reach + start[level] && centre - w < end[level];
+        let coarse = centre / 2 >= reach && centre / 2 + reach + 1 < size[level + 1];
+        causal && coarse
+    };
+    let all = 0..size[level] / w + 1;
+    let first = all.clone().find(whole).unwrap_or(0);
+    let count = (first..all.end).take_while(whole).count();
+    first..first + count
+}
+
+/// What the `windows` of all levels, and their features, read of each level's array.
+fn needed(windows: &[Range<usize>], shape: &Shape, padding: &Padding) -> Vec<Range<usize>> {
+    let (w, reach) = (shape.window, shape.reach());
+    let nothing = Range { start: usize::MAX, end: 0 };
+    let mut needed = vec![nothing; windows.len() + 1];
+    let mut include = |level: usize, part: Range<usize>| {
+        let range: &mut Range<usize> = &mut needed[level];
+        *range = range.start.min(part.start)..range.end.max(part.end.min(padding.size[level]));
+    };
+    for (level, windows) in windows.iter().enumerate().filter(|(_, windows)| !windows.is_empty()) {
+        let (first, last) = (windows.start * w, (windows.end - 1) * w);
+        include(level, first - reach..last + w + 1);
+        include(level + 1, first / 2 - reach..last / 2 + reach + 2);
     }
+    needed
 }
 
 fn mean_of(channels: &[Vec<f64>]) -> Vec<f64> {

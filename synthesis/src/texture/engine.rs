@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::dictionary::Dictionary;
 use super::distribution::{Distribution, RunningDistribution, feature_factor};
-use super::feature::{Place, halfway};
+use super::feature::{Excerpt, Place, halfway};
 use super::gate::Gate;
 use super::pyramid::PyramidStream;
 use super::ring::Ring;
@@ -385,11 +385,11 @@ struct Target {
 }
 
 impl Target {
-    fn add(&self, factors: &[f64], recording: &[f64], ring: &mut Ring) {
+    fn add(&self, factors: &[f64], recording: Excerpt<'_>, ring: &mut Ring) {
         for (i, factor) in factors.iter().enumerate() {
-            let (from, to) = (self.from + i as i64, self.to + i as i64);
-            if to >= self.floor && to < self.end && from >= 0 && (from as usize) < recording.len() {
-                ring.add(to, factor * recording[from as usize]);
+            let (from, to) = (self.from + i as i64 - recording.first as i64, self.to + i as i64);
+            if to >= self.floor && to < self.end && from >= 0 && (from as usize) < recording.samples.len() {
+                ring.add(to, factor * recording.samples[from as usize]);
             }
         }
     }

@@ -29,14 +29,31 @@ pub fn halfway(a: f64, b: f64) -> f64 {
     0.5 * a + 0.5 * b
 }
 
+/// Part of a level's array; nothing outside it is ever read.
+#[derive(Debug, Clone, Copy)]
+pub struct Excerpt<'a> {
+    /// Its samples.
+    pub samples: &'a [f64],
+    /// Index, in the whole array, of the first.
+    pub first: usize,
+}
+
+impl<'a> Excerpt<'a> {
+    /// The samples from index `index` of the whole array on.
+    #[inline(always)]
+    pub fn from(&self, index: i64) -> &'a [f64] {
+        &self.samples[index as usize - self.first..]
+    }
+}
+
 /// A recording's windows on one level, as features: read straight from the pyramid, so that they
 /// need no room of their own.
 #[derive(Debug, Clone, Copy)]
 pub struct Features<'a> {
-    /// Samples of the level.
-    pub fine: &'a [f64],
-    /// Samples of the next coarser level.
-    pub coarse: &'a [f64],
+    /// The level.
+    pub fine: Excerpt<'a>,
+    /// The next coarser level.
+    pub coarse: Excerpt<'a>,
     /// Weights of a feature's samples.
     pub weights: &'a [f64],
     /// Whether all weights are 1.
@@ -50,8 +67,8 @@ impl Features<'_> {
     pub fn write(&self, window: usize, out: &mut [f64]) {
         let place = Place::of(window as i64, self.shape);
         let (causal_len, coarse_len) = (self.shape.causal_len(), self.shape.coarse_len());
-        let causal = &self.fine[place.causal as usize..][..causal_len];
-        let coarse = &self.coarse[place.coarse as usize..];
+        let causal = &self.fine.from(place.causal)[..causal_len];
+        let coarse = self.coarse.from(place.coarse);
         let (out_causal, out_coarse) = out.split_at_mut(causal_len);
         out_causal.copy_from_slice(causal);
         if place.between {
@@ -70,46 +87,47 @@ impl Features<'_> {
     pub fn equal(&self, a: usize, b: usize) -> bool {
         let (a, b) = (Place::of(a as i64, self.shape), Place::of(b as i64, self.shape));
         let taps = self.shape.coarse_len() + usize::from(a.between);
-        let causal = |at: Place| &self.fine[at.causal as usize..][..self.shape.causal_len()];
-        let coarse = |at: Place| &self.coarse[at.coarse as usize..][..taps];
+        let causal = |at: Place| &self.fine.from(at.causal)[..self.shape.causal_len()];
+        let coarse = |at: Place| &self.coarse.from(at.coarse)[..taps];
         a.between == b.between && causal(a) == causal(b) && coarse(a) == coarse(b)
     }
 
-    /// Squared distance of `window`'s feature to `query`, summed in order in double precision
-    /// without fused operations, so that every machine and every search finds the same nearest;
-    /// given up (`None`) once it exceeds `limit`.
+    /// The samples of `window`'s feature where they lie, if they need neither weights nor
+    /// interpolation.
     #[inline(always)]
-    pub fn distance(&self, window: usize, query: &[f64], limit: f64) -> Option<f64> {
+    pub fn in_place(&self, window: usize) -> Option<[&[f64]; 2]> {
         let place = Place::of(window as i64, self.shape);
-        let (causal_len, coarse_len) = (self.shape.causal_len(), self.shape.coarse_len());
-        let causal = &self.fine[place.causal as usize..][..causal_len];
-        let coarse = &self.coarse[place.coarse as usize..];
-        let (query_causal, query_coarse) = query.split_at(causal_len);
-        let (weights_causal, weights_coarse) = self.weights.split_at(causal_len);
+        (self.unweighted && !place.between).then(|| {
+            let causal = &self.fine.from(place.causal)[..self.shape.causal_len()];
+            [causal, &self.coarse.from(place.coarse)[..self.shape.coarse_len()]]
+        })
+    }
+
+    /// Squared distance of `window`'s feature to `query`, summed in order in double precision
+    /// without fused operations, so that every machine and every search finds the same nearest.
+    #[inline(always)]
+    pub fn distance(&self, window: usize, query: &[f64]) -> f64 {
+        let (query_causal, query_coarse) = query.split_at(self.shape.causal_len());
         let mut sum = 0.0;
-        if self.unweighted && !place.between {
-            for (x, q) in causal.iter().zip(query_causal) {
+        if let Some([causal, coarse]) = self.in_place(window) {
+            for (x, q) in causal.iter().zip(query_causal).chain(coarse.iter().zip(query_coarse)) {
                 sum += (x - q) * (x - q);
             }
-            for (xs, qs) in coarse[..coarse_len].chunks(11).zip(query_coarse.chunks(11)) {
-                if sum > limit {
-                    return None;
-                }
-                for (x, q) in xs.iter().zip(qs) {
-                    sum += (x - q) * (x - q);
-                }
-            }
-        } else {
-            for ((x, q), weight) in causal.iter().zip(query_causal).zip(weights_causal) {
-                let x = x * weight;
-                sum += (x - q) * (x - q);
-            }
-            for (i, (q, weight)) in query_coarse.iter().zip(weights_coarse).enumerate() {
-                let x = if place.between { halfway(coarse[i], coarse[i + 1]) } else { coarse[i] };
-                let x = x * weight;
-                sum += (x - q) * (x - q);
-            }
+            return sum;
         }
-        (sum <= limit).then_some(sum)
+        let place = Place::of(window as i64, self.shape);
+        let causal = self.fine.from(place.causal);
+        let coarse = self.coarse.from(place.coarse);
+        let (weights_causal, weights_coarse) = self.weights.split_at(query_causal.len());
+        for ((x, q), weight) in causal.iter().zip(query_causal).zip(weights_causal) {
+            let x = x * weight;
+            sum += (x - q) * (x - q);
+        }
+        for (i, (q, weight)) in query_coarse.iter().zip(weights_coarse).enumerate() {
+            let x = if place.between { halfway(coarse[i], coarse[i + 1]) } else { coarse[i] };
+            let x = x * weight;
+            sum += (x - q) * (x - q);
+        }
+        sum
     }
 }

@@ -1,14 +1,19 @@
 //! The nearest window to a feature (§5.2): an index of our own.
 //!
 //! Features have some fifty dimensions, but few of them are real. So every window is kept as its
-//! first principal coordinates and the length of what they leave out; the distance in these
-//! sixteen numbers never exceeds the true one. A tree of bounding boxes, sixteen children wide,
-//! leads to blocks of sixteen windows; both are stored dimension-major, so that sixteen bounds are
-//! computed at once. Only windows whose bound lies below the best distance found so far are
-//! compared in full, in double precision, in the reference's order of arithmetic: rounding in the
-//! bounds is allowed for, so the window found is the nearest, ties to the lowest.
+//! coordinates along the level's principal axes, as many as its sound needs, and the length of what
+//! they leave out; the distance in these numbers never exceeds the true one. They are stored as
+//! bytes, in blocks of sixteen windows that lie near each other, and a tree of bounding boxes,
+//! sixteen children wide, leads to the blocks. Sixteen bounds are computed at once.
+//!
+//! Only windows whose bound lies below the best distance found so far are looked at in full: first
+//! in whatever order of arithmetic is fastest, and if that cannot tell, in double precision in the
+//! reference's order, without fused operations. Rounding is allowed for in all bounds, so the window
+//! found is the nearest, ties to the lowest, on every machine.
 
 mod axes;
+mod block;
+mod lanes;
 mod query;
 mod tree;
 
@@ -21,43 +26,49 @@ use crate::Error;
 use axes::Axes;
 use tree::Tree;
 
-/// Lanes of a block.
+/// Windows of a leaf, and children of a node.
 const LANES: usize = 16;
-/// Numbers kept per window: principal coordinates, then the length of the rest.
-const COORDINATES: usize = 16;
-/// One number per lane for each coordinate.
-type Block = [[f32; LANES]; COORDINATES];
+/// Most numbers kept per window.
+const AXES_MAX: usize = 32;
+
+/// Told parts done that add up to 1; may call it off.
+pub type Step<'a> = &'a (dyn Fn(f32) -> Result<(), Error> + Sync);
 
 /// An index over the windows of one level.
 #[derive(Debug)]
 pub struct Index {
     axes: Axes,
     tree: Tree,
+    /// Largest distance of a window from the mean.
+    radius: f32,
     first_window: usize,
     windows: usize,
 }
 
 impl Index {
-    /// Indexes `windows`, at least one, of `features`; `progress` is called with parts that add
-    /// up to 1 and may call it off.
-    pub fn new(
-        features: &Features<'_>,
-        windows: Range<usize>,
-        progress: &dyn Fn(f32) -> Result<(), Error>,
-    ) -> Result<Self, Error> {
+    /// Indexes `windows`, at least one, of `features`.
+    pub fn new(features: &Features<'_>, windows: Range<usize>, step: Step<'_>) -> Result<Self, Error> {
         let axes = Axes::new(features, windows.clone());
-        progress(0.3)?;
+        step(0.2)?;
         let points = axes.project_all(features, windows.clone());
-        progress(0.3)?;
-        let same = |a: usize, b: usize| features.equal(windows.start + a, windows.start + b);
-        let tree = Tree::new(&points, windows.start, &same);
-        progress(0.4)?;
-        Ok(Self { axes, tree, first_window: windows.start, windows: windows.len() })
+        step(0.3)?;
+        // A recording may hold minutes of digital silence: of equal windows in a row the first,
+        // which wins ties, stands for all.
+        let repeats = |i: u32| i > 0 && features.equal(windows.start + i as usize - 1, windows.start + i as usize);
+        let mut order: Vec<u32> = (0..windows.len() as u32).filter(|i| !repeats(*i)).collect();
+        let part = |done: f32| step(0.5 * done);
+        let tree = Tree::new(&points.coordinates, axes.count(), &mut order, windows.start, &part)?;
+        Ok(Self { axes, tree, radius: points.radius, first_window: windows.start, windows: windows.len() })
     }
 
     /// The windows it holds.
     pub fn windows(&self) -> Range<usize> {
         self.first_window..self.first_window + self.windows
+    }
+
+    /// Numbers kept for every window.
+    pub fn axes(&self) -> usize {
+        self.axes.count()
     }
 
     /// Bytes held, about.

@@ -3,10 +3,10 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use multiversion::multiversion;
-
-use super::tree::{Child, Leaf, Node};
-use super::{Block, COORDINATES, Index, LANES};
+use super::block::{box_bounds, point_bounds};
+use super::lanes::{Lanes, Machine, Work};
+use super::tree::Child;
+use super::{AXES_MAX, Index, LANES};
 use crate::texture::feature::Features;
 
 /// How much work a search may do.
@@ -17,11 +17,16 @@ pub enum Budget {
         /// Relative error allowed, 0 or more.
         eps: f64,
     },
-    /// At most this many windows and boxes compared.
+    /// At most this many windows and boxes compared, but no fewer than [`Budget::LEAST`].
     Bounded {
         /// Windows and boxes.
         candidates: u32,
     },
+}
+
+impl Budget {
+    /// Enough to find something in any recording: down the tree once, and all of a leaf in full.
+    pub const LEAST: u32 = 1 + STOREYS as u32 * LANES as u32 + BLOCK_COST;
 }
 
 /// What a search found.
@@ -35,16 +40,19 @@ pub struct Answer {
     pub compared: u32,
 }
 
+/// Storeys of the largest tree: 16^7 leaves hold 2^32 windows.
+const STOREYS: usize = 8;
+/// Most that one block can cost: all of its bounds, and all of its windows in full.
+const BLOCK_COST: u32 = 2 * LANES as u32;
 /// Boxes that a bounded search keeps in mind; more than any budget can fill.
 const HEAP_CAPACITY: usize = 1 << 13;
-/// Sixteen for every storey of the tree; eight storeys hold 2^32 windows.
-const STACK_CAPACITY: usize = 9 * LANES;
 
 /// Room for searches; one for each thread that searches. Nothing allocates after `new`.
 #[derive(Debug)]
 pub struct Searcher {
+    machine: Machine,
     stack: Vec<(f32, Child)>,
-    heap: BinaryHeap<Reverse<(u32, u32)>>,
+    heap: BinaryHeap<Reverse<(u32, Child)>>,
 }
 
 impl Default for Searcher {
@@ -54,9 +62,22 @@ impl Default for Searcher {
 }
 
 impl Searcher {
-    /// Room for searches in any index.
+    /// Room for searches in any index, with the fastest arithmetic that this machine has.
     pub fn new() -> Self {
-        Self { stack: Vec::with_capacity(STACK_CAPACITY), heap: BinaryHeap::with_capacity(HEAP_CAPACITY) }
+        Self::with(Machine::best())
+    }
+
+    /// The same for every arithmetic that this machine has: all find the same windows.
+    pub fn every() -> Vec<Self> {
+        Machine::all().into_iter().map(Self::with).collect()
+    }
+
+    fn with(machine: Machine) -> Self {
+        Self {
+            machine,
+            stack: Vec::with_capacity((STOREYS + 1) * LANES),
+            heap: BinaryHeap::with_capacity(HEAP_CAPACITY),
+        }
     }
 
     /// The nearest window of `index` to `query`, the lowest of equally near ones. `features` must
@@ -70,86 +91,111 @@ impl Searcher {
         budget: Budget,
     ) -> Answer {
         let hint = hint.filter(|window| index.windows().contains(window));
+        let task = Task { index, features, query, hint };
         match budget {
-            Budget::Exact { eps } => nearest_exact(index, features, query, hint, eps, &mut self.stack),
-            Budget::Bounded { candidates } => nearest_bounded(index, features, query, hint, candidates, &mut self.heap),
+            Budget::Exact { eps } => self.machine.run(Exact { task, eps, stack: &mut self.stack }),
+            Budget::Bounded { candidates } => {
+                let candidates = candidates.max(Budget::LEAST);
+                self.machine.run(Bounded { task, candidates, heap: &mut self.heap })
+            }
         }
     }
 }
 
-/// Relative rounding of a bound computed in single precision, with room to spare.
-const RELATIVE_ROUNDING: f64 = 4e-6;
-/// Rounding of a bound relative to the lengths of the vectors it is computed from.
-const LENGTH_ROUNDING: f64 = 4e-7;
-
-/// A search under way.
-struct Search<'a> {
+/// What is to be found where.
+#[derive(Clone, Copy)]
+struct Task<'a> {
     index: &'a Index,
     features: &'a Features<'a>,
     query: &'a [f64],
-    point: [f32; COORDINATES],
-    length: f64,
-    /// 1 / (1 + eps).
+    hint: Option<usize>,
+}
+
+/// Relative rounding of a bound computed in single precision, with room to spare.
+const RELATIVE_ROUNDING: f64 = 8e-6;
+/// Rounding of a bound relative to the lengths of the vectors it is computed from.
+const LENGTH_ROUNDING: f64 = 8e-7;
+/// Relative rounding of a distance summed in another order than the reference's.
+const ORDER_ROUNDING: f64 = 1e-12;
+
+/// A search under way.
+struct Search<'a, L> {
+    lanes: L,
+    task: Task<'a>,
+    point: [f32; AXES_MAX],
+    /// What rounding may add to a bound.
+    rounding: f64,
+    /// (1 + rounding) / (1 + eps).
     tightening: f64,
     best: f64,
     window: usize,
-    /// Distance beyond which a bound rules a window out, before the allowance for lengths.
-    reach: f64,
+    /// Distance beyond which a bound rules a window out.
+    reach: f32,
     compared: u32,
 }
 
-impl<'a> Search<'a> {
+impl<'a, L: Lanes> Search<'a, L> {
     #[inline(always)]
-    fn new(index: &'a Index, features: &'a Features<'a>, query: &'a [f64], hint: Option<usize>, eps: f64) -> Self {
-        let (point, length) = index.axes.project(query);
-        let window = index.first_window;
-        let tightening = 1.0 / (1.0 + eps.max(0.0));
+    fn new(lanes: L, task: Task<'a>, eps: f64) -> Self {
+        let (point, length) = task.index.axes.project(task.query);
         let mut search = Self {
-            index,
-            features,
-            query,
+            lanes,
+            task,
             point,
-            length,
-            tightening,
+            rounding: LENGTH_ROUNDING * (length + f64::from(task.index.radius)),
+            tightening: (1.0 + RELATIVE_ROUNDING) / (1.0 + eps.max(0.0)),
             best: f64::INFINITY,
-            window,
-            reach: f64::INFINITY,
+            window: task.index.first_window,
+            reach: f32::INFINITY,
             compared: 0,
         };
-        if let Some(hint) = hint {
+        if let Some(hint) = task.hint {
             search.compare(hint);
         }
         search
     }
 
+    /// Compares a window in full. Only where rounding might change the order does the reference's
+    /// own arithmetic decide.
     #[inline(always)]
     fn compare(&mut self, window: usize) {
         self.compared += 1;
-        if let Some(distance) = self.features.distance(window, self.query, self.best)
-            && (distance < self.best || window < self.window)
-        {
-            self.best = distance;
-            self.window = window;
-            self.reach = distance.sqrt() * self.tightening * (1.0 + RELATIVE_ROUNDING);
-        }
-    }
-
-    /// Squared bound above which nothing can be nearer, for vectors up to `radius` long.
-    #[inline(always)]
-    fn limit(&self, radius: f32) -> f32 {
-        let limit = self.reach + LENGTH_ROUNDING * (self.length + f64::from(radius));
-        (limit * limit) as f32
-    }
-
-    #[inline(always)]
-    fn visit_leaf(&mut self, leaf: &Leaf) {
-        let mut bounds = [0.0f32; LANES];
-        self.compared += LANES as u32;
-        if !leaf_bounds(&leaf.points, &self.point, self.limit(leaf.radius), &mut bounds) {
+        let Task { features, query, .. } = self.task;
+        let distance = match features.in_place(window) {
+            Some(feature) => distance_in_any_order(self.lanes, feature, query),
+            None => features.distance(window, query),
+        };
+        if distance > self.best * (1.0 + ORDER_ROUNDING) {
             return;
         }
-        for (lane, bound) in bounds.iter().enumerate() {
-            if *bound <= self.limit(leaf.radius) && leaf.windows[lane] != u32::MAX {
+        if distance >= self.best * (1.0 - ORDER_ROUNDING) && !is_nearer(&self.task, window, self.window) {
+            return;
+        }
+        self.best = distance;
+        self.window = window;
+        self.reach = (distance.sqrt() * self.tightening + self.rounding) as f32;
+    }
+
+    /// Squared bound above which nothing can be nearer, where bounds may be too large by `slack`.
+    #[inline(always)]
+    fn limit(&self, slack: f32) -> f32 {
+        (self.reach + slack) * (self.reach + slack)
+    }
+
+    #[inline(always)]
+    fn visit_leaf(&mut self, leaf: usize) {
+        self.compared += LANES as u32;
+        let leaf = self.task.index.tree.leaf(leaf);
+        let (mut within, bounds) =
+            point_bounds(self.lanes, leaf.frame, leaf.codes, &self.point, self.limit(leaf.slack));
+        if within == 0 {
+            return;
+        }
+        let bounds = self.lanes.array(bounds);
+        while within != 0 {
+            let lane = within.trailing_zeros() as usize;
+            within &= within - 1;
+            if bounds[lane] <= self.limit(leaf.slack) {
                 self.compare(leaf.windows[lane] as usize);
             }
         }
@@ -157,163 +203,146 @@ impl<'a> Search<'a> {
 
     /// Hands every child of `node` that may hold something nearer to `found`, with its bound.
     #[inline(always)]
-    fn visit_node(&mut self, node: &Node, mut found: impl FnMut(f32, Child)) {
+    fn visit_node(&mut self, node: usize, mut found: impl FnMut(f32, Child)) {
         self.compared += LANES as u32;
-        let mut bounds = [0.0f32; LANES];
-        let limit = self.limit(self.index.tree.radius);
-        if box_bounds(&node.low, &node.high, &self.point, limit, &mut bounds) {
-            for (bound, child) in bounds.iter().zip(&node.children).take(node.count) {
-                if *bound <= limit {
-                    found(*bound, *child);
-                }
+        let node = self.task.index.tree.node(node);
+        let (mut within, bounds) = box_bounds(self.lanes, node.faces, &self.point, self.limit(0.0));
+        if within == 0 {
+            return;
+        }
+        let bounds = self.lanes.array(bounds);
+        while within != 0 {
+            let lane = within.trailing_zeros() as usize;
+            within &= within - 1;
+            if node.children[lane] == Child::NONE {
+                break;
             }
+            found(bounds[lane], node.children[lane]);
         }
     }
 
     #[inline(always)]
     fn answer(&self) -> Answer {
-        Answer { window: self.window, distance_squared: self.best, compared: self.compared }
+        let distance_squared = self.task.features.distance(self.window, self.task.query);
+        Answer { window: self.window, distance_squared, compared: self.compared }
     }
+}
+
+/// Whether `new` is nearer than `old`, or as near and lower.
+#[cold]
+#[inline(never)]
+fn is_nearer(Task { features, query, .. }: &Task<'_>, new: usize, old: usize) -> bool {
+    let (distance, best) = (features.distance(new, query), features.distance(old, query));
+    distance < best || distance == best && new < old
+}
+
+/// Squared distance of a feature's halves to `query`.
+#[inline(always)]
+fn distance_in_any_order<L: Lanes>(lanes: L, [causal, coarse]: [&[f64]; 2], query: &[f64]) -> f64 {
+    let (query_causal, query_coarse) = query.split_at(causal.len());
+    let mut sums = lanes.zeros();
+    let mut rest = 0.0;
+    for (xs, qs) in [(causal, query_causal), (coarse, query_coarse)] {
+        let ((xs, last_xs), (qs, last_qs)) = (xs.as_chunks::<8>(), qs.as_chunks::<8>());
+        for (x, q) in xs.iter().zip(qs) {
+            sums = lanes.add_square(x, q, sums);
+        }
+        for (x, q) in last_xs.iter().zip(last_qs) {
+            rest += (x - q) * (x - q);
+        }
+    }
+    rest + lanes.sum(sums)
 }
 
 /// Depth first, nearest child first.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "aarch64+neon"))]
-fn nearest_exact(
-    index: &Index,
-    features: &Features<'_>,
-    query: &[f64],
-    hint: Option<usize>,
+struct Exact<'a> {
+    task: Task<'a>,
     eps: f64,
-    stack: &mut Vec<(f32, Child)>,
-) -> Answer {
-    let mut search = Search::new(index, features, query, hint, eps);
-    stack.clear();
-    stack.push((0.0, index.tree.root));
-    while let Some((bound, child)) = stack.pop() {
-        if bound > search.limit(index.tree.radius) {
-            continue;
-        }
-        match child {
-            Child::Leaf(leaf) => search.visit_leaf(&index.tree.leaves[leaf as usize]),
-            Child::Node(node) => {
-                let base = stack.len();
-                search.visit_node(&index.tree.nodes[node as usize], |bound, child| {
-                    stack.push((bound, child));
-                    let mut at = stack.len() - 1;
-                    while at > base && stack[at - 1].0 < bound {
-                        stack.swap(at - 1, at);
-                        at -= 1;
+    stack: &'a mut Vec<(f32, Child)>,
+}
+
+impl Work for Exact<'_> {
+    type Done = Answer;
+
+    #[inline(always)]
+    fn with<L: Lanes>(self, lanes: L) -> Answer {
+        let mut search = Search::new(lanes, self.task, self.eps);
+        let stack = self.stack;
+        let tree = &self.task.index.tree;
+        stack.clear();
+        stack.push((0.0, self.task.index.tree.root));
+        while let Some((bound, child)) = stack.pop() {
+            if bound > search.limit(0.0) {
+                continue;
+            }
+            match child.kind() {
+                Ok(leaf) => search.visit_leaf(leaf),
+                Err(node) => {
+                    let (mut nearest, mut at) = (f32::INFINITY, usize::MAX);
+                    search.visit_node(node, |bound, child| {
+                        stack.push((bound, child));
+                        tree.prefetch(lanes, child);
+                        if bound < nearest {
+                            nearest = bound;
+                            at = stack.len() - 1;
+                        }
+                    });
+                    if at < stack.len() {
+                        let last = stack.len() - 1;
+                        stack.swap(at, last);
                     }
-                });
+                }
             }
         }
+        search.answer()
     }
-    search.answer()
 }
 
 /// Best first, until the work allowed is done.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2", "aarch64+neon"))]
-fn nearest_bounded(
-    index: &Index,
-    features: &Features<'_>,
-    query: &[f64],
-    hint: Option<usize>,
+struct Bounded<'a> {
+    task: Task<'a>,
     candidates: u32,
-    heap: &mut BinaryHeap<Reverse<(u32, u32)>>,
-) -> Answer {
-    let mut search = Search::new(index, features, query, hint, 0.0);
-    heap.clear();
-    let mut next = Some((0.0f32.to_bits(), packed(index.tree.root)));
-    while let Some((bits, child)) = next {
-        if f32::from_bits(bits) > search.limit(index.tree.radius) {
-            break;
-        }
-        // Until something is found, straight down to the nearest leaf: there is always an answer.
-        let mut straight_down = None;
-        match unpacked(child) {
-            Child::Leaf(leaf) => search.visit_leaf(&index.tree.leaves[leaf as usize]),
-            Child::Node(node) => {
-                let descending = search.best == f64::INFINITY;
-                search.visit_node(&index.tree.nodes[node as usize], |bound, child| {
-                    let mut found = (bound.to_bits(), packed(child));
-                    if descending && straight_down.is_none_or(|nearest| found < nearest) {
-                        match straight_down.replace(found) {
-                            Some(farther) => found = farther,
-                            None => return,
+    heap: &'a mut BinaryHeap<Reverse<(u32, Child)>>,
+}
+
+impl Work for Bounded<'_> {
+    type Done = Answer;
+
+    #[inline(always)]
+    fn with<L: Lanes>(self, lanes: L) -> Answer {
+        let mut search = Search::new(lanes, self.task, 0.0);
+        let heap = self.heap;
+        heap.clear();
+        let mut next = Some((0.0f32.to_bits(), self.task.index.tree.root));
+        while let Some((bound, child)) = next {
+            if f32::from_bits(bound) > search.limit(0.0) {
+                break;
+            }
+            // Until something is found, straight down to the nearest leaf: there is always an answer.
+            let mut straight_down = None;
+            match child.kind() {
+                Ok(leaf) => search.visit_leaf(leaf),
+                Err(node) => {
+                    let descending = search.best == f64::INFINITY;
+                    search.visit_node(node, |bound, child| {
+                        let mut found = (bound.to_bits(), child);
+                        if descending && straight_down.is_none_or(|nearest| found < nearest) {
+                            match straight_down.replace(found) {
+                                Some(farther) => found = farther,
+                                None => return,
+                            }
                         }
-                    }
-                    if heap.len() < HEAP_CAPACITY {
-                        heap.push(Reverse(found));
-                    }
-                });
+                        if heap.len() < HEAP_CAPACITY {
+                            heap.push(Reverse(found));
+                        }
+                    });
+                }
             }
-        }
-        if search.compared >= candidates && search.best.is_finite() {
-            break;
-        }
-        next = straight_down.or_else(|| heap.pop().map(|Reverse(nearest)| nearest));
-    }
-    search.answer()
-}
-
-const LEAF_BIT: u32 = 1 << 31;
-
-fn packed(child: Child) -> u32 {
-    match child {
-        Child::Node(node) => node,
-        Child::Leaf(leaf) => leaf | LEAF_BIT,
-    }
-}
-
-fn unpacked(child: u32) -> Child {
-    if child & LEAF_BIT == 0 { Child::Node(child) } else { Child::Leaf(child & !LEAF_BIT) }
-}
-
-/// Coordinates after which it is checked whether any lane is still of use.
-const STAGES: [usize; 4] = [0, 4, 8, COORDINATES];
-
-/// Squared distances of sixteen points; false, and not complete, once all exceed `limit`.
-#[inline(always)]
-fn leaf_bounds(points: &Block, query: &[f32; COORDINATES], limit: f32, bounds: &mut [f32; LANES]) -> bool {
-    for stage in STAGES.windows(2) {
-        for d in stage[0]..stage[1] {
-            for lane in 0..LANES {
-                let difference = points[d][lane] - query[d];
-                bounds[lane] += difference * difference;
+            if search.compared + BLOCK_COST > self.candidates && search.best.is_finite() {
+                break;
             }
+            next = straight_down.or_else(|| heap.pop().map(|Reverse(nearest)| nearest));
         }
-        if !any_within(bounds, limit) {
-            return false;
-        }
+        search.answer()
     }
-    true
-}
-
-/// Squared distances to sixteen boxes; false, and not complete, once all exceed `limit`.
-#[inline(always)]
-fn box_bounds(low: &Block, high: &Block, query: &[f32; COORDINATES], limit: f32, bounds: &mut [f32; LANES]) -> bool {
-    for stage in STAGES.windows(2) {
-        for d in stage[0]..stage[1] {
-            for lane in 0..LANES {
-                let below = low[d][lane] - query[d];
-                let above = query[d] - high[d][lane];
-                let outside = if below > above { below } else { above };
-                let outside = if outside > 0.0 { outside } else { 0.0 };
-                bounds[lane] += outside * outside;
-            }
-        }
-        if !any_within(bounds, limit) {
-            return false;
-        }
-    }
-    true
-}
-
-#[inline(always)]
-fn any_within(bounds: &[f32; LANES], limit: f32) -> bool {
-    let mut within = 0u32;
-    for bound in bounds {
-        within |= u32::from(*bound <= limit);
-    }
-    within != 0
 }

@@ -1,0 +1,295 @@
+//! Arithmetic on sixteen numbers at once, chosen at run time: AVX-512, AVX2, or what the compiler
+//! makes of plain arrays (on ARM that is NEON, which is always there).
+//!
+//! Paths may round differently; everything computed here is a bound that allows for it.
+
+use super::LANES;
+
+/// Bounds are checked against the limit after every so many axes.
+pub const STAGE: usize = 8;
+
+/// Sixteen numbers, of the machine's own kind.
+pub trait Lanes: Copy {
+    /// Sixteen single-precision numbers.
+    type Singles: Copy;
+    /// Eight double-precision numbers.
+    type Doubles: Copy;
+
+    /// The same number sixteen times.
+    fn splat(self, x: f32) -> Self::Singles;
+    /// Codes as numbers.
+    fn codes(self, codes: &[u8; LANES]) -> Self::Singles;
+    /// Sixteen numbers from memory.
+    fn load(self, numbers: &[f32; LANES]) -> Self::Singles;
+    /// a - b
+    fn sub(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// a b + c
+    fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles;
+    /// The larger of a and b.
+    fn max(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
+    /// A bit for every number that is at most `limit`.
+    fn within(self, a: Self::Singles, limit: f32) -> u32;
+    /// As an array.
+    fn array(self, a: Self::Singles) -> [f32; LANES];
+    /// Eight zeros.
+    fn zeros(self) -> Self::Doubles;
+    /// sum + (a - b)^2
+    fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: Self::Doubles) -> Self::Doubles;
+    /// The sum of the eight.
+    fn sum(self, a: Self::Doubles) -> f64;
+    /// Asks for the memory of the first values, which will be read soon.
+    fn prefetch<T>(self, values: &[T]);
+}
+
+/// Plain arrays.
+#[derive(Debug, Clone, Copy)]
+pub struct Portable;
+
+impl Lanes for Portable {
+    type Singles = [f32; LANES];
+    type Doubles = [f64; 8];
+
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self::Singles {
+        [x; LANES]
+    }
+    #[inline(always)]
+    fn codes(self, codes: &[u8; LANES]) -> Self::Singles {
+        codes.map(f32::from)
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles {
+        std::array::from_fn(|i| a[i] * b[i] + c[i])
+    }
+    #[inline(always)]
+    fn load(self, numbers: &[f32; LANES]) -> Self::Singles {
+        *numbers
+    }
+    #[inline(always)]
+    fn sub(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+        std::array::from_fn(|i| a[i] - b[i])
+    }
+    #[inline(always)]
+    fn max(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+        std::array::from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] })
+    }
+    #[inline(always)]
+    fn within(self, a: Self::Singles, limit: f32) -> u32 {
+        a.iter().enumerate().fold(0, |bits, (lane, x)| bits | u32::from(*x <= limit) << lane)
+    }
+    #[inline(always)]
+    fn array(self, a: Self::Singles) -> [f32; LANES] {
+        a
+    }
+    #[inline(always)]
+    fn zeros(self) -> Self::Doubles {
+        [0.0; 8]
+    }
+    #[inline(always)]
+    fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: Self::Doubles) -> Self::Doubles {
+        std::array::from_fn(|i| sum[i] + (a[i] - b[i]) * (a[i] - b[i]))
+    }
+    #[inline(always)]
+    fn sum(self, a: Self::Doubles) -> f64 {
+        a.iter().sum()
+    }
+    #[inline(always)]
+    fn prefetch<T>(self, _: &[T]) {}
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::{__m128i, __m256, __m256d, __m512, __m512d, _CMP_LE_OQ, _MM_HINT_T0, _mm_prefetch};
+
+    use bytemuck::cast;
+    use pulp::x86::{V3, V4};
+
+    use super::{LANES, Lanes};
+
+    /// Fetches 256 bytes.
+    #[inline(always)]
+    fn prefetch<T>(values: &[T]) {
+        for line in 0..4 {
+            let address = values.as_ptr().cast::<i8>().wrapping_add(64 * line);
+            // SAFETY: every x86-64 has SSE; a prefetch reads nothing and never faults, whatever the address.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
+        }
+    }
+
+    impl Lanes for V4 {
+        type Singles = __m512;
+        type Doubles = __m512d;
+
+        #[inline(always)]
+        fn splat(self, x: f32) -> __m512 {
+            self.avx512f._mm512_set1_ps(x)
+        }
+        #[inline(always)]
+        fn codes(self, codes: &[u8; LANES]) -> __m512 {
+            self.avx512f._mm512_cvtepi32_ps(self.avx512f._mm512_cvtepu8_epi32(cast(*codes)))
+        }
+        #[inline(always)]
+        fn mul_add(self, a: __m512, b: __m512, c: __m512) -> __m512 {
+            self.avx512f._mm512_fmadd_ps(a, b, c)
+        }
+        #[inline(always)]
+        fn load(self, numbers: &[f32; LANES]) -> __m512 {
+            cast(*numbers)
+        }
+        #[inline(always)]
+        fn sub(self, a: __m512, b: __m512) -> __m512 {
+            self.avx512f._mm512_sub_ps(a, b)
+        }
+        #[inline(always)]
+        fn max(self, a: __m512, b: __m512) -> __m512 {
+            self.avx512f._mm512_max_ps(a, b)
+        }
+        #[inline(always)]
+        fn within(self, a: __m512, limit: f32) -> u32 {
+            u32::from(self.avx512f._mm512_cmple_ps_mask(a, self.splat(limit)))
+        }
+        #[inline(always)]
+        fn array(self, a: __m512) -> [f32; LANES] {
+            cast(a)
+        }
+        #[inline(always)]
+        fn zeros(self) -> __m512d {
+            self.avx512f._mm512_setzero_pd()
+        }
+        #[inline(always)]
+        fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: __m512d) -> __m512d {
+            let difference = self.avx512f._mm512_sub_pd(cast(*a), cast(*b));
+            self.avx512f._mm512_fmadd_pd(difference, difference, sum)
+        }
+        #[inline(always)]
+        fn sum(self, a: __m512d) -> f64 {
+            self.avx512f._mm512_reduce_add_pd(a)
+        }
+        #[inline(always)]
+        fn prefetch<T>(self, values: &[T]) {
+            prefetch(values);
+        }
+    }
+
+    impl Lanes for V3 {
+        type Singles = [__m256; 2];
+        type Doubles = [__m256d; 2];
+
+        #[inline(always)]
+        fn splat(self, x: f32) -> Self::Singles {
+            [self.avx._mm256_set1_ps(x); 2]
+        }
+        #[inline(always)]
+        fn codes(self, codes: &[u8; LANES]) -> Self::Singles {
+            let codes: __m128i = cast(*codes);
+            let low = self.avx2._mm256_cvtepu8_epi32(codes);
+            let high = self.avx2._mm256_cvtepu8_epi32(self.sse2._mm_unpackhi_epi64(codes, codes));
+            [self.avx._mm256_cvtepi32_ps(low), self.avx._mm256_cvtepi32_ps(high)]
+        }
+        #[inline(always)]
+        fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles {
+            [self.fma._mm256_fmadd_ps(a[0], b[0], c[0]), self.fma._mm256_fmadd_ps(a[1], b[1], c[1])]
+        }
+        #[inline(always)]
+        fn load(self, numbers: &[f32; LANES]) -> Self::Singles {
+            cast(*numbers)
+        }
+        #[inline(always)]
+        fn sub(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+            [self.avx._mm256_sub_ps(a[0], b[0]), self.avx._mm256_sub_ps(a[1], b[1])]
+        }
+        #[inline(always)]
+        fn max(self, a: Self::Singles, b: Self::Singles) -> Self::Singles {
+            [self.avx._mm256_max_ps(a[0], b[0]), self.avx._mm256_max_ps(a[1], b[1])]
+        }
+        #[inline(always)]
+        fn within(self, a: Self::Singles, limit: f32) -> u32 {
+            let limit = self.avx._mm256_set1_ps(limit);
+            let bits = |x| self.avx._mm256_movemask_ps(self.avx._mm256_cmp_ps::<_CMP_LE_OQ>(x, limit)) as u32;
+            bits(a[0]) | bits(a[1]) << 8
+        }
+        #[inline(always)]
+        fn array(self, a: Self::Singles) -> [f32; LANES] {
+            cast(a)
+        }
+        #[inline(always)]
+        fn zeros(self) -> Self::Doubles {
+            [self.avx._mm256_setzero_pd(); 2]
+        }
+        #[inline(always)]
+        fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: Self::Doubles) -> Self::Doubles {
+            let (a, b): ([__m256d; 2], [__m256d; 2]) = (cast(*a), cast(*b));
+            let add = |a, b, sum| {
+                let difference = self.avx._mm256_sub_pd(a, b);
+                self.fma._mm256_fmadd_pd(difference, difference, sum)
+            };
+            [add(a[0], b[0], sum[0]), add(a[1], b[1], sum[1])]
+        }
+        #[inline(always)]
+        fn sum(self, a: Self::Doubles) -> f64 {
+            cast::<_, [f64; 8]>(a).iter().sum()
+        }
+        #[inline(always)]
+        fn prefetch<T>(self, values: &[T]) {
+            prefetch(values);
+        }
+    }
+}
+
+/// The kinds of arithmetic that searches are compiled for.
+#[derive(Debug, Clone, Copy)]
+pub enum Machine {
+    /// AVX-512.
+    #[cfg(target_arch = "x86_64")]
+    V4(pulp::x86::V4),
+    /// AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    V3(pulp::x86::V3),
+    /// Any.
+    Portable,
+}
+
+impl Machine {
+    /// All that this machine has, the fastest first.
+    pub fn all() -> Vec<Self> {
+        let mut all = Vec::new();
+        #[cfg(target_arch = "x86_64")]
+        {
+            all.extend(pulp::x86::V4::try_new().map(Self::V4));
+            all.extend(pulp::x86::V3::try_new().map(Self::V3));
+        }
+        all.push(Self::Portable);
+        all
+    }
+
+    /// The fastest.
+    pub fn best() -> Self {
+        Self::all()[0]
+    }
+
+    /// Does `work` with this arithmetic.
+    #[inline(always)]
+    pub fn run<W: Work>(self, work: W) -> W::Done {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::V4(lanes) => lanes.vectorize(
+                #[inline(always)]
+                || work.with(lanes),
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Self::V3(lanes) => lanes.vectorize(
+                #[inline(always)]
+                || work.with(lanes),
+            ),
+            Self::Portable => work.with(Portable),
+        }
+    }
+}
+
+/// Something that is compiled for every kind of arithmetic; `with` must be inlined.
+pub trait Work {
+    /// What comes out.
+    type Done;
+    /// Does it.
+    fn with<L: Lanes>(self, lanes: L) -> Self::Done;
+}
