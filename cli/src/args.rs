@@ -41,13 +41,13 @@ pub struct TextureArgs {
     #[arg(long, value_name = "OUT.wav")]
     pub output: PathBuf,
     /// Pyramid levels, 3-8
-    #[arg(long, value_name = "N", default_value_t = 6)]
+    #[arg(long, value_name = "N", default_value_t = 6, allow_negative_numbers = true)]
     pub levels: usize,
     /// Half-width of a window in samples of its level, 2-16
-    #[arg(long, value_name = "N", default_value_t = 4)]
+    #[arg(long, value_name = "N", default_value_t = 4, allow_negative_numbers = true)]
     pub window: usize,
     /// Half-width of a feature in windows, 1-6
-    #[arg(long, value_name = "N", default_value_t = 3)]
+    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     pub feature: usize,
     /// Weight exp(-falloff * distance) of a feature's samples, 0-1
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -79,7 +79,7 @@ pub struct ExtendArgs {
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub cutoff: Option<f64>,
     /// Half-width of a window in samples (without --reference: at 44.1 kHz, 100-2000)
-    #[arg(long, value_name = "N", default_value_t = 500)]
+    #[arg(long, value_name = "N", default_value_t = 500, allow_negative_numbers = true)]
     pub half_width: usize,
     /// Centre of the band in which the noise is fitted [default: 180, without --reference the cutoff]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
@@ -97,7 +97,7 @@ pub struct ExtendArgs {
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub noise_amplitude: f64,
     /// Number of the noise
-    #[arg(long, value_name = "N", default_value_t = 42)]
+    #[arg(long, value_name = "N", default_value_t = 42, allow_negative_numbers = true)]
     pub seed: u64,
     /// Also write each window's fitted factor: window,time_s,beta
     #[arg(long, value_name = "FILE.csv")]
@@ -138,7 +138,7 @@ pub struct RenderArgs {
     #[arg(long = "set", value_name = "id=value")]
     pub settings: Vec<String>,
     /// Channels of the output [default: as many as the input's]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub channels: Option<usize>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use pyrophone_recording::{write_file, write_wav_f32};
+use pyrophone_recording::{check_finite, check_not_among, write_file, write_wav_f32};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::beta::Fit;
@@ -41,6 +41,7 @@ pub fn run(args: &ExtendArgs, work: &Work) -> Result<(), Error> {
     if let Some(path) = &args.betas {
         write_file(path, |file| write_betas(file, &extended, rate_hz))?;
     }
+    check_finite(&args.output, &extended.channels)?;
     let written = write_wav_f32(&args.output, &extended.channels, signal.sample_rate_hz);
     if let (Err(_), Some(path)) = (&written, &args.betas) {
         // Half of what was asked for is nothing; that the sound failed is what is reported.
@@ -58,7 +59,7 @@ fn check(args: &ExtendArgs) -> Result<(), Error> {
         return Err(Error::Conflict(message));
     }
     for output in [Some(args.output.as_path()), args.betas.as_deref()].into_iter().flatten() {
-        input::check_output(output, &sources)?;
+        check_not_among(output, &sources)?;
     }
     if args.reference {
         // No input has a higher rate than this; its own is checked with the signal.
@@ -92,6 +93,10 @@ fn structure(args: &ExtendArgs) -> Structure {
 /// envelope, centre of the fit, centre of the blend. Those that are given must agree; the others
 /// follow.
 fn controls(args: &ExtendArgs) -> Result<ExtendControls, Error> {
+    if let Some((start, end)) = args.blend_start.zip(args.blend_end).filter(|(start, end)| start >= end) {
+        let message = format!("--blend-start is {start} Hz and --blend-end {end} Hz; the start must be the lower one");
+        return Err(Error::Conflict(message));
+    }
     let blend_center = args.blend_start.zip(args.blend_end).map(|(start, end)| 0.5 * (start + end));
     let cutoff_hz = args.cutoff.or(args.fit_center).or(blend_center).unwrap_or(CUTOFF_HZ);
     let blend_start = args.blend_start;
@@ -101,7 +106,12 @@ fn controls(args: &ExtendArgs) -> Result<ExtendControls, Error> {
         (None, None) => BLEND_HALF_WIDTH_HZ,
     };
     in_range("--alpha", args.alpha, 0.0, 6.0)?;
-    in_range("--cutoff", cutoff_hz, 40.0, 1000.0)?;
+    let cutoff = match (args.cutoff, args.fit_center) {
+        (None, Some(_)) => "--fit-center",
+        (None, None) if blend_center.is_some() => "centre of the blend in Hz",
+        _ => "--cutoff",
+    };
+    in_range(cutoff, cutoff_hz, 40.0, 1000.0)?;
     in_range("--noise-amplitude", args.noise_amplitude, 0.0, 4.0)?;
     in_range("--seed", args.seed as f64, 0.0, f64::from(u32::MAX))?;
     for (option, found) in [("--fit-center", args.fit_center), ("centre of the blend", blend_center)] {
@@ -111,7 +121,8 @@ fn controls(args: &ExtendArgs) -> Result<ExtendControls, Error> {
             )));
         }
     }
-    in_range("width of the blend in Hz", 2.0 * half_width, 2.0, 400.0)?;
+    let blend = if args.blend_start.is_some() { "twice the cutoff minus --blend-start" } else { "width of the blend" };
+    in_range(blend, 2.0 * half_width, 2.0, 400.0)?;
     Ok(ExtendControls {
         alpha: args.alpha,
         cutoff_hz,

@@ -64,19 +64,6 @@ pub fn check_rate(recording: &Recording, path: &Path) -> Result<(), Error> {
     )))
 }
 
-/// An output that would overwrite what it is made from is refused.
-pub fn check_output(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
-    let same = |input: &&&Path| matches!((output.canonicalize(), input.canonicalize()), (Ok(output), Ok(input)) if output == input);
-    match inputs.iter().find(same) {
-        Some(input) => Err(Error::Conflict(format!(
-            "{}: the output would overwrite the input {}; choose another name",
-            output.display(),
-            input.display(),
-        ))),
-        None => Ok(()),
-    }
-}
-
 /// Refuses an option outside its range, NaN included.
 pub fn in_range(option: &'static str, found: f64, low: f64, high: f64) -> Result<(), Error> {
     if found >= low && found <= high {

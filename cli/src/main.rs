@@ -50,8 +50,8 @@ fn usage(error: &clap::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let text = error.to_string();
-    let message: Vec<&str> =
-        text.lines().take_while(|line| !line.starts_with("Usage:")).flat_map(str::split_whitespace).collect();
+    let is_hint = |line: &str| line.starts_with("Usage:") || line.starts_with("For more information");
+    let message: Vec<&str> = text.lines().take_while(|line| !is_hint(line)).flat_map(str::split_whitespace).collect();
     eprintln!("{}; see `pyrophone --help`", message.join(" "));
     ExitCode::from(2)
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pyrophone_recording::{MAX_CHANNELS, Recording, write_wav_f32};
+use pyrophone_recording::{MAX_CHANNELS, Recording, check_finite, check_not_among, write_wav_f32};
 use pyrophone_settings::automation::Event;
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use pyrophone_settings::{Automation, Id, Preset, Values};
@@ -30,8 +30,9 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
         return Err(Error::Conflict(message.into()));
     }
     let sources = [Some(&args.input), args.sidechain.as_ref(), args.training.as_ref(), args.learn.as_ref()];
-    let paths: Vec<&Path> = sources.into_iter().flatten().map(|path| path.as_path()).collect();
-    input::check_output(&args.output, &paths)?;
+    let mut paths: Vec<&Path> = sources.into_iter().flatten().map(|path| path.as_path()).collect();
+    paths.extend([Some(Path::new(&args.preset)), args.automation.as_deref()].into_iter().flatten());
+    check_not_among(&args.output, &paths)?;
 
     let main = input::load(&args.input, work)?;
     input::check_rate(&main, &args.input)?;
@@ -54,6 +55,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
         drop(chain.swap_distribution(Some(Arc::new(distribution))));
     }
     let rendered = render(&mut chain, &main.channels, &sidechain, outputs, values, &events, work)?;
+    check_finite(&args.output, &rendered)?;
     write_wav_f32(&args.output, &rendered, main.sample_rate_hz)?;
     Ok(())
 }

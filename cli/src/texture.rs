@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pyrophone_recording::{Recording, write_wav_f32};
+use pyrophone_recording::{Recording, check_finite, check_not_among, write_wav_f32};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::texture::offline::{Options, synthesize};
 use pyrophone_synthesis::texture::{Dictionary, Shape};
@@ -18,7 +18,7 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<(), Error> {
     let shape = Shape { levels: args.levels, window: args.window, feature: args.feature, falloff: args.falloff };
     let options = Options { dynamic_range: !args.no_dynamic_range, scaling_alpha: args.scaling_alpha, eps: args.eps };
     check(args)?;
-    input::check_output(&args.output, &[&args.input, &args.training])?;
+    check_not_among(&args.output, &[&args.input, &args.training])?;
 
     let signal = input::load(&args.input, work)?;
     let training = input::load_at(&args.training, signal.sample_rate_hz, work)?;
@@ -31,6 +31,7 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<(), Error> {
     let output: Vec<Vec<f32>> =
         output.into_iter().map(|samples| samples.into_iter().map(|sample| sample as f32).collect()).collect();
     work.check()?;
+    check_finite(&args.output, &output)?;
     write_wav_f32(&args.output, &output, signal.sample_rate_hz)?;
     Ok(())
 }

@@ -82,7 +82,7 @@ fn options_out_of_range() {
         ("--cutoff 20", ["cutoff", "20", "40", "1000"]),
         ("--half-width 20", ["half-width", "20", "100", "2000"]),
         ("--fit-width 0", ["fit width", "0", "3", "120"]),
-        ("--blend-start 190 --blend-end 170", ["blend", "-20", "2", "400"]),
+        ("--blend-start 190 --blend-end 170", ["--blend-start", "190", "170", "lower"]),
         ("--noise-amplitude -1", ["noise-amplitude", "-1", "0", "4"]),
         ("--cutoff 200 --fit-center 180", ["180 Hz", "200 Hz", "--reference", "same value"]),
     ] {
@@ -118,7 +118,26 @@ fn outputs_that_cannot_be() {
         refuses(folder.path(), &to("no/folder/out.wav"), 1, &["no/folder/out.wav", "cannot be written"]);
         refuses(folder.path(), &to("folder.wav"), 1, &["folder.wav", "cannot be written"]);
         refuses(folder.path(), &to("good.wav"), 1, &["good.wav", "overwrite", "another name"]);
+        #[cfg(unix)]
+        {
+            let pipe = folder.path().join("pipe.wav");
+            if !pipe.exists() {
+                assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+            }
+            refuses(folder.path(), &to("pipe.wav"), 1, &["pipe.wav", "not a file"]);
+            let _ = std::os::unix::fs::symlink("good.wav", folder.path().join("link.wav"));
+            refuses(folder.path(), &to("link.wav"), 1, &["link.wav", "overwrite"]);
+            let _ = std::os::unix::fs::symlink("nowhere.wav", folder.path().join("dangling.wav"));
+            refuses(folder.path(), &to("dangling.wav"), 1, &["dangling.wav", "link to nothing"]);
+        }
     }
+    for (name, text) in [("own.toml", "version = 1\nname = \"own\"\n"), ("own.csv", "time_s,id,value\n0,alpha,3\n")] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let onto_preset = "render --preset own.toml --input good.wav --output own.toml --set texture_level=off";
+    refuses(folder.path(), onto_preset, 1, &["own.toml", "overwrite"]);
+    let onto_automation = "render --preset extend --input good.wav --automation own.csv --output own.csv";
+    refuses(folder.path(), onto_automation, 1, &["own.csv", "overwrite"]);
     let same = "extend --input good.wav --output out.wav --betas out.wav";
     refuses(folder.path(), same, 1, &["out.wav", "same file"]);
     let betas_only = "extend --input good.wav --output no/out.wav --betas betas.csv";

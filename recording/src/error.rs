@@ -171,6 +171,28 @@ pub enum Error {
         /// What the system said.
         reason: String,
     },
+    /// A file to be written is one of those it is made from.
+    #[error("{path}: the output would overwrite {source_path}, which it is made from; choose another name")]
+    Overwrites {
+        /// The file to be written.
+        path: String,
+        /// The file that it would overwrite.
+        source_path: String,
+    },
+    /// What is to be written is beyond what a sample can hold.
+    #[error(
+        "{path}: not written, because sample {index} of channel {channel} would be {value}; the input is too loud, lower its level"
+    )]
+    Overflow {
+        /// The file to be written.
+        path: String,
+        /// Channel of the first such sample, from 0.
+        channel: usize,
+        /// Its index in the channel, from 0.
+        index: usize,
+        /// `NaN`, `inf` or `-inf`.
+        value: f32,
+    },
     /// A file is too large to be kept inside a session.
     #[error(
         "the recording's file has {found_bytes} bytes, but at most {MAX_EMBEDDED_BYTES} can be kept inside a session; use a shorter or compressed file"

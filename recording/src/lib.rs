@@ -16,7 +16,7 @@ pub use decode::{decode, decode_bytes, read};
 pub use embed::{MAX_EMBEDDED_BYTES, embed, unembed};
 pub use error::Error;
 pub use resample::resample;
-pub use write::{write_file, write_wav_f32};
+pub use write::{check_finite, check_not_among, write_file, write_wav_f32};
 
 /// Most channels a recording may have.
 pub const MAX_CHANNELS: usize = 8;

@@ -34,17 +34,45 @@ pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) ->
     })
 }
 
-/// Writes a file under a temporary name in the same folder and moves it into place once it is whole.
+/// Fails where what is to be written to `path` holds values that are not finite: its input was too loud.
+pub fn check_finite(path: &Path, channels: &[Vec<f32>]) -> Result<(), Error> {
+    for (channel, samples) in channels.iter().enumerate() {
+        if let Some(index) = samples.iter().position(|sample| !sample.is_finite()) {
+            return Err(Error::Overflow { path: one_line(path), channel, index, value: samples[index] });
+        }
+    }
+    Ok(())
+}
+
+/// Fails where the file at `output` is one of `sources`, under whatever name.
+pub fn check_not_among(output: &Path, sources: &[&Path]) -> Result<(), Error> {
+    let Ok(place) = output.canonicalize() else { return Ok(()) };
+    let same = |source: &&&Path| source.canonicalize().is_ok_and(|source| source == place);
+    match sources.iter().find(same) {
+        Some(source) => Err(Error::Overwrites { path: one_line(output), source_path: one_line(source) }),
+        None => Ok(()),
+    }
+}
+
+/// Writes a file under a temporary name in the same folder and moves it into place once it is whole. A link is
+/// followed.
 ///
-/// Fails with [`Error::NotWritten`]; then nothing new is left behind.
+/// Fails with [`Error::NotWritten`], also where something stands at `path` that is not a file (a folder, a device,
+/// a pipe); then nothing new is left behind.
 pub fn write_file<E: std::fmt::Display>(
     path: &Path,
     write: impl FnOnce(&mut std::fs::File) -> Result<(), E>,
 ) -> Result<(), Error> {
     let failure = |reason: String| Error::NotWritten { path: one_line(path), reason: clean(&reason) };
-    if path.is_dir() {
-        return Err(failure("a folder of this name exists".into()));
-    }
+    // The move would put a file in the place of whatever stands there.
+    let place = match path.metadata() {
+        Ok(there) if there.is_dir() => return Err(failure("a folder of this name exists".into())),
+        Ok(there) if !there.is_file() => return Err(failure("it is a device or a pipe, not a file".into())),
+        Ok(_) => path.canonicalize().map_err(|error| failure(error.kind().to_string()))?,
+        Err(_) if path.is_symlink() => return Err(failure("it is a link to nothing".into())),
+        Err(_) => path.to_path_buf(),
+    };
+    let path = place.as_path();
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -55,9 +83,10 @@ pub fn write_file<E: std::fmt::Display>(
     // user's mask allows.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder).map_err(|error| failure(error.to_string()))?;
+    // What the system says of the temporary file names a path that nobody has typed.
+    let mut file = builder.tempfile_in(folder).map_err(|error| failure(error.kind().to_string()))?;
     write(file.as_file_mut()).map_err(|error| failure(error.to_string()))?;
     file.as_file_mut().flush().map_err(|error| failure(error.to_string()))?;
-    file.persist(path).map_err(|error| failure(error.error.to_string()))?;
+    file.persist(path).map_err(|error| failure(error.error.kind().to_string()))?;
     Ok(())
 }

@@ -87,7 +87,7 @@ pub enum Error {
         known: String,
     },
     /// A file could not be read.
-    #[error("{} cannot be read: {source}; check its path and permissions", .path.display())]
+    #[error("{} cannot be read: {}", .path.display(), reason_of(source))]
     File {
         /// The file.
         path: PathBuf,
@@ -150,4 +150,11 @@ pub enum Error {
 
 fn did_you_mean(nearest: &Option<&'static str>) -> String {
     nearest.map_or_else(String::new, |id| format!("; did you mean `{id}`?"))
+}
+
+fn reason_of(source: &std::io::Error) -> String {
+    if source.kind() == std::io::ErrorKind::InvalidData {
+        return "it is not text; choose a text file".to_owned();
+    }
+    format!("{source}; check its path and permissions")
 }

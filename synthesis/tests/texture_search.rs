@@ -1,10 +1,15 @@
 //! The search against a plain scan of all windows, on data that makes searches err: equal windows,
 //! near-ties, silence, constants, and queries from inside, outside and between.
 
+#[path = "common/brute.rs"]
+mod brute;
 mod common;
+#[path = "common/queries.rs"]
+mod queries;
 #[path = "common/signals.rs"]
 mod signals;
 
+use pyrophone_synthesis::controls::Quality;
 use pyrophone_synthesis::texture::feature::Features;
 use pyrophone_synthesis::texture::search::{Budget, Index, Searcher};
 use pyrophone_synthesis::texture::{Dictionary, Shape};
@@ -132,6 +137,40 @@ fn a_bounded_search_with_room_enough_is_exact() {
         let bounded = searcher.nearest(index, &features, &query, None, all);
         assert_eq!((bounded.window, bounded.distance_squared), (exact.window, exact.distance_squared));
     }
+}
+
+#[test]
+fn the_default_budget_is_close_to_exact_on_the_reference() {
+    let Some(folder) = common::reference_dir() else { return };
+    let Quality::Bounded { candidates } = Quality::default() else { panic!("the default is exact") };
+    let check = |name: &str| {
+        let read = |kind: &str| common::read_wav(&folder.join(kind).join(format!("{name}.wav"))).0.remove(0);
+        let training = read("training");
+        let dictionary = Dictionary::new(std::slice::from_ref(&training), 44_100.0, &Shape::default(), &|_| true);
+        let dictionary = dictionary.unwrap();
+        let queries = queries::of(&read("signals"), &training, &dictionary);
+        let mut searcher = Searcher::new();
+        let mut ratios = Vec::new();
+        let (mut found_sum, mut exact_sum) = (0.0, 0.0);
+        for query in &queries {
+            let (index, features) = (dictionary.index(query.level).unwrap(), dictionary.features(query.level));
+            let mut nearest = |budget| searcher.nearest(index, &features, &query.feature, query.hint, budget);
+            let exact = nearest(Budget::Exact { eps: 0.0 }).distance_squared.sqrt();
+            let found = nearest(Budget::Bounded { candidates }).distance_squared.sqrt();
+            found_sum += found;
+            exact_sum += exact;
+            if exact > 0.0 {
+                ratios.push(found / exact);
+            }
+        }
+        assert!(ratios.len() > 50_000, "{name}: only {} queries", ratios.len());
+        ratios.sort_by(f64::total_cmp);
+        let (mean, percentile) = (found_sum / exact_sum, ratios[ratios.len() * 99 / 100]);
+        println!("{name}: mean distance found / exact {mean:.5}, 99th percentile {percentile:.5}");
+        assert!((1.0..=1.02).contains(&mean), "{name}: mean {mean}");
+        assert!(percentile <= 1.3, "{name}: 99th percentile {percentile}");
+    };
+    ["burning_brick", "dragon", "torch"].into_par_iter().for_each(check);
 }
 
 #[test]

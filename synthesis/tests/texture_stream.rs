@@ -191,33 +191,3 @@ fn a_recording_of_another_shape_is_handed_back() {
     let old = texture.swap_dictionary(None).unwrap();
     assert!(Arc::ptr_eq(&old, &right));
 }
-
-#[test]
-fn bounded_search_is_close_to_exact_on_the_reference() {
-    let Some(folder) = common::reference_dir() else { return };
-    use pyrophone_synthesis::texture::search::{Budget, Searcher};
-    let (training, _) = common::read_wav(&folder.join("training/dragon.wav"));
-    let dictionary = Dictionary::new(&training, RATE_HZ, &Shape::default(), &|_| true).unwrap();
-    let mut searcher = Searcher::new();
-    let (mut exact_sum, mut bounded_sum, mut count) = (0.0, 0.0, 0);
-    for level in 0..5 {
-        let (index, features) = (dictionary.index(level).unwrap(), dictionary.features(level));
-        let mut query = vec![0.0; 46];
-        for window in index.windows().step_by(index.windows().len() / 200) {
-            // Half-way between one window and another one: near the data, but not of it.
-            let mut other = query.clone();
-            features.write(window, &mut query);
-            features.write(index.windows().start + (window * 7919) % index.windows().len(), &mut other);
-            query.iter_mut().zip(&other).for_each(|(x, y)| *x = 0.8 * *x + 0.2 * y);
-            let exact = searcher.nearest(index, &features, &query, None, Budget::Exact { eps: 0.0 });
-            let bounded = searcher.nearest(index, &features, &query, None, Budget::Bounded { candidates: 1024 });
-            exact_sum += exact.distance_squared.sqrt();
-            bounded_sum += bounded.distance_squared.sqrt();
-            count += 1;
-        }
-    }
-    assert!(count > 500);
-    let ratio = bounded_sum / exact_sum;
-    println!("mean distance found / exact: {ratio:.4}");
-    assert!((1.0..=1.02).contains(&ratio), "{ratio}");
-}

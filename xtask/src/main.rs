@@ -45,8 +45,8 @@ enum Command {
     Test,
     /// The long tests
     Soak,
-    /// Real-time factors and worst blocks
-    Bench,
+    /// Real-time factors and worst blocks, as tables
+    Bench(bench::Args),
 }
 
 /// Arguments that `xtask-sound` understands.
@@ -91,7 +91,7 @@ fn run(command: Command) -> Result<ExitCode> {
         }
         Command::Test => test::run(),
         Command::Soak => test::soak(),
-        Command::Bench => bench::run(),
+        Command::Bench(args) => bench::run(&args),
     }
 }
 

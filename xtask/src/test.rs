@@ -13,8 +13,13 @@ use crate::{cargo, project, setup};
 const END_TO_END: &str = "pyrophone-tests";
 /// The command line, which they compare the bundles with.
 const COMMAND_LINE: &str = "pyrophone-cli";
-/// Packages with a test `realtime`, which enters `process` under the realtime sanitizer.
-const REAL_TIME: [&str; 2] = ["pyrophone-synthesis", "pyrophone-plugin"];
+/// What runs under which of Rust's sanitizers: its name, a package and one of that package's tests. The realtime sanitizer
+/// watches over `process`, the address sanitizer over the search, which is where `unsafe` stands.
+const SANITIZED: [(&str, &str, &str); 3] = [
+    ("address", "pyrophone-synthesis", "texture_search"),
+    ("realtime", "pyrophone-synthesis", "realtime"),
+    ("realtime", "pyrophone-plugin", "realtime"),
+];
 
 /// Results of tests so far.
 #[derive(Debug, Default)]
@@ -34,20 +39,21 @@ pub fn run() -> Result<ExitCode> {
     }
     match sanitizer_target() {
         Some(target) => {
-            let folder = project::target_dir().join("realtime-sanitizer");
-            let folder = folder.to_string_lossy();
-            let environment = [
-                ("RUSTC_BOOTSTRAP", "1"),
-                ("RUSTFLAGS", "-Zsanitizer=realtime --cfg sanitize_realtime"),
-                ("CARGO_TARGET_DIR", &*folder),
-                ("CARGO_PROFILE_RELEASE_LTO", "off"),
-            ];
-            for package in REAL_TIME {
-                let arguments = ["--release", "--target", &target, "--package", package, "--test", "realtime"];
-                tally.cargo_test(&format!("realtime sanitizer, {package}"), &environment, &arguments)?;
+            for (sanitizer, package, test) in SANITIZED {
+                let folder = project::target_dir().join(format!("{sanitizer}-sanitizer"));
+                let folder = folder.to_string_lossy();
+                let flags = format!("-Zsanitizer={sanitizer} --cfg sanitize_{sanitizer}");
+                let environment = [
+                    ("RUSTC_BOOTSTRAP", "1"),
+                    ("RUSTFLAGS", flags.as_str()),
+                    ("CARGO_TARGET_DIR", &*folder),
+                    ("CARGO_PROFILE_RELEASE_LTO", "off"),
+                ];
+                let arguments = ["--release", "--target", &target, "--package", package, "--test", test];
+                tally.cargo_test(&format!("{sanitizer} sanitizer, {package}, {test}"), &environment, &arguments)?;
             }
         }
-        None => eprintln!("\nnot run: the realtime sanitizer, which Rust has for Linux on x86-64 only"),
+        None => eprintln!("\nnot run: the sanitizers, which Rust has for Linux on x86-64 only"),
     }
     Ok(tally.conclude())
 }

@@ -9,6 +9,8 @@ use pyrophone_synthesis::texture::{Dictionary, Distribution};
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
+use super::exchange::{Giver, Pop, Push, Taker};
+
 /// Something new for the engines.
 pub enum Update {
     /// The recording's dictionary, or none.
@@ -32,6 +34,22 @@ const RETIRED: usize = 32;
 /// Magnitudes that may be under way: three quarters of a minute at 44.1 kHz and six levels, for a
 /// host that renders faster than the loader looks.
 const MAGNITUDES: usize = 1 << 16;
+
+impl<T> Push<T> for HeapProd<T> {
+    fn push(&mut self, item: T) -> Result<(), T> {
+        self.try_push(item)
+    }
+
+    fn is_full(&self) -> bool {
+        Observer::is_full(self)
+    }
+}
+
+impl<T> Pop<T> for HeapCons<T> {
+    fn pop(&mut self) -> Option<T> {
+        self.try_pop()
+    }
+}
 
 /// Switches that both threads look at.
 #[derive(Debug, Default)]
@@ -69,8 +87,7 @@ pub fn fingerprint(structure: &Structure) -> u64 {
 
 /// The loader's ends.
 pub struct LoaderLink {
-    updates: HeapProd<Update>,
-    retired: HeapCons<Retired>,
+    exchange: Giver<HeapProd<Update>, HeapCons<Retired>>,
     magnitudes: HeapCons<f64>,
     /// Switches.
     pub shared: Arc<Shared>,
@@ -78,8 +95,7 @@ pub struct LoaderLink {
 
 /// The audio thread's ends.
 pub struct AudioLink {
-    updates: HeapCons<Update>,
-    retired: HeapProd<Retired>,
+    exchange: Taker<HeapCons<Update>, HeapProd<Retired>>,
     magnitudes: HeapProd<f64>,
     /// Switches.
     pub shared: Arc<Shared>,
@@ -91,21 +107,22 @@ pub fn pair() -> (LoaderLink, AudioLink) {
     let (retired_in, retired_out) = HeapRb::new(RETIRED).split();
     let (magnitudes_in, magnitudes_out) = HeapRb::new(MAGNITUDES).split();
     let shared = Arc::new(Shared::default());
-    let loader =
-        LoaderLink { updates: updates_in, retired: retired_out, magnitudes: magnitudes_out, shared: shared.clone() };
-    let audio = AudioLink { updates: updates_out, retired: retired_in, magnitudes: magnitudes_in, shared };
+    let giver = Giver::new(updates_in, retired_out);
+    let taker = Taker::new(updates_out, retired_in);
+    let loader = LoaderLink { exchange: giver, magnitudes: magnitudes_out, shared: shared.clone() };
+    let audio = AudioLink { exchange: taker, magnitudes: magnitudes_in, shared };
     (loader, audio)
 }
 
 impl LoaderLink {
     /// Sends an update; whether there was room.
     pub fn send(&mut self, update: Update) -> bool {
-        self.updates.try_push(update).is_ok()
+        self.exchange.send(update)
     }
 
     /// Frees what the audio thread has given up.
     pub fn free_retired(&mut self) {
-        while self.retired.try_pop().is_some() {}
+        self.exchange.free_retired();
     }
 
     /// Moves the magnitudes that have arrived to the end of `values`.
@@ -117,16 +134,12 @@ impl LoaderLink {
 impl AudioLink {
     /// The next update, as long as there is room to give back what it replaces; real-time safe.
     pub fn receive(&mut self) -> Option<Update> {
-        if self.retired.is_full() { None } else { self.updates.try_pop() }
+        self.exchange.receive()
     }
 
     /// Gives something up after a [`receive`](Self::receive); real-time safe.
     pub fn retire(&mut self, retired: Retired) {
-        // `receive` has made sure of the room; were there none after all, leaking is the only
-        // thing that neither waits nor frees.
-        if let Err(unsent) = self.retired.try_push(retired) {
-            std::mem::forget(unsent);
-        }
+        self.exchange.retire(retired);
     }
 
     /// Passes on magnitudes to be learned; real-time safe.

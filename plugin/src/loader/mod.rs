@@ -12,6 +12,7 @@
 //! | [`status`] | what the editor shows of it |
 
 pub mod cache;
+pub mod exchange;
 pub mod learner;
 pub mod link;
 pub mod mailbox;

@@ -1,5 +1,6 @@
 //! Texture synthesis as algorithms §3 (Chadwick & James 2011, §5) states it, with nothing clever:
 //! every window is compared with every entry.
+#![allow(dead_code)]
 
 /// Settings of a run.
 #[derive(Debug, Clone, Copy)]
@@ -109,8 +110,47 @@ fn inverse(sorted: &[f64], a: f64) -> f64 {
     (i as f64 + (a - sorted[i]) / (sorted[i + 1] - sorted[i])) / (sorted.len() - 1) as f64
 }
 
+/// A window to be matched.
+pub struct Match<'a> {
+    pub level: usize,
+    /// Window numbers of the level's entries.
+    pub entries: &'a [usize],
+    pub query: &'a [f64],
+}
+
 /// The output of texture synthesis, as long as `input`.
 pub fn synthesize(input: &[f64], training: &[f64], s: &Settings) -> Vec<f64> {
+    let padded = pad(training, s.levels, true);
+    let mut features: (usize, Vec<Vec<f64>>) = (usize::MAX, Vec::new());
+    synthesize_by(input, training, s, |Match { level, entries, query }| {
+        if features.0 != level {
+            let of = |w: &usize| feature(&padded.levels[level], &padded.levels[level + 1], *w, s);
+            features = (level, entries.iter().map(of).collect());
+        }
+        let mut best = (f64::INFINITY, 0);
+        for (entry, candidate) in features.1.iter().enumerate() {
+            let mut sum = 0.0;
+            for (x, q) in candidate.iter().zip(query) {
+                sum += (x - q) * (x - q);
+                if sum >= best.0 {
+                    break;
+                }
+            }
+            if sum < best.0 {
+                best = (sum, entry);
+            }
+        }
+        entries[best.1]
+    })
+}
+
+/// The same with windows matched by `nearest`, which answers window numbers.
+pub fn synthesize_by(
+    input: &[f64],
+    training: &[f64],
+    s: &Settings,
+    mut nearest: impl FnMut(Match<'_>) -> usize,
+) -> Vec<f64> {
     let mut output = pad(input, s.levels, false);
     let training = pad(training, s.levels, true);
     let (cdf_input, cdf_training) = (sorted_top(&output), sorted_top(&training));
@@ -119,8 +159,6 @@ pub fn synthesize(input: &[f64], training: &[f64], s: &Settings) -> Vec<f64> {
     }
     for l in (0..s.levels - 1).rev() {
         let windows = entries(&training, l, s);
-        let features: Vec<Vec<f64>> =
-            windows.iter().map(|w| feature(&training.levels[l], &training.levels[l + 1], *w, s)).collect();
         if windows.is_empty() {
             continue;
         }
@@ -139,20 +177,8 @@ pub fn synthesize(input: &[f64], training: &[f64], s: &Settings) -> Vec<f64> {
                     }
                 }
             }
-            let mut best = (f64::INFINITY, 0);
-            for (entry, candidate) in features.iter().enumerate() {
-                let mut sum = 0.0;
-                for (x, q) in candidate.iter().zip(&query) {
-                    sum += (x - q) * (x - q);
-                    if sum >= best.0 {
-                        break;
-                    }
-                }
-                if sum < best.0 {
-                    best = (sum, entry);
-                }
-            }
-            let (from, to) = (windows[best.1] as i64 - 1, window as i64 - 1);
+            let matched = nearest(Match { level: l, entries: &windows, query: &query });
+            let (from, to) = (matched as i64 - 1, window as i64 - 1);
             let w = s.window as i64;
             for i in 0..=2 * w {
                 let (from, to) = (from * w + i, to * w + i);

@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use pyrophone_host::Format;
 use pyrophone_host::bounce::BlockSize;
-use pyrophone_recording::{Recording, decode, no_progress, resample, write_wav_f32};
+use pyrophone_recording::{Recording, check_finite, check_not_among, decode, no_progress, resample, write_wav_f32};
 use pyrophone_settings::session::{Learned, RecordingReference};
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use pyrophone_settings::{Automation, Id, Preset, Values};
@@ -104,6 +104,7 @@ impl FromStr for Block {
 /// Plays the file and writes the output.
 pub fn run(args: &Args) -> Result<()> {
     let values = values(args)?;
+    check_not_among(&args.output, &sources(args))?;
     let automation = args.automation.as_deref().map(Automation::load).transpose()?.unwrap_or_default();
     let main = load(&args.input, args.sample_rate)?;
     let rate_hz = main.sample_rate_hz;
@@ -131,16 +132,27 @@ pub fn run(args: &Args) -> Result<()> {
         reference_padding: args.reference_padding,
         output_channels: args.channels.unwrap_or(main.channels.len()),
     })?;
+    check_finite(&args.output, &played.channels)?;
     write_wav_f32(&args.output, &played.channels, rate_hz)?;
+    let ready = match &args.training {
+        Some(_) => format!("recording ready in {:.2} s", played.loading.as_secs_f64()),
+        None => "no recording, so texture is silent".to_owned(),
+    };
     eprintln!(
-        "{}: latency {} samples, recording ready in {:.2} s, {:.2} s of sound played in {:.2} s",
+        "{}: latency {} samples, {ready}, {:.2} s of sound played in {:.2} s",
         args.output.display(),
         played.latency_samples,
-        played.loading.as_secs_f64(),
         main.duration_s(),
         played.playing.as_secs_f64(),
     );
     Ok(())
+}
+
+/// Files that the output is made from.
+fn sources(args: &Args) -> Vec<&Path> {
+    let optional = [&args.sidechain, &args.training, &args.learn, &args.automation];
+    let given = optional.into_iter().flatten().map(PathBuf::as_path);
+    [args.input.as_path(), Path::new(&args.preset)].into_iter().chain(given).collect()
 }
 
 /// The preset, then `--dynamic-range` (or `--learn`, which asks for the learned one), then `--set`.

@@ -52,7 +52,7 @@ const HEAP_CAPACITY: usize = 1 << 13;
 pub struct Searcher {
     machine: Machine,
     stack: Vec<(f32, Child)>,
-    heap: BinaryHeap<Reverse<(u32, Child)>>,
+    heap: BinaryHeap<Reverse<Aside>>,
 }
 
 impl Default for Searcher {
@@ -298,11 +298,21 @@ impl Work for Exact<'_> {
     }
 }
 
-/// Best first, until the work allowed is done.
+/// Best first, until the work allowed is done: from each box straight on to the nearest in it, down
+/// to a leaf; then on with the nearest of all that were left aside.
 struct Bounded<'a> {
     task: Task<'a>,
     candidates: u32,
-    heap: &'a mut BinaryHeap<Reverse<(u32, Child)>>,
+    heap: &'a mut BinaryHeap<Reverse<Aside>>,
+}
+
+/// A child left aside, and its bound in the upper half, so that the nearest is the least: bounds are
+/// not negative, so their bits are in order.
+type Aside = u64;
+
+#[inline(always)]
+fn aside(bound: f32, child: Child) -> Aside {
+    u64::from(bound.to_bits()) << 32 | u64::from(child.bits())
 }
 
 impl Work for Bounded<'_> {
@@ -312,36 +322,33 @@ impl Work for Bounded<'_> {
     fn with<L: Lanes>(self, lanes: L) -> Answer {
         let mut search = Search::new(lanes, self.task, 0.0);
         let heap = self.heap;
+        let tree = &self.task.index.tree;
         heap.clear();
-        let mut next = Some((0.0f32.to_bits(), self.task.index.tree.root));
-        while let Some((bound, child)) = next {
-            if f32::from_bits(bound) > search.limit(0.0) {
-                break;
-            }
-            // Until something is found, straight down to the nearest leaf: there is always an answer.
-            let mut straight_down = None;
-            match child.kind() {
+        let mut next = aside(0.0, tree.root);
+        loop {
+            let mut nearest = Aside::MAX;
+            match Child::of_bits(next as u32).kind() {
                 Ok(leaf) => search.visit_leaf(leaf),
-                Err(node) => {
-                    let descending = search.best == f64::INFINITY;
-                    search.visit_node(node, |bound, child| {
-                        let mut found = (bound.to_bits(), child);
-                        if descending && straight_down.is_none_or(|nearest| found < nearest) {
-                            match straight_down.replace(found) {
-                                Some(farther) => found = farther,
-                                None => return,
-                            }
-                        }
-                        if heap.len() < HEAP_CAPACITY {
-                            heap.push(Reverse(found));
-                        }
-                    });
-                }
+                Err(node) => search.visit_node(node, |bound, child| {
+                    let found = aside(bound, child);
+                    let farther = nearest.max(found);
+                    nearest = nearest.min(found);
+                    if farther != Aside::MAX && heap.len() < HEAP_CAPACITY {
+                        heap.push(Reverse(farther));
+                    }
+                }),
             }
             if search.compared + BLOCK_COST > self.candidates && search.best.is_finite() {
                 break;
             }
-            next = straight_down.or_else(|| heap.pop().map(|Reverse(nearest)| nearest));
+            if nearest == Aside::MAX {
+                let Some(Reverse(left)) = heap.pop() else { break };
+                nearest = left;
+            }
+            if f32::from_bits((nearest >> 32) as u32) > search.limit(0.0) {
+                break;
+            }
+            next = nearest;
         }
         search.answer()
     }

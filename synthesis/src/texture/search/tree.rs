@@ -31,6 +31,18 @@ impl Child {
         if self.0 & LEAF_BIT == 0 { Err(self.0 as usize) } else { Ok((self.0 & !LEAF_BIT) as usize) }
     }
 
+    /// As a number.
+    #[inline(always)]
+    pub fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// Of such a number.
+    #[inline(always)]
+    pub fn of_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
     /// The same child of a tree that `nodes` and `leaves` have been put in front of.
     fn behind(self, nodes: usize, leaves: usize) -> Self {
         match self {

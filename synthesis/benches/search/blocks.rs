@@ -1,0 +1,89 @@
+//! The audio thread: blocks against their deadlines, and what channels cost.
+
+use std::sync::Arc;
+
+use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
+use pyrophone_synthesis::controls::Quality;
+use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::{Controls, Structure};
+
+use crate::pairs::{Pair, streaming};
+use crate::{RATE_HZ, timed};
+
+/// Seconds played of every pair, in a loop.
+const SECONDS: f64 = 60.0;
+/// Runs; they do the same work, so the shortest time of each block is the one least disturbed.
+const RUNS: usize = 3;
+
+/// The whole effect: both engines, stereo, the default controls.
+pub fn table(pairs: &[Pair]) {
+    println!("### Blocks\n");
+    println!(
+        "The whole effect (extension and texture, stereo, default controls, bounded search) over {SECONDS} s of each pair, \
+         looped: each block's time as a share of its deadline. Of every block the shortest of {RUNS} runs, which do the \
+         same work, counts.\n"
+    );
+    println!("| pair | rate, Hz | block | median | 99.9 % | largest | s per s |");
+    println!("|---|---|---|---|---|---|---|");
+    for pair in pairs {
+        for (rate_hz, block) in [(48_000.0, 32), (48_000.0, 64), (48_000.0, 128), (48_000.0, 1024), (96_000.0, 64)] {
+            let mut shares = vec![f64::INFINITY; (SECONDS * rate_hz) as usize / block];
+            for _ in 0..RUNS {
+                play(pair, rate_hz, block, &mut shares);
+            }
+            let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+            shares.sort_by(f64::total_cmp);
+            let at = |q: f64| 100.0 * shares[((shares.len() - 1) as f64 * q) as usize];
+            let (median, most, largest) = (at(0.5), at(0.999), at(1.0));
+            println!(
+                "| {} | {rate_hz} | {block} | {median:.1} % | {most:.1} % | {largest:.1} % | {mean:.4} |",
+                pair.name
+            );
+        }
+    }
+    println!();
+}
+
+/// Plays the pair, as if it had been recorded at this rate; `shares` keeps the least of each block.
+fn play(pair: &Pair, rate_hz: f64, block: usize, shares: &mut [f64]) {
+    let structure = Structure::default();
+    let shape = Shape::at_rate(&structure, rate_hz);
+    let dictionary = Dictionary::new(std::slice::from_ref(&pair.training), rate_hz, &shape, &|_| true).unwrap();
+    let mut chain = Chain::new(rate_hz, Channels { input: 2, sidechain: 0, output: 2 }, &structure).unwrap();
+    chain.swap_dictionary(Some(Arc::new(dictionary)));
+    let input: Vec<f32> = pair.input.iter().map(|x| *x as f32).collect();
+    let controls = Controls::default();
+    let learned = learn(rate_hz, &structure, &controls, std::slice::from_ref(&input), &[]);
+    chain.swap_distribution(learned.ok().map(Arc::new));
+    let mut buffers = [vec![0.0f32; block], vec![0.0f32; block]];
+    for (i, share) in shares.iter_mut().enumerate() {
+        for buffer in &mut buffers {
+            for (k, x) in buffer.iter_mut().enumerate() {
+                *x = input[(i * block + k) % input.len()];
+            }
+        }
+        let [left, right] = &mut buffers;
+        let mut main = [left.as_mut_slice(), right.as_mut_slice()];
+        let transport = Transport { playing: true, position: Some((i * block) as i64) };
+        let ((), time) = timed(|| chain.process(&mut main, &[], &controls, transport));
+        *share = share.min(time.as_secs_f64() * rate_hz / block as f64);
+    }
+}
+
+/// One search, whose windows are copied from every channel.
+pub fn channels_table(pairs: &[Pair]) {
+    println!("### Channels\n");
+    println!("The texture engine with the default budget, times mono.\n");
+    println!("| pair | stereo | 8 channels |");
+    println!("|---|---|---|");
+    for pair in pairs {
+        let cost = |channels: usize| {
+            let recording = vec![pair.training.clone(); channels];
+            let dictionary = Dictionary::new(&recording, RATE_HZ, &Shape::default(), &|_| true).unwrap();
+            streaming(&pair.input, &Arc::new(dictionary), Quality::default())
+        };
+        let mono = cost(1);
+        println!("| {} | {:.2} | {:.2} |", pair.name, cost(2) / mono, cost(8) / mono);
+    }
+    println!();
+}
