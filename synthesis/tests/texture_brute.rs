@@ -49,7 +49,7 @@ fn random_settings_equal_brute_force() {
 
 #[test]
 fn a_search_with_eps_keeps_its_promise() {
-    use pyrophone_synthesis::texture::search::{Budget, Searcher};
+    use pyrophone_synthesis::texture::search::{Answer, Budget, Searcher};
     let mut random = Random::new(7);
     let training = signal(&mut random, 0, 20_000);
     let dictionary = Dictionary::new(&[training], 44_100.0, &Shape::default(), &|_| true).unwrap();
@@ -59,17 +59,18 @@ fn a_search_with_eps_keeps_its_promise() {
         let (index, features) = (dictionary.index(level).unwrap(), dictionary.features(level));
         for _ in 0..100 {
             let query: Vec<f64> = (0..46).map(|_| 0.2 * (random.unit() - 0.5)).collect();
+            let distance = |answer: &Answer| features.distance(answer.window, &query);
             let exact = searcher.nearest(index, &features, &query, None, Budget::Exact { eps: 0.0 });
             for eps in [0.1, 1.0, 5.0] {
                 let found = searcher.nearest(index, &features, &query, None, Budget::Exact { eps });
-                let bound = exact.distance_squared.sqrt() * (1.0 + eps);
-                assert!(found.distance_squared.sqrt() <= bound * (1.0 + 1e-12), "level {level} eps {eps}");
+                let bound = distance(&exact).sqrt() * (1.0 + eps);
+                assert!(distance(&found).sqrt() <= bound * (1.0 + 1e-12), "level {level} eps {eps}");
                 saved += exact.compared - found.compared;
             }
             let budget = Budget::LEAST;
             let bounded = searcher.nearest(index, &features, &query, None, Budget::Bounded { candidates: budget });
             assert!(bounded.compared <= budget, "{} compared", bounded.compared);
-            assert!(bounded.distance_squared >= exact.distance_squared);
+            assert!(distance(&bounded) >= distance(&exact));
         }
     }
     assert!(saved > 0, "eps never saved any work");

@@ -11,6 +11,7 @@
 //! reference's order, without fused operations. Rounding is allowed for in all bounds, so the window
 //! found is the nearest, ties to the lowest, on every machine.
 
+mod aside;
 mod axes;
 mod block;
 mod lanes;
@@ -19,7 +20,7 @@ mod tree;
 
 use std::ops::Range;
 
-pub use query::{Answer, Budget, Searcher};
+pub use query::{Answer, Budget, COMPARISON_COST, Searcher};
 
 use super::feature::Features;
 use crate::Error;

@@ -1,8 +1,6 @@
 //! Finding the nearest window: exactly, or with a bound on the work.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
+use super::aside::Aside;
 use super::block::{box_bounds, point_bounds};
 use super::lanes::{Lanes, Machine, Work};
 use super::tree::Child;
@@ -19,40 +17,40 @@ pub enum Budget {
     },
     /// At most this many windows and boxes compared, but no fewer than [`Budget::LEAST`].
     Bounded {
-        /// Windows and boxes.
+        /// Windows and boxes; one compared in full counts as [`COMPARISON_COST`].
         candidates: u32,
     },
 }
 
 impl Budget {
     /// Enough to find something in any recording: down the tree once, and all of a leaf in full.
-    pub const LEAST: u32 = 1 + STOREYS as u32 * LANES as u32 + BLOCK_COST;
+    pub const LEAST: u32 = COMPARISON_COST + STOREYS as u32 * LANES as u32 + BLOCK_COST;
 }
 
 /// What a search found.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Answer {
     /// Window number.
     pub window: usize,
-    /// Squared distance of its feature to the query.
-    pub distance_squared: f64,
-    /// Windows and boxes compared.
+    /// Windows and boxes compared, those in full as often as they cost.
     pub compared: u32,
 }
 
 /// Storeys of the largest tree: 16^7 leaves hold 2^32 windows.
 const STOREYS: usize = 8;
 /// Most that one block can cost: all of its bounds, and all of its windows in full.
-const BLOCK_COST: u32 = 2 * LANES as u32;
+const BLOCK_COST: u32 = (1 + COMPARISON_COST) * LANES as u32;
+/// What comparing a window in full costs, in bounds of windows or boxes.
+pub const COMPARISON_COST: u32 = 4;
 /// Boxes that a bounded search keeps in mind; more than any budget can fill.
-const HEAP_CAPACITY: usize = 1 << 13;
+const ASIDE_CAPACITY: usize = 1 << 13;
 
 /// Room for searches; one for each thread that searches. Nothing allocates after `new`.
 #[derive(Debug)]
 pub struct Searcher {
     machine: Machine,
     stack: Vec<(f32, Child)>,
-    heap: BinaryHeap<Reverse<Aside>>,
+    aside: Aside,
 }
 
 impl Default for Searcher {
@@ -73,11 +71,7 @@ impl Searcher {
     }
 
     fn with(machine: Machine) -> Self {
-        Self {
-            machine,
-            stack: Vec::with_capacity((STOREYS + 1) * LANES),
-            heap: BinaryHeap::with_capacity(HEAP_CAPACITY),
-        }
+        Self { machine, stack: Vec::with_capacity((STOREYS + 1) * LANES), aside: Aside::new(ASIDE_CAPACITY) }
     }
 
     /// The nearest window of `index` to `query`, the lowest of equally near ones. `features` must
@@ -96,7 +90,7 @@ impl Searcher {
             Budget::Exact { eps } => self.machine.run(Exact { task, eps, stack: &mut self.stack }),
             Budget::Bounded { candidates } => {
                 let candidates = candidates.max(Budget::LEAST);
-                self.machine.run(Bounded { task, candidates, heap: &mut self.heap })
+                self.machine.run(Bounded { task, candidates, aside: &mut self.aside })
             }
         }
     }
@@ -159,7 +153,7 @@ impl<'a, L: Lanes> Search<'a, L> {
     /// own arithmetic decide.
     #[inline(always)]
     fn compare(&mut self, window: usize) {
-        self.compared += 1;
+        self.compared += COMPARISON_COST;
         let Task { features, query, .. } = self.task;
         let distance = match features.in_place(window) {
             Some(feature) => distance_in_any_order(self.lanes, feature, query),
@@ -223,8 +217,7 @@ impl<'a, L: Lanes> Search<'a, L> {
 
     #[inline(always)]
     fn answer(&self) -> Answer {
-        let distance_squared = self.task.features.distance(self.window, self.task.query);
-        Answer { window: self.window, distance_squared, compared: self.compared }
+        Answer { window: self.window, compared: self.compared }
     }
 }
 
@@ -299,20 +292,13 @@ impl Work for Exact<'_> {
 }
 
 /// Best first, until the work allowed is done: from each box straight on to the nearest in it, down
-/// to a leaf; then on with the nearest of all that were left aside.
+/// to a leaf; then on with the nearest of all that were left aside. Looking for that one costs more
+/// than it saves where the search will come to its end anyway, as nearly all do: so for the first
+/// half of the work the latest left aside is as good.
 struct Bounded<'a> {
     task: Task<'a>,
     candidates: u32,
-    heap: &'a mut BinaryHeap<Reverse<Aside>>,
-}
-
-/// A child left aside, and its bound in the upper half, so that the nearest is the least: bounds are
-/// not negative, so their bits are in order.
-type Aside = u64;
-
-#[inline(always)]
-fn aside(bound: f32, child: Child) -> Aside {
-    u64::from(bound.to_bits()) << 32 | u64::from(child.bits())
+    aside: &'a mut Aside,
 }
 
 impl Work for Bounded<'_> {
@@ -321,34 +307,34 @@ impl Work for Bounded<'_> {
     #[inline(always)]
     fn with<L: Lanes>(self, lanes: L) -> Answer {
         let mut search = Search::new(lanes, self.task, 0.0);
-        let heap = self.heap;
-        let tree = &self.task.index.tree;
-        heap.clear();
-        let mut next = aside(0.0, tree.root);
+        let aside = self.aside;
+        aside.clear();
+        let mut next = self.task.index.tree.root;
         loop {
-            let mut nearest = Aside::MAX;
-            match Child::of_bits(next as u32).kind() {
+            let mut nearest = (f32::INFINITY, Child::NONE);
+            match next.kind() {
                 Ok(leaf) => search.visit_leaf(leaf),
                 Err(node) => search.visit_node(node, |bound, child| {
-                    let found = aside(bound, child);
-                    let farther = nearest.max(found);
-                    nearest = nearest.min(found);
-                    if farther != Aside::MAX && heap.len() < HEAP_CAPACITY {
-                        heap.push(Reverse(farther));
+                    let mut farther = (bound, child);
+                    if bound < nearest.0 {
+                        std::mem::swap(&mut nearest, &mut farther);
+                    }
+                    if farther.1 != Child::NONE {
+                        aside.push(farther.0, farther.1);
                     }
                 }),
             }
             if search.compared + BLOCK_COST > self.candidates && search.best.is_finite() {
                 break;
             }
-            if nearest == Aside::MAX {
-                let Some(Reverse(left)) = heap.pop() else { break };
+            if nearest.1 == Child::NONE {
+                let within = search.limit(0.0);
+                let easy = search.compared < self.candidates / 2;
+                let left = if easy { aside.pop_latest(within) } else { aside.pop_nearest(within) };
+                let Some(left) = left else { break };
                 nearest = left;
             }
-            if f32::from_bits((nearest >> 32) as u32) > search.limit(0.0) {
-                break;
-            }
-            next = nearest;
+            next = nearest.1;
         }
         search.answer()
     }

@@ -17,11 +17,13 @@ impl Child {
     /// No child.
     pub const NONE: Self = Self(u32::MAX);
 
-    fn node(node: usize) -> Self {
+    /// The node of this number.
+    pub fn of_node(node: usize) -> Self {
         Self(node as u32)
     }
 
-    fn leaf(leaf: usize) -> Self {
+    /// The leaf of this number.
+    pub fn of_leaf(leaf: usize) -> Self {
         Self(leaf as u32 | LEAF_BIT)
     }
 
@@ -29,18 +31,6 @@ impl Child {
     #[inline(always)]
     pub fn kind(self) -> Result<usize, usize> {
         if self.0 & LEAF_BIT == 0 { Err(self.0 as usize) } else { Ok((self.0 & !LEAF_BIT) as usize) }
-    }
-
-    /// As a number.
-    #[inline(always)]
-    pub fn bits(self) -> u32 {
-        self.0
-    }
-
-    /// Of such a number.
-    #[inline(always)]
-    pub fn of_bits(bits: u32) -> Self {
-        Self(bits)
     }
 
     /// The same child of a tree that `nodes` and `leaves` have been put in front of.
@@ -307,7 +297,7 @@ impl Builder<'_> {
             faces
         }));
         tree.children.push(lanes);
-        (Child::node(tree.children.len() - 1), bounds)
+        (Child::of_node(tree.children.len() - 1), bounds)
     }
 
     fn leaf(&self, tree: &mut Tree, order: &mut [u32]) -> (Child, Bounds) {
@@ -334,6 +324,6 @@ impl Builder<'_> {
         let error = errors.iter().fold(0.0f64, |error, x| error.max(*x)).sqrt();
         // Rounded up: a bound must stay one.
         tree.slack.push((error * (1.0 + 1e-6)) as f32);
-        (Child::leaf(tree.windows.len() - 1), bounds)
+        (Child::of_leaf(tree.windows.len() - 1), bounds)
     }
 }
