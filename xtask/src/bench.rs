@@ -83,26 +83,18 @@ fn instructions() -> Result<String> {
         let counts = project::target_dir().join("callgrind.out");
         let mut valgrind = Command::new("valgrind");
         valgrind.arg("--tool=callgrind").arg(format!("--callgrind-out-file={}", counts.display()));
-        valgrind.args(["--collect-atstart=no", "--toggle-collect=*counted_second*", "--dump-after=*counted_second*"]);
+        valgrind.args(["--collect-atstart=no", "--toggle-collect=*counted_second*"]);
         valgrind.arg(&program).args(["instructions", search]).stderr(Stdio::null());
         let output = valgrind.output().context("calling valgrind")?;
         ensure!(output.status.success(), "valgrind failed on {}", program.display());
         let printed = String::from_utf8_lossy(&output.stdout).into_owned();
-        let pairs = printed
-            .lines()
-            .filter_map(|line| Some((line.split_once(' ')?.0, line.split_once(' ')?.1.parse::<u32>().ok()?)));
-        for (i, (pair, _)) in pairs.enumerate() {
-            // Callgrind writes a file for every dump: `.1` after the first call, and so on.
-            let dump = PathBuf::from(format!("{}.{}", counts.display(), i + 1));
-            let text = std::fs::read_to_string(&dump).with_context(|| dump.display().to_string())?;
-            let Some(total) =
-                text.lines().find_map(|line| line.strip_prefix("summary: ").or(line.strip_prefix("totals: ")))
-            else {
-                bail!("{} holds no total", dump.display());
-            };
-            let total: f64 = total.trim().parse().context("callgrind's total")?;
-            writeln!(table, "| {search} | {pair} | {:.1} |", total / 1e6)?;
-        }
+        let pair = printed.split_whitespace().next().context("the bench named no pair")?;
+        let text = std::fs::read_to_string(&counts).with_context(|| counts.display().to_string())?;
+        let Some(total) = text.lines().find_map(|line| line.strip_prefix("totals: ")) else {
+            bail!("{} holds no total", counts.display());
+        };
+        let total: f64 = total.trim().parse().context("callgrind's total")?;
+        writeln!(table, "| {search} | {pair} | {:.1} |", total / 1e6)?;
     }
     table.push('\n');
     Ok(table)
