@@ -38,10 +38,10 @@ pub fn run(args: &ExtendArgs, work: &Work) -> Result<(), Error> {
         streaming(args, &drive, rate_hz, signal.channels.len(), work)?
     };
     work.check()?;
+    check_finite(&args.output, &extended.channels)?;
     if let Some(path) = &args.betas {
         write_file(path, |file| write_betas(file, &extended, rate_hz))?;
     }
-    check_finite(&args.output, &extended.channels)?;
     let written = write_wav_f32(&args.output, &extended.channels, signal.sample_rate_hz);
     if let (Err(_), Some(path)) = (&written, &args.betas) {
         // Half of what was asked for is nothing; that the sound failed is what is reported.

@@ -1,7 +1,8 @@
-//! Sixteen windows, or sixteen boxes, in a byte per coordinate.
+//! Bounds of sixteen windows, or of sixteen boxes.
 //!
-//! A block has a frame of its own: along each axis an offset and a step, so that codes 0-255 span
-//! what it holds. That makes an index small enough to stay near the processor.
+//! Boxes are kept in single precision; there are few. Of a window every coordinate is a byte: a
+//! block of sixteen has a frame of its own, along each axis an offset and a step, so that codes
+//! 0-255 span what it holds. That makes an index small enough to stay near the processor.
 
 use super::lanes::{Lanes, STAGE};
 use super::{AXES_MAX, LANES};

@@ -67,11 +67,6 @@ impl Index {
         self.first_window..self.first_window + self.windows
     }
 
-    /// Numbers kept for every window.
-    pub fn axes(&self) -> usize {
-        self.axes.count()
-    }
-
     /// Bytes held, about.
     pub fn bytes(&self) -> usize {
         self.tree.bytes()

@@ -3,7 +3,7 @@
 use super::aside::Aside;
 use super::block::{box_bounds, point_bounds};
 use super::lanes::{Lanes, Machine, Work};
-use super::tree::Child;
+use super::tree::{Child, Kind};
 use super::{AXES_MAX, Index, LANES};
 use crate::texture::feature::Features;
 
@@ -263,14 +263,14 @@ impl Work for Exact<'_> {
         let stack = self.stack;
         let tree = &self.task.index.tree;
         stack.clear();
-        stack.push((0.0, self.task.index.tree.root));
+        stack.push((0.0, tree.root));
         while let Some((bound, child)) = stack.pop() {
             if bound > search.limit(0.0) {
                 continue;
             }
             match child.kind() {
-                Ok(leaf) => search.visit_leaf(leaf),
-                Err(node) => {
+                Kind::Leaf(leaf) => search.visit_leaf(leaf),
+                Kind::Node(node) => {
                     let (mut nearest, mut at) = (f32::INFINITY, usize::MAX);
                     search.visit_node(node, |bound, child| {
                         stack.push((bound, child));
@@ -313,8 +313,8 @@ impl Work for Bounded<'_> {
         loop {
             let mut nearest = (f32::INFINITY, Child::NONE);
             match next.kind() {
-                Ok(leaf) => search.visit_leaf(leaf),
-                Err(node) => search.visit_node(node, |bound, child| {
+                Kind::Leaf(leaf) => search.visit_leaf(leaf),
+                Kind::Node(node) => search.visit_node(node, |bound, child| {
                     let mut farther = (bound, child);
                     if bound < nearest.0 {
                         std::mem::swap(&mut nearest, &mut farther);
@@ -324,7 +324,8 @@ impl Work for Bounded<'_> {
                     }
                 }),
             }
-            if search.compared + BLOCK_COST > self.candidates && search.best.is_finite() {
+            // The way down to the first leaf is within any budget, so something has been found by now.
+            if search.compared + BLOCK_COST > self.candidates {
                 break;
             }
             if nearest.1 == Child::NONE {

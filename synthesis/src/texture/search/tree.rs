@@ -8,10 +8,19 @@ use super::{LANES, Step};
 use crate::Error;
 
 /// A node, or a leaf.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Child(u32);
 
 const LEAF_BIT: u32 = 1 << 31;
+
+/// What a child is, and its number among its kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A node.
+    Node(usize),
+    /// A leaf.
+    Leaf(usize),
+}
 
 impl Child {
     /// No child.
@@ -27,10 +36,10 @@ impl Child {
         Self(leaf as u32 | LEAF_BIT)
     }
 
-    /// The leaf's number, for a leaf; else the node's.
+    /// Which of the two it is.
     #[inline(always)]
-    pub fn kind(self) -> Result<usize, usize> {
-        if self.0 & LEAF_BIT == 0 { Err(self.0 as usize) } else { Ok((self.0 & !LEAF_BIT) as usize) }
+    pub fn kind(self) -> Kind {
+        if self.0 & LEAF_BIT == 0 { Kind::Node(self.0 as usize) } else { Kind::Leaf((self.0 & !LEAF_BIT) as usize) }
     }
 
     /// The same child of a tree that `nodes` and `leaves` have been put in front of.
@@ -47,7 +56,7 @@ impl Child {
 #[derive(Debug)]
 pub struct Tree {
     axes: usize,
-    leaves: Blocks<[u8; LANES]>,
+    leaves: Blocks,
     windows: Vec<[u32; LANES]>,
     slack: Vec<f32>,
     faces: Vec<[[f32; LANES]; 2]>,
@@ -56,21 +65,21 @@ pub struct Tree {
     pub root: Child,
 }
 
-/// Blocks of one kind: for each a frame, and codes for each axis.
+/// Points of the leaves: for each leaf a frame, and codes for each axis.
 #[derive(Debug)]
-struct Blocks<C> {
+struct Blocks {
     frames: Vec<f32>,
-    codes: Vec<C>,
+    codes: Vec<[u8; LANES]>,
 }
 
-impl<C> Blocks<C> {
+impl Blocks {
     #[inline(always)]
-    fn get(&self, block: usize, axes: usize) -> (Frame<'_>, &[C]) {
+    fn get(&self, block: usize, axes: usize) -> (Frame<'_>, &[[u8; LANES]]) {
         let (offsets, steps) = self.frames[2 * block * axes..][..2 * axes].split_at(axes);
         (Frame { offsets, steps }, &self.codes[block * axes..][..axes])
     }
 
-    fn push(&mut self, frames: &[(f32, f32)], codes: impl Iterator<Item = C>) {
+    fn push(&mut self, frames: &[(f32, f32)], codes: impl Iterator<Item = [u8; LANES]>) {
         self.frames.extend(frames.iter().map(|(offset, _)| offset));
         self.frames.extend(frames.iter().map(|(_, step)| step));
         self.codes.extend(codes);
@@ -82,7 +91,7 @@ impl<C> Blocks<C> {
     }
 
     fn bytes(&self) -> usize {
-        self.frames.len() * size_of::<f32>() + self.codes.len() * size_of::<C>()
+        self.frames.len() * size_of::<f32>() + self.codes.len() * size_of::<[u8; LANES]>()
     }
 }
 
@@ -126,6 +135,8 @@ impl Tree {
         tree.leaves.codes.shrink_to_fit();
         tree.windows.shrink_to_fit();
         tree.slack.shrink_to_fit();
+        tree.faces.shrink_to_fit();
+        tree.children.shrink_to_fit();
         Ok(tree)
     }
 
@@ -157,7 +168,7 @@ impl Tree {
     /// Asks for the memory of a leaf that may be visited soon.
     #[inline(always)]
     pub fn prefetch<L: Lanes>(&self, lanes: L, child: Child) {
-        if let Ok(leaf) = child.kind() {
+        if let Kind::Leaf(leaf) = child.kind() {
             lanes.prefetch(&self.leaves.frames[2 * leaf * self.axes..]);
             lanes.prefetch(&self.leaves.codes[leaf * self.axes..]);
         }
