@@ -8,6 +8,7 @@ use pyrophone_settings::automation::Event;
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Distribution, Shape};
 
 use crate::args::RenderArgs;
@@ -47,7 +48,8 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
     let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&args.input))?;
     if let Some(path) = &args.training {
         let training = input::load_at(path, main.sample_rate_hz, work)?;
-        let dictionary = texture::index(&training, path, &Shape::at_rate(&structure, rate_hz), work)?;
+        let shape = Shape::at_rate(&structure, rate_hz);
+        let dictionary = texture::index(&training, path, &shape, structure.dynamics, work)?;
         drop(chain.swap_dictionary(Some(dictionary)));
     }
     if needs_learning(&values, &events) {
@@ -101,6 +103,10 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     }
     if may_sound(Id::LowLevel) || may_sound(Id::ExtensionLevel) {
         note("there is no --training, so the texture layer stays silent");
+        return Ok(());
+    }
+    if values.structure().dynamics == Dynamics::Companded {
+        note("there is no --training, so spectral extension stands in for texture");
         return Ok(());
     }
     let message = format!("preset {}: texture alone sounds, but there is no recording; add --training", args.preset);

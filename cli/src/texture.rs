@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use pyrophone_recording::{Recording, check_finite, check_not_among, write_wav_f32};
 use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::offline::{Options, synthesize};
 use pyrophone_synthesis::texture::{Dictionary, Shape};
 
@@ -22,7 +23,7 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<(), Error> {
 
     let signal = input::load(&args.input, work)?;
     let training = input::load_at(&args.training, signal.sample_rate_hz, work)?;
-    let dictionary = index(&training, &args.training, &shape, work)?;
+    let dictionary = index(&training, &args.training, &shape, Dynamics::Paper, work)?;
     let drive = input::mean(&signal);
     let output = {
         let stage = work.stage("texture");
@@ -38,12 +39,18 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<(), Error> {
 
 /// The dictionary of a training sound at its rate; fails where not one window of it has all that a
 /// search compares.
-pub fn index(training: &Recording, path: &Path, shape: &Shape, work: &Work) -> Result<Arc<Dictionary>, Error> {
+pub fn index(
+    training: &Recording,
+    path: &Path,
+    shape: &Shape,
+    dynamics: Dynamics,
+    work: &Work,
+) -> Result<Arc<Dictionary>, Error> {
     let stage = work.stage("indexing");
     let channels = input::as_f64(&training.channels);
     let rate_hz = f64::from(training.sample_rate_hz);
-    let dictionary =
-        Dictionary::new(&channels, rate_hz, shape, &|done| stage.at(done)).map_err(Error::of_file(path))?;
+    let dictionary = Dictionary::for_dynamics(dynamics, &channels, rate_hz, shape, &|done| stage.at(done))
+        .map_err(Error::of_file(path))?;
     if (0..shape.top()).all(|level| dictionary.index(level).is_none()) {
         return Err(Error::Conflict(format!(
             "{}: {} samples are too short for a window of texture; use a longer recording or fewer levels",

@@ -46,7 +46,7 @@ fn bad_inputs() {
             format!("extend --reference --input {file} --output out.wav --betas betas.csv"),
             format!("render --preset default --input good.wav --training {file} --output out.wav"),
             format!(
-                "render --preset default --dynamic-range learned --input {file} --training fire.wav --output out.wav"
+                "render --preset texture --dynamic-range learned --input {file} --training fire.wav --output out.wav"
             ),
             format!("render --preset texture --input good.wav --training fire.wav --learn {file} --output out.wav"),
         ] {

@@ -154,8 +154,9 @@ unsafe impl Params for EffectParams {
     }
 }
 
-/// Brings a state's values into their ranges and drops those that belong to no parameter or are
-/// of the wrong kind; wrappers apply what is left without a check.
+/// Brings a state's values into their ranges, drops those that belong to no parameter or are
+/// of the wrong kind, and names those of parameters that came later; wrappers apply what is left without
+/// a check.
 pub fn sanitize(state: &mut PluginState) {
     state.params.retain(|id, value| {
         let Ok(index) = index_of(id) else { return false };
@@ -170,4 +171,7 @@ pub fn sanitize(state: &mut PluginState) {
         }
         true
     });
+    for (id, plain) in session::EARLIER {
+        state.params.entry((*id).to_owned()).or_insert(ParamValue::I32(*plain as i32));
+    }
 }

@@ -10,6 +10,7 @@ use pyrophone::parameters::{EffectParams, sanitize};
 use pyrophone::persist::SessionStore;
 use pyrophone_settings::session::plugin_state;
 use pyrophone_settings::{COUNT, Kind, PARAMETERS, Session, Values};
+use pyrophone_synthesis::structure::Dynamics;
 
 fn params() -> EffectParams {
     EffectParams::new(Arc::new(SessionStore::new(|| {})))
@@ -106,11 +107,11 @@ fn bad_values_are_brought_into_range_or_dropped() {
         "alpha":{"f32":1e30},"cutoff":{"f32":-5.0},"low_level":{"f32":-1e9},"noise_amount":{"f32":1e300},
         "levels":{"i32":99},"window":{"i32":-7},"quality":{"i32":400},
         "gate":{"i32":1},"bypass":{"f32":1.0},"attack":{"string":"fast"},"feature":{"bool":true},
-        "no_such":{"f32":1.0},"":{"bool":true}},"fields":{}}"#;
+        "dynamics_mode":{"f32":1.0},"no_such":{"f32":1.0},"":{"bool":true}},"fields":{}}"#;
     let mut state: PluginState = serde_json::from_str(text).unwrap();
     sanitize(&mut state);
     let kept: Vec<&str> = state.params.keys().map(String::as_str).collect();
-    assert_eq!(kept, ["alpha", "cutoff", "levels", "low_level", "noise_amount", "quality", "window"]);
+    assert_eq!(kept, ["alpha", "cutoff", "dynamics_mode", "levels", "low_level", "noise_amount", "quality", "window"]);
     for (id, value) in &state.params {
         let plain = match value {
             ParamValue::F32(plain) => f64::from(*plain),
@@ -120,4 +121,15 @@ fn bad_values_are_brought_into_range_or_dropped() {
         let parameter = &PARAMETERS[pyrophone_settings::index_of(id).unwrap()];
         assert!(parameter.check(plain).is_ok(), "{id} {plain}");
     }
+}
+
+#[test]
+fn a_state_from_before_the_companded_mode_keeps_the_papers() {
+    let mut state: PluginState =
+        serde_json::from_str(r#"{"version":"0","params":{"falloff":{"f32":0.0}},"fields":{}}"#).unwrap();
+    sanitize(&mut state);
+    let params = params();
+    assert_eq!(params.values().structure().dynamics, Dynamics::Companded, "a fresh instance's");
+    apply(&params, &state);
+    assert_eq!(params.values().structure().dynamics, Dynamics::Paper);
 }

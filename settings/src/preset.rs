@@ -1,7 +1,7 @@
 //! Presets: readable text, the same for plugin and command line.
 //!
 //! ```toml
-//! version = 1
+//! version = 2
 //! name = "extend"
 //! description = "Spectral extension alone."
 //!
@@ -22,10 +22,25 @@ use toml::{Table, Value};
 use crate::{Error, Kind, PARAMETERS, Parameter, Values, index_of};
 
 /// The version that [`Preset::to_toml`] writes.
-pub const VERSION: i64 = 1;
+pub const VERSION: i64 = 2;
 
 /// What turns a preset's parameters of version `index + 1` into those of the next version.
-const MIGRATIONS: &[fn(&mut Table)] = &[];
+const MIGRATIONS: &[fn(&mut Table)] = &[name_the_defaults_of_version_1];
+
+/// Version 2 came with the companded mode, whose settings became the defaults.
+fn name_the_defaults_of_version_1(parameters: &mut Table) {
+    let defaults: [(&str, Value); 6] = [
+        ("dynamics_mode", Value::String("paper".to_owned())),
+        ("low_level", Value::Float(-12.0)),
+        ("extension_level", Value::Float(-24.0)),
+        ("scaling_alpha", Value::Float(0.5)),
+        ("high_pass", Value::Float(30.0)),
+        ("falloff", Value::Float(0.0)),
+    ];
+    for (id, value) in defaults {
+        parameters.entry(id).or_insert(value);
+    }
+}
 
 const _: () = assert!(MIGRATIONS.len() as i64 == VERSION - 1, "each version needs its way to the next");
 

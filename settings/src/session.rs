@@ -22,6 +22,9 @@ const MIGRATIONS: &[fn(&mut serde_json::Value)] = &[];
 
 const _: () = assert!(MIGRATIONS.len() as u64 == VERSION - 1, "each version needs its way to the next");
 
+/// Parameters that a plugin's state of an earlier version does not have, and the plain values that it was saved with.
+pub const EARLIER: &[(&str, f64)] = &[("dynamics_mode", 0.0)];
+
 /// Most quantiles a learned distribution may have.
 pub const MAX_QUANTILES: usize = 65_536;
 
@@ -48,13 +51,15 @@ pub struct RecordingReference {
     pub embedded: Option<String>,
 }
 
-/// Quantiles of the drive pyramid's top level, and what they hold for.
+/// Quantiles of the drive pyramid's top level, in the companded mode of its loudness, and what they hold for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Learned {
     /// Sample rate in Hz.
     pub sample_rate_hz: f64,
     /// Pyramid levels at 44.1 kHz ([`pyrophone_synthesis::Structure::levels`]).
     pub levels: usize,
+    /// Whether they are of the companded mode.
+    pub companded: bool,
     /// Sorted magnitudes at equal steps of probability, 1 to [`MAX_QUANTILES`].
     pub quantiles: Vec<f64>,
 }
@@ -75,6 +80,8 @@ struct File {
 struct PackedLearned {
     sample_rate_hz: f64,
     levels: usize,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    companded: bool,
     quantiles: String,
 }
 
@@ -84,6 +91,7 @@ impl Session {
         let learned = self.learned.as_ref().map(|learned| PackedLearned {
             sample_rate_hz: learned.sample_rate_hz,
             levels: learned.levels,
+            companded: learned.companded,
             quantiles: STANDARD.encode(learned.quantiles.iter().flat_map(|q| q.to_le_bytes()).collect::<Vec<u8>>()),
         });
         let file = File { version: VERSION, recording: self.recording.clone(), embed: self.embed, learned };
@@ -122,7 +130,8 @@ impl PackedLearned {
         if !sound {
             return Err("its learned distribution is not 1 to 65536 rising amplitudes".to_owned());
         }
-        Ok(Learned { sample_rate_hz: self.sample_rate_hz, levels: self.levels, quantiles })
+        let Self { sample_rate_hz, levels, companded, .. } = self;
+        Ok(Learned { sample_rate_hz, levels, companded, quantiles })
     }
 }
 

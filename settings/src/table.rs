@@ -39,12 +39,19 @@ pub enum Id {
     Falloff,
     HalfWidth,
     FitWidth,
+    DynamicsMode,
+    Dynamics,
+    DriveMatch,
+    LowEnd,
+    SpectrumMatch,
 }
 
 /// Names of the values of `dynamic_range`.
 pub const DYNAMIC_RANGES: &[&str] = &["off", "learned", "running"];
 /// Names of the values of `quality`.
 pub const QUALITIES: &[&str] = &["draft", "normal", "high", "exact"];
+/// Names of the values of `dynamics_mode`.
+pub const DYNAMICS_MODES: &[&str] = &["paper", "companded"];
 /// Names of the values of `drive_mode`.
 pub const DRIVE_MODES: &[&str] = &["pressure", "flux", "envelope", "input envelope"];
 
@@ -91,7 +98,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Low level",
         "Levels",
         "dB",
-        level(-12.0),
+        level(-72.0),
         None,
         "Level of the flame's own low-frequency part.",
     ),
@@ -100,7 +107,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Extension level",
         "Levels",
         "dB",
-        level(-24.0),
+        level(-72.0),
         None,
         "Level of the noise that spectral extension adds above the cutoff.",
     ),
@@ -170,12 +177,12 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
     control(
         "scaling_alpha",
-        "Dynamics",
+        "Scaling alpha",
         "Texture",
         "",
-        float(0.0, 1.0, 0.5, 1.0, 3),
+        float(0.0, 1.0, 0.0, 1.0, 3),
         Some(1.0),
-        "How far the recording's loudness is mapped onto the input's: 1 follows it wholly, 0 keeps the recording's own.",
+        "How far single windows' loudness is mapped onto the input's, as the paper does; high values can buzz.",
     ),
     control(
         "dynamic_range",
@@ -184,7 +191,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: DYNAMIC_RANGES, default: 2 },
         Some(1.0),
-        "Where the input's loudness distribution comes from: off, learned beforehand, or estimated as it runs.",
+        "How the input's loudness is known: off (as it comes), learned beforehand, or estimated as it runs.",
     ),
     control(
         "gate",
@@ -264,7 +271,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "High-pass",
         "Drive",
         "Hz",
-        float_or_off(0.0, 200.0, 30.0, 0.5, 1),
+        float_or_off(0.0, 200.0, 5.0, 0.5, 1),
         Some(30.0),
         "Removes what lies below this frequency before the engines; 0 is off.",
     ),
@@ -305,7 +312,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "falloff",
         "Falloff",
         "",
-        float(0.0, 1.0, 0.0, 1.0, 3),
+        float(0.0, 1.0, 0.025, 1.0, 3),
         0.0,
         "How much less the far samples count in a search.",
     ),
@@ -324,6 +331,50 @@ pub const PARAMETERS: &[Parameter] = &[
         float(3.0, 120.0, 30.0, 1.0, 1),
         30.0,
         "Width of the band around the cutoff in which the noise's level is fitted.",
+    ),
+    structure(
+        "dynamics_mode",
+        "Dynamics mode",
+        "",
+        Kind::Choice { names: DYNAMICS_MODES, default: 1 },
+        0.0,
+        "Companded: matched without slow loudness, the input's put back; paper: matched as loud as it comes.",
+    ),
+    control(
+        "dynamics",
+        "Dynamics",
+        "Texture",
+        "",
+        float(0.0, 1.0, 0.75, 1.0, 3),
+        None,
+        "Companded mode: 0 keeps the recording's own swells, 1 leaves only the input's.",
+    ),
+    control(
+        "drive_match",
+        "Drive match",
+        "Texture",
+        "dB",
+        float(-24.0, 24.0, 0.0, 1.0, 2),
+        None,
+        "Companded mode: how loud a part of the recording the input looks for; high values find its bursts.",
+    ),
+    control(
+        "low_end",
+        "Low end",
+        "Texture",
+        "Hz",
+        float_or_off(0.0, 400.0, 150.0, 0.5, 1),
+        Some(0.0),
+        "Companded mode: below this frequency the input itself is heard in place of texture; 0 is off.",
+    ),
+    control(
+        "spectrum_match",
+        "Spectrum match",
+        "Texture",
+        "",
+        float(0.0, 1.0, 1.0, 1.0, 3),
+        Some(0.0),
+        "Companded mode: how far the output's spectrum is brought to the recording's.",
     ),
 ];
 

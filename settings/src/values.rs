@@ -2,8 +2,11 @@
 
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::{
-    Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality, TextureControls,
+    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality,
+    TextureControls,
 };
+
+use pyrophone_synthesis::structure::Dynamics;
 
 use crate::{COUNT, Error, Id, PARAMETERS, index_of};
 
@@ -107,6 +110,12 @@ impl Values {
                     2 => Quality::Bounded { candidates: 4096 },
                     _ => Quality::Exact,
                 },
+                companding: CompandingControls {
+                    dynamics: self.get(Id::Dynamics),
+                    drive_match: self.factor(Id::DriveMatch),
+                    low_end_hz: self.get(Id::LowEnd),
+                    spectrum_match: self.get(Id::SpectrumMatch),
+                },
             },
             mix: MixControls {
                 low: self.factor(Id::LowLevel),
@@ -128,6 +137,7 @@ impl Values {
             falloff: self.get(Id::Falloff),
             half_width: self.get(Id::HalfWidth) as usize,
             fit_width_hz: self.get(Id::FitWidth),
+            dynamics: if self.get(Id::DynamicsMode) < 0.5 { Dynamics::Paper } else { Dynamics::Companded },
         }
     }
 

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use pyrophone_settings::{COUNT, Error, Id, Kind, PARAMETERS, Parameter, Values, index_of};
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Quality};
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::{Controls, Structure};
 
 #[test]
@@ -57,6 +58,11 @@ fn every_id_is_at_its_place() {
         (Id::Falloff, "falloff"),
         (Id::HalfWidth, "half_width"),
         (Id::FitWidth, "fit_width"),
+        (Id::DynamicsMode, "dynamics_mode"),
+        (Id::Dynamics, "dynamics"),
+        (Id::DriveMatch, "drive_match"),
+        (Id::LowEnd, "low_end"),
+        (Id::SpectrumMatch, "spectrum_match"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {
@@ -93,12 +99,14 @@ fn defaults_are_those_of_the_engines() {
     let mut same = controls;
     same.drive.threshold = engine.drive.threshold;
     // The engines' own defaults are the paper's, all layers at full level; a fresh instance is the default preset.
-    assert!(controls.mix.low < 1.0 && controls.mix.extension < 1.0);
+    assert_eq!((controls.mix.low, controls.mix.extension), (0.0, 0.0));
     same.mix = engine.mix;
+    same.drive.high_pass_hz = engine.drive.high_pass_hz;
     same.texture.scaling_alpha = engine.texture.scaling_alpha;
     same.texture.gate = engine.texture.gate;
     assert_eq!(same, engine);
-    assert_eq!(values.structure(), Structure::default());
+    let structure = Structure { falloff: 0.0, dynamics: Dynamics::Paper, ..values.structure() };
+    assert_eq!(structure, Structure::default());
 }
 
 #[test]
@@ -138,6 +146,10 @@ fn choices_reach_the_engines() {
     ] {
         values.set_text("drive_mode", text).unwrap();
         assert_eq!(values.controls().drive.mode, mode);
+    }
+    for (text, dynamics) in [("paper", Dynamics::Paper), ("companded", Dynamics::Companded)] {
+        values.set_text("dynamics_mode", text).unwrap();
+        assert_eq!(values.structure().dynamics, dynamics);
     }
     values.set_text("gate", "off").unwrap();
     assert_eq!(values.controls().texture.gate, 0.0);

@@ -55,7 +55,7 @@ fn single_engine_presets_silence_the_other() {
 }
 
 fn with(parameters: &str) -> Result<Preset, Error> {
-    let text = format!("version = 1\nname = \"x\"\n[parameters]\n{parameters}\n");
+    let text = format!("version = 2\nname = \"x\"\n[parameters]\n{parameters}\n");
     Preset::from_toml(&text, "x.toml")
 }
 
@@ -85,6 +85,18 @@ fn bad_values_are_named() {
     }
     assert_eq!(with("low_level = -inf").unwrap().values.controls().mix.low, 0.0);
     assert_eq!(with("low_level = \"off\"").unwrap().values.controls().mix.low, 0.0);
+}
+
+#[test]
+fn a_preset_of_version_1_sounds_as_it_did() {
+    let text = "version = 1\nname = \"old\"\n[parameters]\nalpha = 3.0\nlow_level = -3.0\n";
+    let values = Preset::from_toml(text, "old.toml").unwrap().values;
+    assert_eq!(values.structure(), Structure::default());
+    let expected =
+        [("alpha", 3.0), ("low_level", -3.0), ("extension_level", -24.0), ("scaling_alpha", 0.5), ("high_pass", 30.0)];
+    for (id, plain) in expected {
+        assert_eq!(values.as_slice()[pyrophone_settings::index_of(id).unwrap()], plain, "{id}");
+    }
 }
 
 #[test]

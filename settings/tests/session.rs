@@ -12,7 +12,12 @@ fn full() -> Session {
             embedded: Some("eJw=".to_owned()),
         }),
         embed: true,
-        learned: Some(Learned { sample_rate_hz: 48_000.0, levels: 6, quantiles: vec![0.0, 1e-300, 0.1, 0.3] }),
+        learned: Some(Learned {
+            sample_rate_hz: 48_000.0,
+            levels: 6,
+            companded: true,
+            quantiles: vec![0.0, 1e-300, 0.1, 0.3],
+        }),
     }
 }
 
@@ -36,7 +41,7 @@ fn damaged_texts_are_refused() {
     bad.push(good.replace("\"levels\":6", "\"levels\":-6"));
     bad.push(good.replace("\"quantiles\":\"AAAA", "\"quantiles\":\"A*AA"));
     let with = |quantiles: Vec<f64>| {
-        let learned = Some(Learned { sample_rate_hz: 48_000.0, levels: 6, quantiles });
+        let learned = Some(Learned { sample_rate_hz: 48_000.0, levels: 6, companded: true, quantiles });
         Session { learned, ..Session::default() }.to_json()
     };
     bad.extend([with(vec![]), with(vec![0.2, 0.1]), with(vec![f64::NAN]), with(vec![-1.0]), with(vec![0.0; 65_537])]);
@@ -66,7 +71,7 @@ proptest! {
     #[test]
     fn quantiles_are_exact(mut quantiles in prop::collection::vec(0f64..1e9, 1..50)) {
         quantiles.sort_by(f64::total_cmp);
-        let learned = Some(Learned { sample_rate_hz: 44_100.0, levels: 6, quantiles });
+        let learned = Some(Learned { sample_rate_hz: 44_100.0, levels: 6, companded: true, quantiles });
         let session = Session { learned, ..Session::default() };
         prop_assert_eq!(Session::from_json(&session.to_json()).unwrap(), session);
     }

@@ -131,11 +131,38 @@ pub struct TextureControls {
     pub gate: f64,
     /// Bound on each search.
     pub quality: Quality,
+    /// What companding does; of no account in the paper's mode.
+    pub companding: CompandingControls,
 }
 
 impl Default for TextureControls {
     fn default() -> Self {
-        Self { scaling_alpha: 1.0, dynamic_range: DynamicRange::Running, gate: 1e-4, quality: Quality::default() }
+        Self {
+            scaling_alpha: 1.0,
+            dynamic_range: DynamicRange::Running,
+            gate: 1e-4,
+            quality: Quality::default(),
+            companding: CompandingControls::default(),
+        }
+    }
+}
+
+/// Controls of [`crate::companding`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CompandingControls {
+    /// Whose loudness dynamics are heard, 0-1: 0 = the recording's own, 1 = the drive's alone.
+    pub dynamics: f64,
+    /// Factor on the drive's level in matching, around its automatic value; 0.01-100.
+    pub drive_match: f64,
+    /// Frequency in Hz below which the drive itself is heard instead of texture, 20-400; 0 = off.
+    pub low_end_hz: f64,
+    /// Amount of the equaliser towards the recording's spectrum, 0-1.
+    pub spectrum_match: f64,
+}
+
+impl Default for CompandingControls {
+    fn default() -> Self {
+        Self { dynamics: 0.75, drive_match: 1.0, low_end_hz: 150.0, spectrum_match: 1.0 }
     }
 }
 

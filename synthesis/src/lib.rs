@@ -7,6 +7,7 @@
 //! | [`drive`] | what the engines feed on: pressure, flux or a sidechain's envelope, then the 30 Hz high-pass | Chadwick & James 2011, §3-4 |
 //! | [`extend`] | spectral bandwidth extension | Chadwick & James 2011, §4 |
 //! | [`texture`] | synchronized texture synthesis | Chadwick & James 2011, §5 |
+//! | [`companding`] | texture in a world without slow loudness, the drive's put back | this project |
 //! | [`mix`] | layer levels, width, output level | |
 //! | [`chain`] | all of these, aligned, with transport and automation: the whole effect | |
 //!
@@ -17,12 +18,15 @@
 //! This crate knows nothing of plugins, windows or files.
 
 pub mod chain;
+pub mod companding;
 pub mod controls;
 pub mod drive;
 pub mod error;
 pub mod extend;
+mod filter;
 pub mod mix;
 pub mod noise;
+mod smoothed;
 pub mod structure;
 pub mod texture;
 pub mod timeline;

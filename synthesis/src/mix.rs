@@ -1,33 +1,11 @@
 //! Levels of the layers, width, output level, bypass.
 
 use crate::controls::MixControls;
+use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
 
 /// Time constant in seconds with which levels follow their controls.
 const SMOOTHING_S: f64 = 0.005;
-/// Closer than this, a level takes its control's value.
-const CLOSE: f64 = 1e-5;
-
-/// A level that follows its control without a click.
-#[derive(Debug, Clone, Copy)]
-struct Smoothed {
-    value: f64,
-    coefficient: f64,
-}
-
-impl Smoothed {
-    fn new(sample_rate_hz: f64) -> Self {
-        Self { value: 0.0, coefficient: 1.0 - (-1.0 / (SMOOTHING_S * sample_rate_hz)).exp() }
-    }
-
-    #[inline]
-    fn next(&mut self, target: f64) -> f64 {
-        let missing = target - self.value;
-        self.value = if missing.abs() <= CLOSE { target } else { self.value + self.coefficient * missing };
-        self.value
-    }
-}
-
 /// The layers of one block, all delayed by the effect's latency.
 #[derive(Debug, Clone, Copy)]
 pub struct Layers<'a> {
@@ -73,7 +51,7 @@ pub struct Mix {
 impl Mix {
     /// A mixer whose layers come `latency_samples` late.
     pub fn new(latency_samples: usize, sample_rate_hz: f64) -> Self {
-        let smoothed = Smoothed::new(sample_rate_hz);
+        let smoothed = Smoothed::new(SMOOTHING_S, sample_rate_hz);
         Self {
             latency_samples: latency_samples as u64,
             controls: Timeline::new(latency_samples + 1, MixControls::default()),

@@ -3,6 +3,18 @@
 
 use crate::error::{Error, in_range};
 
+/// How texture synthesis brings a drive's loudness, which varies far more than a recording's, together
+/// with the recording's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Dynamics {
+    /// As published: windows are matched as loud as they come, or mapped one by one (Chadwick & James 2011, §5.3).
+    #[default]
+    Paper,
+    /// The slow loudness is taken out of both, windows are matched in that flat world, and the
+    /// drive's loudness is put back: see [`crate::companding`].
+    Companded,
+}
+
 /// Sizes of both engines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Structure {
@@ -19,12 +31,22 @@ pub struct Structure {
     pub half_width: usize,
     /// Width in Hz of the band in which extension fits its noise, three standard deviations, 3-120.
     pub fit_width_hz: f64,
+    /// How texture follows the drive's loudness; it decides what a dictionary holds.
+    pub dynamics: Dynamics,
 }
 
 impl Default for Structure {
     /// The paper's values (Chadwick & James 2011, §4-5).
     fn default() -> Self {
-        Self { levels: 6, window: 4, feature: 3, falloff: 0.0, half_width: 500, fit_width_hz: 30.0 }
+        Self {
+            levels: 6,
+            window: 4,
+            feature: 3,
+            falloff: 0.0,
+            half_width: 500,
+            fit_width_hz: 30.0,
+            dynamics: Dynamics::Paper,
+        }
     }
 }
 

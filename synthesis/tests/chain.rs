@@ -7,10 +7,11 @@ mod signals;
 
 use std::sync::Arc;
 
-use effect::{Event, STEREO, any_controls, chain, channels, dictionary, play};
+use effect::{Event, MODES, STEREO, any_controls, chain, channels, dictionary, play};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::controls::{Controls, DynamicRange, MixControls, Quality, TextureControls};
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Shape, offline, shape::Padding};
 use signals::Random;
 
@@ -30,7 +31,7 @@ fn plain() -> Controls {
 fn blocks_never_matter_under_automation_and_jumps() {
     let samples = 40_000;
     let (input, sidechain) = (channels(1, 2, samples), channels(2, 1, samples));
-    for seed in 0..6 {
+    for (seed, dynamics) in (0..4).flat_map(|seed| MODES.map(|dynamics| (seed, dynamics))) {
         let mut random = Random::new(seed);
         let mut events = vec![first(any_controls(&mut random))];
         for _ in 0..12 {
@@ -38,18 +39,18 @@ fn blocks_never_matter_under_automation_and_jumps() {
             events.push(Event { at: random.below(samples), controls: any_controls(&mut random), jump });
         }
         events.sort_by_key(|event| event.at);
-        let mut chain = chain(RATE_HZ, STEREO);
+        let mut chain = chain(RATE_HZ, STEREO, dynamics);
         let expected = play(&mut chain, &input, &sidechain, 2, &events, -500, || samples);
         assert!(expected.iter().flatten().all(|x| x.is_finite()));
         assert!(expected[0].iter().any(|x| x.abs() > 1e-3), "seed {seed} is silent");
         for block in [1, 17, 64, 480, 1024, 4096, 8192] {
             chain.reset();
             let out = play(&mut chain, &input, &sidechain, 2, &events, -500, || block);
-            assert!(out == expected, "seed {seed}, blocks of {block}");
+            assert!(out == expected, "{dynamics:?}, seed {seed}, blocks of {block}");
         }
         chain.reset();
         let out = play(&mut chain, &input, &sidechain, 2, &events, -500, || random.below(3000));
-        assert!(out == expected, "seed {seed}, random blocks");
+        assert!(out == expected, "{dynamics:?}, seed {seed}, random blocks");
     }
 }
 
@@ -57,29 +58,30 @@ fn blocks_never_matter_under_automation_and_jumps() {
 fn a_jump_ends_in_what_a_fresh_start_there_gives() {
     let (before, after) = (13_000, 40_000);
     let input = channels(3, 2, before + after);
-    for (jump, again) in [(777_777, None), (-5, None), (123, Some(900)), (4_000_000_000, Some(1))] {
+    let jumps = [(777_777, None), (-5, None), (123, Some(900)), (4_000_000_000, Some(1))];
+    for ((jump, again), dynamics) in jumps.into_iter().flat_map(|jump| MODES.map(|dynamics| (jump, dynamics))) {
         // `again`: a second jump while the first is under way.
         let mut events = vec![first(plain()), Event { at: before, controls: plain(), jump: Some(jump) }];
         let (mut from, mut position) = (before, jump);
         if let Some(later) = again {
             events.push(Event { at: before + later, controls: plain(), jump: Some(50_000) });
-            let chain = chain(RATE_HZ, STEREO);
+            let chain = chain(RATE_HZ, STEREO, dynamics);
             // The second one waits until the first is through.
             let wait = chain.latency_samples() + 441;
             from = before + wait;
             position = 50_000 + (wait - later) as i64;
         }
-        let mut chain = chain(RATE_HZ, STEREO);
+        let mut chain = chain(RATE_HZ, STEREO, dynamics);
         let out = play(&mut chain, &input, &[], 2, &events, 99, || 512);
         let rest: Vec<Vec<f32>> = input.iter().map(|x| x[from..].to_vec()).collect();
-        let mut fresh = effect::chain(RATE_HZ, STEREO);
+        let mut fresh = effect::chain(RATE_HZ, STEREO, dynamics);
         let expected = play(&mut fresh, &rest, &[], 2, &[first(plain())], position, || 300);
         let settled = fresh.latency_samples() + 441;
         for channel in 0..2 {
             assert!(out[channel][from + settled..] == expected[channel][settled..], "jump to {jump}, then {again:?}");
         }
         // Until the jump comes out, nothing has changed.
-        let mut straight = effect::chain(RATE_HZ, STEREO);
+        let mut straight = effect::chain(RATE_HZ, STEREO, dynamics);
         let unjumped = play(&mut straight, &input, &[], 2, &[first(plain())], 99, || 512);
         let heard = before + straight.latency_samples();
         assert!(out[0][..heard] == unjumped[0][..heard]);
@@ -90,7 +92,7 @@ fn a_jump_ends_in_what_a_fresh_start_there_gives() {
 fn the_counter_runs_free_while_the_host_stops_or_is_silent_about_time() {
     let input = channels(4, 2, 30_000);
     let run = |transports: &dyn Fn(usize) -> Transport| {
-        let mut chain = chain(RATE_HZ, STEREO);
+        let mut chain = chain(RATE_HZ, STEREO, Dynamics::Paper);
         let mut out = input.clone();
         for start in (0..30_000).step_by(500) {
             let mut main: Vec<&mut [f32]> = out.iter_mut().map(|x| &mut x[start..start + 500]).collect();
@@ -116,19 +118,21 @@ fn reset_equals_fresh_and_two_runs_are_identical() {
     let input = channels(5, 2, 20_000);
     let events =
         [first(any_controls(&mut random)), Event { at: 9000, controls: any_controls(&mut random), jump: Some(5) }];
-    let mut used = chain(RATE_HZ, STEREO);
-    play(&mut used, &input, &input[..1], 2, &events, 31, || 100);
-    used.reset();
-    let again = play(&mut used, &input, &input[..1], 2, &events, 31, || 100);
-    let fresh = play(&mut chain(RATE_HZ, STEREO), &input, &input[..1], 2, &events, 31, || 100);
-    assert!(again == fresh);
+    for dynamics in MODES {
+        let mut used = chain(RATE_HZ, STEREO, dynamics);
+        play(&mut used, &input, &input[..1], 2, &events, 31, || 100);
+        used.reset();
+        let again = play(&mut used, &input, &input[..1], 2, &events, 31, || 100);
+        let fresh = play(&mut chain(RATE_HZ, STEREO, dynamics), &input, &input[..1], 2, &events, 31, || 100);
+        assert!(again == fresh, "{dynamics:?}");
+    }
 }
 
 #[test]
 fn latency_measured_is_latency_reported() {
     for rate_hz in [44_100.0, 48_000.0, 88_200.0, 96_000.0, 192_000.0] {
         let channels = Channels { input: 1, sidechain: 0, output: 1 };
-        let mut chain = chain(rate_hz, channels);
+        let mut chain = chain(rate_hz, channels, Dynamics::Paper);
         let at = 3000;
         let mut input = vec![vec![0.0f32; 40_000]];
         input[0][at] = 1.0;
@@ -164,6 +168,7 @@ fn texture_through_the_chain_is_the_offline_run() {
         dynamic_range: DynamicRange::Learned,
         gate: 0.0,
         quality: Quality::Exact,
+        ..TextureControls::default()
     };
     let channels = Channels { input: 1, sidechain: 0, output: 1 };
     let mut chain = Chain::new(RATE_HZ, channels, &structure).unwrap();
@@ -193,7 +198,7 @@ fn a_step_of_any_level_is_heard_at_its_own_sample() {
             2 => quiet.mix.output = 0.1,
             _ => quiet.mix.bypass = true,
         }
-        let mut chain = chain(RATE_HZ, channels);
+        let mut chain = chain(RATE_HZ, channels, Dynamics::Paper);
         let before = play(&mut chain, &input, &[], 1, &[first(loud)], 0, || 1000);
         chain.reset();
         let events = [first(loud), Event { at: step, controls: quiet, jump: None }];
@@ -222,7 +227,7 @@ fn a_step_of_alpha_or_scaling_is_heard_within_a_window() {
             controls.mix.texture = 1.0 - controls.mix.extension;
             controls.mix.low = 0.0;
         }
-        let mut chain = chain(RATE_HZ, channels);
+        let mut chain = chain(RATE_HZ, channels, Dynamics::Paper);
         let straight = play(&mut chain, &input, &[], 1, &[first(controls[0])], 0, || 1000);
         chain.reset();
         let events = [first(controls[0]), Event { at: step, controls: controls[1], jump: None }];
@@ -237,20 +242,21 @@ fn a_step_of_alpha_or_scaling_is_heard_within_a_window() {
 #[test]
 fn bad_input_stays_finite_and_is_forgotten() {
     let channels_of = Channels { input: 1, sidechain: 1, output: 1 };
-    let good = channels(9, 1, 90_000);
-    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, 1e-40] {
+    let good = channels(9, 1, 120_000);
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, 1e-40];
+    for (bad, dynamics) in bad.into_iter().flat_map(|bad| MODES.map(|dynamics| (bad, dynamics))) {
         let mut input = good.clone();
         input[0][20_000..20_500].fill(bad);
         input[0][30_000..].fill(0.0);
-        let mut chain = chain(RATE_HZ, channels_of);
+        let mut chain = chain(RATE_HZ, channels_of, dynamics);
         let mut controls = plain();
         controls.texture.gate = 1e-3;
         controls.mix.texture = 1.0;
         let out = play(&mut chain, &input, &input, 1, &[first(controls)], 0, || 777);
-        assert!(out[0].iter().all(|x| x.is_finite()), "{bad}");
+        assert!(out[0].iter().all(|x| x.is_finite()), "{dynamics:?}, {bad}");
         let quiet_from = 30_000 + chain.tail_samples().unwrap() + RATE_HZ as usize;
-        assert!(out[0][quiet_from..].iter().all(|x| *x == 0.0), "{bad}: still sounding");
-        assert!(chain.is_silent(), "{bad}");
+        assert!(out[0][quiet_from..].iter().all(|x| *x == 0.0), "{dynamics:?}, {bad}: still sounding");
+        assert!(chain.is_silent(), "{dynamics:?}, {bad}");
     }
 }
 

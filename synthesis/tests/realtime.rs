@@ -11,8 +11,9 @@ mod effect;
 #[path = "common/signals.rs"]
 mod signals;
 
-use effect::{STEREO, any_controls, chain, channels, dictionary};
+use effect::{MODES, STEREO, any_controls, chain, channels, dictionary};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::Distribution;
 use pyrophone_synthesis::{Controls, Structure};
 use signals::Random;
@@ -44,12 +45,12 @@ fn reset(chain: &mut Chain) {
 type Recording = (Option<Arc<pyrophone_synthesis::texture::Dictionary>>, Option<Arc<Distribution>>);
 
 /// Everything that may happen on the audio thread, at every block size.
-fn everything(rate_hz: f64, layout: Channels) {
+fn everything(rate_hz: f64, layout: Channels, dynamics: Dynamics) {
     let mut random = Random::new(3);
-    let mut chain = chain(rate_hz, layout);
+    let mut chain = chain(rate_hz, layout, dynamics);
     let input = channels(1, layout.output, 8192);
     let sidechain = channels(2, layout.sidechain, 8192);
-    let structure = Structure::default();
+    let structure = Structure { dynamics, ..Structure::default() };
     for round in 0..160 {
         let block = [0, 1, 17, 64, 480, 1024, 4096, 8192][round % 8];
         let mut block_data: Vec<Vec<f32>> = input.iter().map(|x| x[..block].to_vec()).collect();
@@ -83,12 +84,13 @@ fn everything(rate_hz: f64, layout: Channels) {
 
 #[test]
 fn stereo_with_sidechain() {
-    everything(48_000.0, STEREO);
+    MODES.into_iter().for_each(|dynamics| everything(48_000.0, STEREO, dynamics));
 }
 
 #[test]
 fn mono_at_96_khz() {
-    everything(96_000.0, Channels { input: 1, sidechain: 0, output: 1 });
+    let mono = Channels { input: 1, sidechain: 0, output: 1 };
+    MODES.into_iter().for_each(|dynamics| everything(96_000.0, mono, dynamics));
 }
 
 #[test]

@@ -47,7 +47,7 @@ fn run(engine: &mut Texture, drive: &[f64], controls: &TextureControls, outputs:
         };
         let end = drive.len().min(start + block);
         let mut blocks: Vec<&mut [f64]> = out.iter_mut().map(|x| &mut x[start..end]).collect();
-        engine.process(&drive[start..end], controls, &mut blocks);
+        engine.process(&drive[start..end], None, controls, &mut blocks);
         start = end;
     }
     out
@@ -85,6 +85,7 @@ fn padded_stream_equals_the_whole_signal_run() {
             dynamic_range: DynamicRange::Learned,
             gate: 0.0,
             quality: Quality::Exact,
+            ..TextureControls::default()
         };
         let mut padded = pyramid.levels[0].clone();
         padded.resize(padded.len() + latency, 0.0);
@@ -108,7 +109,13 @@ fn blocks_never_matter_whatever_the_controls() {
     drive.resize(40_000, 0.0);
     for quality in [Quality::Exact, Quality::Bounded { candidates: 128 }] {
         for dynamic_range in [DynamicRange::Off, DynamicRange::Running] {
-            let controls = TextureControls { scaling_alpha: 0.5, dynamic_range, gate: 1e-4, quality };
+            let controls = TextureControls {
+                scaling_alpha: 0.5,
+                dynamic_range,
+                gate: 1e-4,
+                quality,
+                ..TextureControls::default()
+            };
             let mut engine = engine(&shape, &dictionary, 2);
             engine.reset(-12_345);
             let expected = run(&mut engine, &drive, &controls, 2, Cut::Every(40_000));

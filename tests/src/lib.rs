@@ -9,6 +9,7 @@ use pyrophone_host::state::wrap;
 use pyrophone_host::{Configuration, Format, Layout, Plugin, numeric_id};
 use pyrophone_settings::session::{Learned, RecordingReference, Session, plugin_state};
 use pyrophone_settings::{Preset, Values};
+use pyrophone_synthesis::structure::Dynamics;
 
 pub mod live;
 /// Reference data.
@@ -83,7 +84,12 @@ pub fn learned(values: &Values, input: &[Vec<f32>], sample_rate_hz: f64) -> Lear
     let structure = values.structure();
     let distribution = pyrophone_synthesis::chain::learn(sample_rate_hz, &structure, &values.controls(), input, &[]);
     let quantiles = distribution.expect("long enough").quantiles().to_vec();
-    Learned { sample_rate_hz, levels: structure.levels, quantiles }
+    Learned {
+        sample_rate_hz,
+        levels: structure.levels,
+        companded: structure.dynamics == Dynamics::Companded,
+        quantiles,
+    }
 }
 
 /// Activates offline and deactivates again, which waits for the recording however long it takes.

@@ -215,7 +215,7 @@ fn a_session_whose_recording_is_not_found_is_saved_unharmed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = recording(folder.path(), "fire.wav", 1, 30_000);
     let packed = pyrophone_recording::embed(&std::fs::read(&path).expect("read")).expect("small enough");
-    let learned = Learned { sample_rate_hz: RATE_HZ, levels: 6, quantiles: vec![0.0, 0.25, 1.0] };
+    let learned = Learned { sample_rate_hz: RATE_HZ, levels: 6, companded: false, quantiles: vec![0.0, 0.25, 1.0] };
     let reference = |path: &Path, content_hash: String, embedded: Option<String>| RecordingReference {
         path: path.to_str().expect("UTF-8").to_owned(),
         content_hash,

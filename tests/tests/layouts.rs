@@ -161,7 +161,7 @@ fn after_the_tail_comes_silence() {
             assert_sounds(&part(&output, 10_000..40_000), 5000, &context);
             let Tail::Samples(tail) = live.tail() else { panic!("{context}: no end") };
             assert!((1000..200_000).contains(&tail), "{context}: a tail of {tail}");
-            let silence = vec![vec![0.0; 80_000]; 2];
+            let silence = vec![vec![0.0; 130_000]; 2];
             let ringing = live.play(&silence, Clock::Playing(48_192), 512);
             for channel in &ringing {
                 let last = channel.iter().rposition(|x| *x != 0.0).expect("it rings");
@@ -173,7 +173,7 @@ fn after_the_tail_comes_silence() {
                 assert!(last < 60_000, "{context}: still sounding after {last}");
             }
             assert_eq!(live.tail(), Tail::Samples(0), "{context}: not asleep");
-            let again = live.play(&input, Clock::Playing(128_192), 512);
+            let again = live.play(&input, Clock::Playing(178_192), 512);
             assert_sounds(&part(&again, 10_000..40_000), 5000, &format!("{context}, awake again"));
             drop(live.stop());
         }

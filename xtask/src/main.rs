@@ -41,6 +41,9 @@ enum Command {
     /// Build everything, make fire and write a page to hear and see it; see `demo --help`
     #[command(disable_help_flag = true)]
     Demo(Forwarded),
+    /// Score results against their recordings and write docs/sound.md; see `score --help`
+    #[command(disable_help_flag = true)]
+    Score(Forwarded),
     /// Everything that must pass
     Test,
     /// The long tests
@@ -89,6 +92,7 @@ fn run(command: Command) -> Result<ExitCode> {
             }
             sound("demo", &forwarded)
         }
+        Command::Score(forwarded) => sound("score", &forwarded),
         Command::Test => test::run(),
         Command::Soak => test::soak(),
         Command::Bench(args) => bench::run(&args),

@@ -3,6 +3,7 @@
 mod bounce;
 mod demo;
 mod project;
+mod score;
 
 use std::process::ExitCode;
 
@@ -21,12 +22,15 @@ enum Command {
     Bounce(bounce::Args),
     /// Make fire with every engine and write a page to hear and see it
     Demo(demo::Args),
+    /// Score results against their recordings
+    Score(score::Args),
 }
 
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Bounce(args) => bounce::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Score(args) => score::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -7,6 +7,8 @@ use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 use pyrophone_recording::Recording;
+use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Shape};
 
 /// How often a loader that waits for another one looks whether it was called off.
@@ -25,12 +27,15 @@ pub struct DictionaryKey {
     rate_bits: u64,
     sizes: [usize; 3],
     falloff_bits: u64,
+    dynamics: Dynamics,
 }
 
 impl DictionaryKey {
-    /// The key of a recording at a sample rate and shape.
-    pub fn new(content_hash: &str, sample_rate_hz: f64, shape: &Shape) -> Self {
+    /// The key of a recording at a sample rate, for engines of a structure.
+    pub fn new(content_hash: &str, sample_rate_hz: f64, structure: &Structure) -> Self {
+        let shape = Shape::at_rate(structure, sample_rate_hz);
         Self {
+            dynamics: structure.dynamics,
             content_hash: content_hash.to_owned(),
             rate_bits: sample_rate_hz.to_bits(),
             sizes: [shape.levels, shape.window, shape.feature],

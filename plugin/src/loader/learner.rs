@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use pyrophone_settings::session::{Learned, Session};
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::Distribution;
 
 use super::Engine;
@@ -73,6 +74,7 @@ impl Learner {
                 session.learned = Some(Learned {
                     sample_rate_hz: engine.sample_rate_hz,
                     levels: engine.structure.levels,
+                    companded: engine.structure.dynamics == Dynamics::Companded,
                     quantiles: Distribution::from_magnitudes(values).quantiles().to_vec(),
                 });
                 self.is_sent = false;
@@ -92,6 +94,9 @@ impl Learner {
         }
         let (distribution, text) = match &session.learned {
             None => (None, None),
+            Some(learned) if learned.companded != (engine.structure.dynamics == Dynamics::Companded) => {
+                (None, Some("learned in the other dynamics mode: learn again".to_owned()))
+            }
             Some(learned)
                 if learned.sample_rate_hz != engine.sample_rate_hz || learned.levels != engine.structure.levels =>
             {

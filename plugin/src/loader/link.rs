@@ -78,9 +78,16 @@ impl Shared {
 
 /// A number that tells structures apart; never 0.
 pub fn fingerprint(structure: &Structure) -> u64 {
-    let Structure { levels, window, feature, falloff, half_width, fit_width_hz } = *structure;
-    let fields =
-        [levels as u64, window as u64, feature as u64, falloff.to_bits(), half_width as u64, fit_width_hz.to_bits()];
+    let Structure { levels, window, feature, falloff, half_width, fit_width_hz, dynamics } = *structure;
+    let fields = [
+        levels as u64,
+        window as u64,
+        feature as u64,
+        falloff.to_bits(),
+        half_width as u64,
+        fit_width_hz.to_bits(),
+        dynamics as u64,
+    ];
     // FNV-1a over words.
     fields.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, field| (hash ^ field).wrapping_mul(0x0100_0000_01b3)) | 1
 }
@@ -152,6 +159,8 @@ impl AudioLink {
 
 #[cfg(test)]
 mod tests {
+    use pyrophone_synthesis::structure::Dynamics;
+
     use super::*;
 
     #[test]
@@ -164,6 +173,7 @@ mod tests {
             Structure { falloff: 0.001, ..base },
             Structure { half_width: 501, ..base },
             Structure { fit_width_hz: 30.1, ..base },
+            Structure { dynamics: Dynamics::Companded, ..base },
         ];
         for other in others {
             assert_ne!(fingerprint(&base), fingerprint(&other), "{other:?}");

@@ -317,7 +317,7 @@ impl Worker {
     }
 
     fn key(&self, recording: &Recording, structure: &Structure, sample_rate_hz: f64) -> DictionaryKey {
-        DictionaryKey::new(&recording.content_hash, sample_rate_hz, &Shape::at_rate(structure, sample_rate_hz))
+        DictionaryKey::new(&recording.content_hash, sample_rate_hz, structure)
     }
 
     /// The dictionary of a recording for the structure that is wanted; none as long as no sample
@@ -335,7 +335,9 @@ impl Worker {
                 .map(|channel| channel.iter().map(|sample| f64::from(*sample)).collect())
                 .collect();
             let indexing = |done: f32| job.goes_on_indexing("Indexing", 0.4 + 0.6 * done);
-            Dictionary::new(&channels, sample_rate_hz, &shape, &indexing).map_err(|error| match error {
+            let dynamics = job.wanted.dynamics;
+            let made = Dictionary::for_dynamics(dynamics, &channels, sample_rate_hz, &shape, &indexing);
+            made.map_err(|error| match error {
                 pyrophone_synthesis::Error::Cancelled => Failure::CalledOff,
                 error => Failure::Message(format!("{}: {error}", recording.name)),
             })

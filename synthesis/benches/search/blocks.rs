@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::controls::Quality;
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Shape};
 use pyrophone_synthesis::{Controls, Structure};
 
@@ -29,7 +30,7 @@ pub fn table(pairs: &[Pair]) {
         for (rate_hz, block) in [(48_000.0, 32), (48_000.0, 64), (48_000.0, 128), (48_000.0, 1024), (96_000.0, 64)] {
             let mut shares = vec![f64::INFINITY; (SECONDS * rate_hz) as usize / block];
             for _ in 0..RUNS {
-                play(pair, rate_hz, block, &mut shares);
+                play(&pair.input, &pair.training, Dynamics::Paper, rate_hz, block, &mut shares);
             }
             let mean = shares.iter().sum::<f64>() / shares.len() as f64;
             shares.sort_by(f64::total_cmp);
@@ -44,14 +45,45 @@ pub fn table(pairs: &[Pair]) {
     println!();
 }
 
-/// Plays the pair, as if it had been recorded at this rate; `shares` keeps the least of each block.
-fn play(pair: &Pair, rate_hz: f64, block: usize, shares: &mut [f64]) {
-    let structure = Structure::default();
+/// Seconds played, rate in Hz and block of the companded table.
+const COMPANDED: (f64, f64, usize) = (20.0, 48_000.0, 64);
+/// Falloff of the default preset.
+const FALLOFF: f64 = 0.025;
+
+/// The same in the companded mode, every drive on every recording.
+pub fn companded_table(pairs: &[Pair]) {
+    let (seconds, rate_hz, block) = COMPANDED;
+    println!("### Blocks, companded\n");
+    println!(
+        "The same in the companded mode (with extension beside it), {rate_hz} Hz, {block} samples, {seconds} s of every \
+         drive on every recording.\n"
+    );
+    println!("| drive | recording | median | 99.9 % | largest | s per s |");
+    println!("|---|---|---|---|---|---|");
+    for (drive, recording) in pairs.iter().flat_map(|drive| pairs.iter().map(move |recording| (drive, recording))) {
+        let mut shares = vec![f64::INFINITY; (seconds * rate_hz) as usize / block];
+        for _ in 0..RUNS {
+            play(&drive.input, &recording.training, Dynamics::Companded, rate_hz, block, &mut shares);
+        }
+        let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+        shares.sort_by(f64::total_cmp);
+        let at = |q: f64| 100.0 * shares[((shares.len() - 1) as f64 * q) as usize];
+        let (median, most, largest) = (at(0.5), at(0.999), at(1.0));
+        println!("| {} | {} | {median:.1} % | {most:.1} % | {largest:.1} % | {mean:.4} |", drive.name, recording.name);
+    }
+    println!();
+}
+
+/// Plays a drive with a recording, as if they had been recorded at this rate; `shares` keeps the least of each block.
+fn play(drive: &[f64], recording: &Vec<f64>, dynamics: Dynamics, rate_hz: f64, block: usize, shares: &mut [f64]) {
+    let falloff = if dynamics == Dynamics::Companded { FALLOFF } else { 0.0 };
+    let structure = Structure { dynamics, falloff, ..Structure::default() };
     let shape = Shape::at_rate(&structure, rate_hz);
-    let dictionary = Dictionary::new(std::slice::from_ref(&pair.training), rate_hz, &shape, &|_| true).unwrap();
+    let recording = std::slice::from_ref(recording);
+    let dictionary = Dictionary::for_dynamics(dynamics, recording, rate_hz, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(rate_hz, Channels { input: 2, sidechain: 0, output: 2 }, &structure).unwrap();
     chain.swap_dictionary(Some(Arc::new(dictionary)));
-    let input: Vec<f32> = pair.input.iter().map(|x| *x as f32).collect();
+    let input: Vec<f32> = drive.iter().map(|x| *x as f32).collect();
     let controls = Controls::default();
     let learned = learn(rate_hz, &structure, &controls, std::slice::from_ref(&input), &[]);
     chain.swap_distribution(learned.ok().map(Arc::new));

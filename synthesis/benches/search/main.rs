@@ -1,7 +1,8 @@
 //! What the search of texture synthesis costs, as Markdown tables. Nothing is asserted: machines differ, and are noisy.
 //!
 //! Pairs come from the reference folder (`PYROPHONE_REFERENCE`, else `../shared/reference` from the project's root);
-//! without it two made-up ones are used. `-- instructions NAME` runs one fixed second of sound, for callgrind.
+//! without it two made-up ones are used. `-- instructions NAME` runs one fixed second of sound, for callgrind;
+//! `-- companded` makes the table of the companded mode alone.
 
 mod blocks;
 #[path = "../../tests/common/brute.rs"]
@@ -40,9 +41,14 @@ fn main() {
         return;
     }
     let pairs = pairs::all();
+    if arguments == ["companded"] {
+        blocks::companded_table(&pairs);
+        return;
+    }
     pairs::dictionary_table(&pairs);
     rivals::table(&pairs);
     blocks::table(&pairs);
+    blocks::companded_table(&pairs);
     blocks::channels_table(&pairs);
     growth::table(&pairs);
 }

@@ -65,7 +65,7 @@ pub fn streaming(drive: &[f64], dictionary: &Arc<Dictionary>, quality: Quality) 
         let ((), time) = timed(|| {
             for block in padded.chunks(64) {
                 let mut blocks: Vec<&mut [f64]> = out.iter_mut().map(|x| &mut x[..block.len()]).collect();
-                engine.process(block, &controls, &mut blocks);
+                engine.process(block, None, &controls, &mut blocks);
             }
         });
         time.as_secs_f64() / (padded.len() as f64 / RATE_HZ)

@@ -6,13 +6,15 @@
 //! played before the jump has come out of the first one, the second takes over in a crossfade of
 //! 10 ms. So whatever was played before, two passes from one place sound the same.
 
-mod delay;
+pub(crate) mod delay;
 mod voice;
 
 use std::sync::Arc;
 
+use crate::companding::loudnesses;
 use crate::error::in_range;
 use crate::mix::{Layers, Mix};
+use crate::structure::Dynamics;
 use crate::texture::{Dictionary, Distribution, Shape, offline};
 use crate::{Controls, Error, Structure, drive::Drive};
 use delay::Delay;
@@ -84,6 +86,7 @@ pub struct Chain {
     channels: Channels,
     sample_rate_hz: f64,
     shape: Shape,
+    dynamics: Dynamics,
     voices: [Voice; 2],
     /// The voice that is heard.
     active: usize,
@@ -127,6 +130,7 @@ impl Chain {
         let block = |count: usize| vec![vec![0.0; CHUNK]; count];
         Ok(Self {
             shape: Shape::at_rate(structure, sample_rate_hz),
+            dynamics: structure.dynamics,
             voices,
             active: 0,
             takeover: None,
@@ -194,7 +198,12 @@ impl Chain {
     /// audio thread. A dictionary made for another sample rate or structure is handed back
     /// unused.
     pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
-        let fits = |x: &Arc<Dictionary>| *x.shape() == self.shape && x.sample_rate_hz() == self.sample_rate_hz;
+        let is_companded = self.dynamics == Dynamics::Companded;
+        let fits = |x: &Arc<Dictionary>| {
+            *x.shape() == self.shape
+                && x.sample_rate_hz() == self.sample_rate_hz
+                && x.profile().is_some() == is_companded
+        };
         if dictionary.as_ref().is_some_and(|x| !fits(x)) {
             return dictionary;
         }
@@ -374,8 +383,8 @@ impl Chain {
         Meters { no_recording, ..std::mem::take(&mut self.meters) }
     }
 
-    /// Magnitudes of the drive pyramid's top level that arose in the last call of `process`, for
-    /// learning a distribution from one pass; valid until the next call.
+    /// Magnitudes of the drive pyramid's top level that arose in the last call of `process`, in the companded
+    /// mode loudnesses of the drive, for learning a distribution from one pass; valid until the next call.
     pub fn top_level(&self) -> &[f64] {
         &self.top_magnitudes
     }
@@ -387,7 +396,7 @@ fn clean(x: f32) -> f32 {
 }
 
 /// Learns the distribution of the drive's amplitudes from a whole file, as texture synthesis of
-/// this file would (reference padding; algorithms §3). `sidechain` may be empty. Fails where the
+/// this file would (reference padding; algorithms §3); in the companded mode, of its loudnesses. `sidechain` may be empty. Fails where the
 /// file is too short for the levels.
 pub fn learn(
     sample_rate_hz: f64,
@@ -415,5 +424,8 @@ pub fn learn(
         let sidechain: Vec<&[f64]> = sidechain.iter().map(|x| &x[start..end]).collect();
         drive.process(&main, &sidechain, &controls.drive, &mut signal[start..end]);
     }
-    offline::learn(&signal, &Shape::at_rate(structure, sample_rate_hz))
+    match structure.dynamics {
+        Dynamics::Paper => offline::learn(&signal, &Shape::at_rate(structure, sample_rate_hz)),
+        Dynamics::Companded => Ok(Distribution::from_magnitudes(loudnesses(&signal, sample_rate_hz))),
+    }
 }

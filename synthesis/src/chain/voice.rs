@@ -4,8 +4,12 @@ use std::sync::Arc;
 
 use super::delay::Delay;
 use super::{CHUNK, Channels};
+use crate::companding::Companding;
+use crate::controls::TextureControls;
 use crate::drive::Drive;
 use crate::extend::Extend;
+use crate::smoothed::Smoothed;
+use crate::structure::Dynamics;
 use crate::texture::{Dictionary, Distribution, Shape, Texture};
 use crate::{Controls, Error, Structure};
 
@@ -45,11 +49,26 @@ impl VoiceLayers {
     }
 }
 
+/// Time constant in seconds with which a recording that arrives takes over.
+const STAND_IN_S: f64 = 0.02;
+
+/// What texture needs around it in the companded mode.
+#[derive(Debug)]
+struct Companded {
+    companding: Companding,
+    flat: Vec<f64>,
+    loudness: Vec<f64>,
+    /// Share of spectral extension in the texture layer: 1 as long as there is no recording.
+    stand_in: Smoothed,
+    is_fresh: bool,
+}
+
 /// Drive and both engines, their outputs aligned to the larger latency of the two.
 pub struct Voice {
     drive: Drive,
     extend: Extend,
     texture: Texture,
+    companded: Option<Companded>,
     drive_block: Vec<f64>,
     /// What it made of the last chunk.
     pub layers: VoiceLayers,
@@ -68,8 +87,18 @@ impl Voice {
         let texture = Texture::new(&Shape::at_rate(structure, sample_rate_hz), outputs, sample_rate_hz)?;
         let latency = extend.latency_samples().max(texture.latency_samples());
         let extend_wait = latency - extend.latency_samples();
-        let texture_wait = latency - texture.latency_samples();
+        let wait = latency - texture.latency_samples();
+        // In the companded mode texture waits beforehand, so that loudness can look ahead.
+        let companded = (structure.dynamics == Dynamics::Companded).then(|| Companded {
+            companding: Companding::new(sample_rate_hz, outputs, wait, latency, CHUNK),
+            flat: vec![0.0; CHUNK],
+            loudness: vec![0.0; CHUNK],
+            stand_in: Smoothed::new(STAND_IN_S, sample_rate_hz),
+            is_fresh: true,
+        });
+        let texture_wait = if companded.is_some() { 0 } else { wait };
         Ok(Self {
+            companded,
             drive: Drive::new(sample_rate_hz)?,
             extend,
             texture,
@@ -91,16 +120,26 @@ impl Voice {
     /// Samples that may sound after the input has fallen silent, latency included.
     pub fn tail_samples(&self, controls: &Controls) -> usize {
         let drive = self.drive.tail_samples(&controls.drive);
-        self.latency_samples + drive + self.texture.tail_samples().max(self.extend.tail_samples())
+        let companding = self.companded.as_ref().map_or(0, |companded| companded.companding.tail_samples());
+        self.latency_samples + drive + (self.texture.tail_samples() + companding).max(self.extend.tail_samples())
     }
 
     /// Starts anew at `position` of the host's timeline.
     pub fn reset(&mut self, position: i64) {
         self.drive.reset(position);
         self.extend.reset(position);
-        self.texture.reset(position);
+        self.texture.reset(position.wrapping_sub(self.texture_starts_late()));
+        if let Some(companded) = &mut self.companded {
+            companded.companding.reset(position);
+            companded.is_fresh = true;
+        }
         self.low_delay.reset();
         self.extension_delays.iter_mut().chain(&mut self.texture_delays).for_each(Delay::reset);
+    }
+
+    /// Samples by which texture gets the drive late: its grid of windows stands on the drive's own positions.
+    fn texture_starts_late(&self) -> i64 {
+        if self.companded.is_some() { (self.latency_samples - self.texture.latency_samples()) as i64 } else { 0 }
     }
 
     /// Exchanges the recording.
@@ -110,6 +149,9 @@ impl Voice {
 
     /// Exchanges the learned distribution.
     pub fn swap_distribution(&mut self, learned: Option<Arc<Distribution>>) -> Option<Arc<Distribution>> {
+        if let Some(companded) = &mut self.companded {
+            companded.companding.set_learned(learned.as_deref());
+        }
         self.texture.swap_distribution(learned)
     }
 
@@ -135,11 +177,12 @@ impl Voice {
 
     /// Processes one chunk of up to [`CHUNK`] samples into `layers`.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &Controls, samples: usize) {
+        let stands_in = self.stands_in();
         let drive = &mut self.drive_block[..samples];
         self.drive.process(main, sidechain, &controls.drive, drive);
 
         let mut extend = controls.extend;
-        if controls.mix.extension == 0.0 {
+        if controls.mix.extension == 0.0 && !(stands_in && controls.mix.texture != 0.0) {
             // A layer that is off need not be computed.
             extend.noise_amount = 0.0;
         }
@@ -151,9 +194,21 @@ impl Voice {
             // Likewise: nothing exceeds this threshold.
             texture.gate = f64::INFINITY;
         }
-        with_blocks(&mut self.layers.texture, samples, |outputs| self.texture.process(drive, &texture, outputs));
         self.top_magnitudes.clear();
-        self.top_magnitudes.extend_from_slice(self.texture.top_magnitudes());
+        match &mut self.companded {
+            None => {
+                with_blocks(&mut self.layers.texture, samples, |outputs| {
+                    self.texture.process(drive, None, &texture, outputs);
+                });
+                self.top_magnitudes.extend_from_slice(self.texture.top_magnitudes());
+            }
+            Some(companded) => {
+                with_blocks(&mut self.layers.texture, samples, |outputs| {
+                    companded.process(drive, &texture, &mut self.texture, outputs);
+                });
+                self.top_magnitudes.extend_from_slice(companded.companding.told());
+            }
+        }
 
         self.low_delay.process(low);
         for (delay, channel) in self.extension_delays.iter_mut().zip(&mut self.layers.extension) {
@@ -162,6 +217,59 @@ impl Voice {
         for (delay, channel) in self.texture_delays.iter_mut().zip(&mut self.layers.texture) {
             delay.process(&mut channel[..samples]);
         }
+        if let Some(companded) = &mut self.companded {
+            companded.stand_in(stands_in, &mut self.layers, samples);
+        }
+    }
+
+    /// Whether spectral extension is heard for want of a recording.
+    fn stands_in(&self) -> bool {
+        self.companded.is_some() && self.texture.profile().is_none()
+    }
+}
+
+impl Companded {
+    /// Lets spectral extension stand in for texture, so that an instance without a recording burns too.
+    fn stand_in(&mut self, stands_in: bool, layers: &mut VoiceLayers, samples: usize) {
+        let share = f64::from(u8::from(stands_in));
+        if std::mem::take(&mut self.is_fresh) {
+            self.stand_in.value = share;
+        }
+        if share == 0.0 && self.stand_in.value == 0.0 {
+            return;
+        }
+        for i in 0..samples {
+            let share = self.stand_in.next(share);
+            for (texture, extension) in layers.texture.iter_mut().zip(&layers.extension) {
+                texture[i] += share * (layers.low[i] + extension[i] - texture[i]);
+            }
+        }
+    }
+
+    /// One chunk of texture in a world without slow loudness.
+    fn process(
+        &mut self,
+        drive: &[f64],
+        controls: &TextureControls,
+        texture: &mut Texture,
+        outputs: &mut [&mut [f64]],
+    ) {
+        let samples = drive.len();
+        let (flat, loudness) = (&mut self.flat[..samples], &mut self.loudness[..samples]);
+        self.companding.flatten(drive, controls, texture.profile(), flat, loudness);
+        let mut start = 0;
+        while start < samples {
+            let (controls, end) = self.companding.controls_from(start, samples);
+            let channels = outputs.len().min(MAX_CHANNELS);
+            let mut pieces: [&mut [f64]; MAX_CHANNELS] = Default::default();
+            for (piece, output) in pieces.iter_mut().zip(outputs.iter_mut()) {
+                *piece = &mut output[start..end];
+            }
+            let pieces = &mut pieces[..channels];
+            texture.process(&flat[start..end], Some(&loudness[start..end]), &controls, pieces);
+            start = end;
+        }
+        self.companding.expand(texture.profile(), outputs);
     }
 }
 

@@ -1,21 +1,15 @@
 //! The high-pass before both engines.
 
-use std::f64::consts::{PI, SQRT_2};
-
 use crate::error::within;
+use crate::filter::{Section, section_gain};
 
 /// Time in seconds in which a change of the corner takes place.
 const GLIDE_S: f64 = 0.02;
 
-/// A filter left alone with silence ends here: -300 dBFS.
-const SILENCE: f64 = 1e-15;
-
 /// Highest corner in Hz.
 const MAX_CORNER_HZ: f64 = 1000.0;
 
-/// Butterworth high-pass of order 2 as a state-variable filter with trapezoidal integrators
-/// (Zavalishin, "The Art of VA Filter Design", §4), which stays well-behaved while its corner
-/// moves. A corner of 0 Hz passes the signal untouched.
+/// Butterworth high-pass of order 2 whose corner may move. A corner of 0 Hz passes the signal untouched.
 #[derive(Debug)]
 pub(super) struct HighPass {
     sample_rate_hz: f64,
@@ -31,7 +25,7 @@ pub(super) struct HighPass {
     target_wet: f64,
     glide_len: u32,
     glide_left: u32,
-    state: [f64; 2],
+    section: Section,
 }
 
 impl HighPass {
@@ -47,7 +41,7 @@ impl HighPass {
             target_wet: 0.0,
             glide_len: (GLIDE_S * sample_rate_hz) as u32,
             glide_left: 0,
-            state: [0.0; 2],
+            section: Section::default(),
         }
     }
 
@@ -63,12 +57,12 @@ impl HighPass {
         for sample in signal {
             if self.wet == 0.0 && self.glide_left == 0 {
                 // Nothing can change any more in this call.
-                return self.state.fill(0.0);
+                return self.section.reset();
             }
             if self.glide_left > 0 {
                 self.glide();
             }
-            let filtered = self.tick(*sample);
+            let filtered = self.section.process(self.gain, *sample).high;
             *sample = if self.wet == 1.0 { filtered } else { *sample + self.wet * (filtered - *sample) };
         }
     }
@@ -80,7 +74,7 @@ impl HighPass {
         }
         let fresh = self.asked_hz.is_none();
         self.asked_hz = Some(corner_hz);
-        let gain = (PI * corner_hz / self.sample_rate_hz).tan();
+        let gain = section_gain(corner_hz, self.sample_rate_hz);
         self.target_wet = if corner_hz > 0.0 { 1.0 } else { 0.0 };
         // Switched off, the filter keeps its corner while it fades out; switched on from nothing,
         // it has its corner at once.
@@ -105,23 +99,12 @@ impl HighPass {
             self.wet += self.wet_step;
         }
     }
-
-    fn tick(&mut self, input: f64) -> f64 {
-        let [s1, s2] = self.state;
-        let high = (input - (SQRT_2 + self.gain) * s1 - s2) / (1.0 + self.gain * (self.gain + SQRT_2));
-        let band = self.gain * high + s1;
-        let low = self.gain * band + s2;
-        self.state = [self.gain * high + band, self.gain * band + low];
-        if input.abs() < SILENCE && self.state.iter().all(|state| state.abs() < SILENCE) {
-            self.state = [0.0; 2];
-            return 0.0;
-        }
-        high
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     fn sine(frequency_hz: f64, count: usize) -> Vec<f64> {

@@ -11,6 +11,8 @@ use super::pyramid::{Pyramid, mirrored};
 use super::search::Index;
 use super::shape::{Padding, Shape};
 use crate::Error;
+use crate::companding::{Profile, calibrate};
+use crate::structure::Dynamics;
 
 /// Called with the part done, 0-1; answers whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
@@ -44,6 +46,8 @@ pub struct Dictionary {
     weights: Vec<f64>,
     unweighted: bool,
     seconds: f64,
+    /// Index of the recording's first sample in level 0's array.
+    first: usize,
     /// What windows and their features are read from, of the pyramid of the mean of the channels.
     levels: Vec<Kept>,
     /// Level 0 of every channel; empty for a recording of one channel, whose mean it is.
@@ -52,9 +56,46 @@ pub struct Dictionary {
     indices: Vec<Option<Index>>,
     distribution: Distribution,
     prior: Histogram,
+    /// The recording's side of companding, where its loudness has been taken out.
+    profile: Option<Profile>,
 }
 
+/// The part of the work after which a companded dictionary is ready for its trial run.
+const INDEXED: f32 = 0.7;
+
 impl Dictionary {
+    /// Analyses a recording as [`new`](Self::new) or [`companded`](Self::companded), whichever `dynamics` asks for.
+    pub fn for_dynamics(
+        dynamics: Dynamics,
+        channels: &[Vec<f64>],
+        sample_rate_hz: f64,
+        shape: &Shape,
+        progress: Progress<'_>,
+    ) -> Result<Self, Error> {
+        match dynamics {
+            Dynamics::Paper => Self::new(channels, sample_rate_hz, shape, progress),
+            Dynamics::Companded => Self::companded(channels, sample_rate_hz, shape, progress),
+        }
+    }
+
+    /// Analyses a recording without its slow loudness ([`crate::companding`]), and finds its level and
+    /// equaliser by a trial run. Takes and fails as [`new`](Self::new).
+    pub fn companded(
+        channels: &[Vec<f64>],
+        sample_rate_hz: f64,
+        shape: &Shape,
+        progress: Progress<'_>,
+    ) -> Result<Self, Error> {
+        check(channels, sample_rate_hz, shape)?;
+        let mut flat = channels.to_vec();
+        let mut profile = Profile::flatten(&mut flat, sample_rate_hz);
+        let mut dictionary = Self::new(&flat, sample_rate_hz, shape, &|done| progress(INDEXED * done))?;
+        profile.set_first(dictionary.first);
+        dictionary.profile = Some(profile);
+        let trial = |done: f32| progress(INDEXED + (1.0 - INDEXED) * done);
+        calibrate::calibrate(dictionary, &mean_of(channels), &trial)
+    }
+
     /// Analyses a recording: `channels` equally long (1-8), finite samples at `sample_rate_hz`.
     /// Fails where the recording is too short for the levels, and when `progress` calls it off.
     pub fn new(
@@ -63,18 +104,7 @@ impl Dictionary {
         shape: &Shape,
         progress: Progress<'_>,
     ) -> Result<Self, Error> {
-        shape.validate()?;
-        crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 8.0)?;
-        crate::error::in_range("sample rate of the recording in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
-        for (channel, samples) in channels.iter().enumerate() {
-            if samples.len() != channels[0].len() {
-                let (found, expected) = (samples.len(), channels[0].len());
-                return Err(Error::UnequalChannels { what: "recording", channel, found, expected });
-            }
-            if let Some(at) = samples.iter().position(|x| !x.is_finite()) {
-                return Err(Error::NotFinite { what: "recording", at });
-            }
-        }
+        check(channels, sample_rate_hz, shape)?;
         let go_on = |done: f32| if progress(done) { Ok(()) } else { Err(Error::Cancelled) };
         go_on(0.0)?;
         let mean = mean_of(channels);
@@ -98,6 +128,8 @@ impl Dictionary {
             levels: pyramid.levels.into_iter().zip(&needed).map(|(level, needed)| Kept::new(level, needed)).collect(),
             channels,
             indices: Vec::new(),
+            first: padding.start[0],
+            profile: None,
         };
         let done = std::sync::Mutex::new(0.1f32);
         let indices = (0..shape.top()).into_par_iter().map(|level| {
@@ -143,7 +175,19 @@ impl Dictionary {
     /// Bytes held, about.
     pub fn bytes(&self) -> usize {
         let samples: usize = self.levels.iter().chain(&self.channels).map(|kept| kept.samples.len()).sum();
-        samples * size_of::<f64>() + self.indices.iter().flatten().map(Index::bytes).sum::<usize>()
+        samples * size_of::<f64>()
+            + self.indices.iter().flatten().map(Index::bytes).sum::<usize>()
+            + self.profile.as_ref().map_or(0, Profile::bytes)
+    }
+
+    /// The recording's side of companding; none for the paper's dynamics.
+    pub fn profile(&self) -> Option<&Profile> {
+        self.profile.as_ref()
+    }
+
+    /// The same, to be changed before the dictionary is shared.
+    pub(crate) fn profile_mut(&mut self) -> Option<&mut Profile> {
+        self.profile.as_mut()
     }
 
     /// Distribution of the recording's top level (§5.3).
@@ -186,6 +230,22 @@ impl Dictionary {
             shape: &self.shape,
         }
     }
+}
+
+fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &Shape) -> Result<(), Error> {
+    shape.validate()?;
+    crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 8.0)?;
+    crate::error::in_range("sample rate of the recording in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
+    for (channel, samples) in channels.iter().enumerate() {
+        if samples.len() != channels[0].len() {
+            let (found, expected) = (samples.len(), channels[0].len());
+            return Err(Error::UnequalChannels { what: "recording", channel, found, expected });
+        }
+        if let Some(at) = samples.iter().position(|x| !x.is_finite()) {
+            return Err(Error::NotFinite { what: "recording", at });
+        }
+    }
+    Ok(())
 }
 
 /// The windows of `level` whose causal half lies within the signal and whose coarse taps lie within

@@ -2,6 +2,7 @@
 //! factor that maps one onto the other.
 
 use crate::Error;
+use crate::companding::level::level_of;
 
 /// Up to this many magnitudes a distribution is exact.
 const EXACT_LIMIT: usize = 65_536;
@@ -12,6 +13,8 @@ const QUANTILES: usize = 4_096;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Distribution {
     quantiles: Vec<f64>,
+    /// The level of a drive whose loudnesses these are.
+    loudness: Option<f64>,
 }
 
 impl Distribution {
@@ -21,12 +24,16 @@ impl Distribution {
         magnitudes.retain(|x| x.is_finite());
         magnitudes.iter_mut().for_each(|x| *x = x.abs());
         magnitudes.sort_unstable_by(f64::total_cmp);
-        let sorted = Self { quantiles: magnitudes };
+        let sorted = Self::sorted(magnitudes);
         if sorted.quantiles.len() <= EXACT_LIMIT {
             return sorted;
         }
         let at = |i| sorted.amplitude(i as f64 / (QUANTILES - 1) as f64);
-        Self { quantiles: (0..QUANTILES).map(at).collect() }
+        Self::sorted((0..QUANTILES).map(at).collect())
+    }
+
+    fn sorted(quantiles: Vec<f64>) -> Self {
+        Self { loudness: level_of(&quantiles), quantiles }
     }
 
     /// A distribution from quantiles kept earlier: finite, not negative, ascending.
@@ -49,7 +56,12 @@ impl Distribution {
                 high: f64::MAX,
             });
         }
-        Ok(Self { quantiles })
+        Ok(Self::sorted(quantiles))
+    }
+
+    /// The level of a drive whose loudnesses these are; none where all are silent.
+    pub fn loudness(&self) -> Option<f64> {
+        self.loudness
     }
 
     /// The sorted values.

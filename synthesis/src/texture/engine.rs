@@ -16,7 +16,9 @@ use super::schedule::Schedule;
 use super::search::{Budget, Searcher};
 use super::shape::Shape;
 use crate::Error;
+use crate::companding::Profile;
 use crate::controls::{DynamicRange, Quality, TextureControls};
+use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
 
 /// Texture synthesis: a drive in, the sound of the recording that follows it out.
@@ -52,6 +54,10 @@ pub struct Texture {
     top_magnitudes: Vec<f64>,
     /// Windows and boxes compared since it was made.
     compared: u64,
+    /// Windows in a row, by level, that may follow one another where that is not the nearest.
+    longest_run: Vec<usize>,
+    /// Exponent of the drive's loudness.
+    dynamics: Smoothed,
 }
 
 /// One level below the top.
@@ -69,7 +75,19 @@ struct Level {
     /// Array size, for a signal of known length.
     size: i64,
     last_match: Option<usize>,
+    /// Windows in a row that followed one another in the recording.
+    run: usize,
 }
+
+/// In the companded mode the window that follows the last one in the recording is taken if its squared
+/// distance is at most so many times the least: 1.3 squared.
+const CONTINUITY: f64 = 1.69;
+/// Levels below the top for which that holds: what is taken whole there stays varied below.
+const CONTINUOUS_LEVELS: usize = 3;
+/// Seconds after which a run ends all the same, so that the recording is not played back.
+const LONGEST_RUN_S: f64 = 0.034;
+/// Time constant in seconds with which the part of the recording's own dynamics follows its control.
+const DYNAMICS_S: f64 = 0.02;
 
 /// Most top-level samples that one call may leave in `top_magnitudes`; longer calls keep the last.
 const TOP_CAPACITY: usize = 8192;
@@ -99,6 +117,7 @@ impl Texture {
             floor: 0,
             size: i64::MAX,
             last_match: None,
+            run: 0,
         };
         let longest_wait = schedule.offset[0] as usize + shape.period_samples();
         let mut texture = Self {
@@ -123,6 +142,13 @@ impl Texture {
             latency_samples: latency as i64,
             top_magnitudes: Vec::with_capacity(TOP_CAPACITY),
             compared: 0,
+            longest_run: (0..shape.top())
+                .map(|level| {
+                    let windows = (LONGEST_RUN_S * sample_rate_hz) as usize / (shape.window << level);
+                    if level + CONTINUOUS_LEVELS < shape.top() { 0 } else { windows }
+                })
+                .collect(),
+            dynamics: Smoothed::new(DYNAMICS_S, sample_rate_hz / shape.window as f64),
             shape: *shape,
             schedule,
         };
@@ -178,6 +204,7 @@ impl Texture {
             level.floor = origin;
             level.size = sizes.map_or(i64::MAX, |sizes| sizes[l] as i64);
             level.last_match = None;
+            level.run = 0;
         }
         for output in &mut self.outputs {
             output.reset(origin);
@@ -196,6 +223,11 @@ impl Texture {
         std::mem::replace(&mut self.dictionary, dictionary)
     }
 
+    /// The recording's side of companding, if there is one.
+    pub fn profile(&self) -> Option<&Profile> {
+        self.dictionary.as_ref()?.profile()
+    }
+
     /// Exchanges the learned distribution of the drive.
     pub fn swap_distribution(&mut self, learned: Option<Arc<Distribution>>) -> Option<Arc<Distribution>> {
         std::mem::replace(&mut self.learned, learned)
@@ -212,16 +244,24 @@ impl Texture {
     }
 
     /// Takes `drive` and writes as many samples to every channel of `outputs`, delayed by the
-    /// latency. `controls` hold for this call; a window uses those in force at its centre.
-    pub fn process(&mut self, drive: &[f64], controls: &TextureControls, outputs: &mut [&mut [f64]]) {
+    /// latency. `controls` hold for this call; a window uses those in force at its centre. Where
+    /// `loudness` is given, as long as the drive, the gate goes by it and not by the drive.
+    pub fn process(
+        &mut self,
+        drive: &[f64],
+        loudness: Option<&[f64]>,
+        controls: &TextureControls,
+        outputs: &mut [&mut [f64]],
+    ) {
         if self.timeline.end() == 0 {
             self.timeline.reset(*controls);
+            self.dynamics.value = controls.companding.dynamics;
         }
         self.timeline.push(*controls, drive.len());
         self.top_magnitudes.clear();
         for (i, sample) in drive.iter().enumerate() {
             if let Some((index, value)) = self.pyramid.push(*sample) {
-                self.take_top(index, value);
+                self.take_top(index, value, loudness.map(|loudness| loudness[i]));
             }
             for l in (0..self.shape.top()).rev() {
                 if self.now == self.levels[l].due {
@@ -240,7 +280,7 @@ impl Texture {
         self.timeline.at((sample - self.origin).max(0) as u64)
     }
 
-    fn take_top(&mut self, index: i64, value: f64) {
+    fn take_top(&mut self, index: i64, value: f64, loudness: Option<f64>) {
         self.top.set(index, value);
         let magnitude = value.abs();
         if self.top_magnitudes.len() < TOP_CAPACITY {
@@ -248,7 +288,7 @@ impl Texture {
         }
         self.running.push(magnitude);
         let controls = self.controls_at(index << self.shape.top());
-        self.gate.push(index, magnitude, controls.gate);
+        self.gate.push(index, loudness.unwrap_or(magnitude), controls.gate);
     }
 
     /// Matches the next window of level `l`, if it is to sound, and adds the match.
@@ -307,23 +347,36 @@ impl Texture {
             Quality::Bounded { candidates } => Budget::Bounded { candidates },
         };
         let features = dictionary.features(l);
-        let level = &mut self.levels[l];
-        let hint = level.last_match.map(|window| window + 1);
+        let hint = self.levels[l].last_match.map(|window| window + 1);
         let answer = self.searcher.nearest(index, &features, &self.query, hint, budget);
-        level.last_match = Some(answer.window);
         self.compared += u64::from(answer.compared);
+        let goes_on = || {
+            let next =
+                hint.filter(|next| index.windows().contains(next) && self.levels[l].run < self.longest_run[l])?;
+            let limit = CONTINUITY * features.distance(answer.window, &self.query);
+            (features.distance(next, &self.query) <= limit).then_some(next)
+        };
+        let profile = dictionary.profile();
+        let chosen = profile.and_then(|_| goes_on()).unwrap_or(answer.window);
+        let level = &mut self.levels[l];
+        level.run = if hint == Some(chosen) { level.run + 1 } else { 0 };
+        level.last_match = Some(chosen);
 
         for (factor, hat) in self.window.iter_mut().zip(&self.hat) {
             *factor = hat * scale;
         }
         let target = Target {
-            from: w * (answer.window as i64 - 1),
+            from: w * (chosen as i64 - 1),
             to: w * (window - 1),
             floor: level.floor.max(self.origin).div_ceil_shift(l),
             end: level.size,
         };
         target.add(&self.window, dictionary.level(l), &mut level.samples);
         if l == 0 {
+            if let Some(profile) = profile {
+                let own = profile.own_dynamics(w * chosen as i64, self.dynamics.next(controls.companding.dynamics));
+                self.window.iter_mut().for_each(|factor| *factor *= own);
+            }
             let channels = self.outputs.len();
             for (channel, output) in self.outputs.iter_mut().enumerate() {
                 target.add(&self.window, dictionary.channel(channel, channels), output);

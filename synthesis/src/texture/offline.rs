@@ -54,6 +54,7 @@ pub fn synthesize(
         dynamic_range: if options.dynamic_range { DynamicRange::Learned } else { DynamicRange::Off },
         gate: 0.0,
         quality: Quality::Exact,
+        ..TextureControls::default()
     };
 
     let mut drive = pyramid.levels[0].clone();
@@ -64,7 +65,7 @@ pub fn synthesize(
     for start in (0..drive.len()).step_by(BLOCK) {
         let end = drive.len().min(start + BLOCK);
         let mut blocks: Vec<&mut [f64]> = outputs.iter_mut().map(|x| &mut x[start..end]).collect();
-        engine.process(&drive[start..end], &controls, &mut blocks);
+        engine.process(&drive[start..end], None, &controls, &mut blocks);
         if !progress(end as f32 / drive.len() as f32) {
             return Err(Error::Cancelled);
         }

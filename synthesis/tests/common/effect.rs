@@ -6,8 +6,10 @@ use std::sync::Arc;
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
-    Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality, TextureControls,
+    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality,
+    TextureControls,
 };
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
 
 use crate::signals::{Random, signal};
@@ -19,12 +21,15 @@ pub fn dictionary(rate_hz: f64, structure: &Structure, channels: usize) -> Arc<D
     let mut random = Random::new(11);
     let recording: Vec<Vec<f64>> = (0..channels).map(|_| signal(&mut random, 1, 30_000)).collect();
     let shape = Shape::at_rate(structure, rate_hz);
-    Arc::new(Dictionary::new(&recording, rate_hz, &shape, &|_| true).unwrap())
+    Arc::new(Dictionary::for_dynamics(structure.dynamics, &recording, rate_hz, &shape, &|_| true).unwrap())
 }
 
+/// Both ways of following a drive's loudness.
+pub const MODES: [Dynamics; 2] = [Dynamics::Paper, Dynamics::Companded];
+
 /// A chain with a recording and a learned distribution.
-pub fn chain(rate_hz: f64, channels: Channels) -> Chain {
-    let structure = Structure::default();
+pub fn chain(rate_hz: f64, channels: Channels, dynamics: Dynamics) -> Chain {
+    let structure = Structure { dynamics, ..Structure::default() };
     let mut chain = Chain::new(rate_hz, channels, &structure).unwrap();
     chain.swap_dictionary(Some(dictionary(rate_hz, &structure, channels.output)));
     let learned = Distribution::from_magnitudes((0..500).map(|i| f64::from(i) * 1e-3).collect());
@@ -61,6 +66,12 @@ pub fn any_controls(random: &mut Random) -> Controls {
             dynamic_range,
             gate: if random.below(2) == 0 { 0.0 } else { 1e-3 },
             quality,
+            companding: CompandingControls {
+                dynamics: random.unit(),
+                drive_match: 0.2 + 3.0 * random.unit(),
+                low_end_hz: if random.below(3) == 0 { 0.0 } else { 400.0 * random.unit() },
+                spectrum_match: random.unit(),
+            },
         },
         mix: MixControls {
             low: level(random),

@@ -16,6 +16,7 @@ use pyrophone_settings::session::{Learned, RecordingReference};
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::learn;
+use pyrophone_synthesis::structure::Dynamics;
 
 pub use play::{Request, play};
 
@@ -206,7 +207,12 @@ pub fn learned(values: &Values, main: &Recording, sidechain: &[Vec<f32>]) -> Res
     let structure = values.structure();
     let distribution = learn(sample_rate_hz, &structure, &values.controls(), &main.channels, sidechain)
         .with_context(|| main.name.clone())?;
-    Ok(Learned { sample_rate_hz, levels: structure.levels, quantiles: distribution.quantiles().to_vec() })
+    Ok(Learned {
+        sample_rate_hz,
+        levels: structure.levels,
+        companded: structure.dynamics == Dynamics::Companded,
+        quantiles: distribution.quantiles().to_vec(),
+    })
 }
 
 fn needs_learning(values: &Values, automation: &Automation, rate_hz: f64) -> bool {

@@ -1,9 +1,9 @@
 //! `cargo xtask demo`: fire from every engine, on a page to hear and see it.
 
 mod analysis;
-mod comparisons;
+pub mod comparisons;
 mod page;
-mod plots;
+pub mod plots;
 mod signals;
 mod studio;
 
@@ -43,7 +43,11 @@ const PRESETS: [(&str, &str, &str); 4] = [
         "Texture",
         "Pieces of the recording, chosen so that they move with the flame. Gated, fit for live use.",
     ),
-    ("default", "Both engines", "The preset that a new instance starts with: lows, extension and texture together."),
+    (
+        "default",
+        "Companded texture",
+        "The preset that a new instance starts with: matched without slow loudness, the flame's put back, over its own lows.",
+    ),
     (
         "texture-paper",
         "Texture, as published",

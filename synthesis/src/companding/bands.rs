@@ -1,0 +1,118 @@
+//! Levels in third octaves.
+
+use std::f64::consts::PI;
+
+use realfft::num_complex::Complex64;
+
+use crate::extend::spectrum::Transform;
+
+/// Length of an analysis window in seconds; the next power of two below is taken.
+const WINDOW_S: f64 = 0.19;
+/// Numbers of the third octaves, 10^(k/10) Hz: 100 Hz to 20 kHz.
+const NUMBERS: std::ops::RangeInclusive<i32> = 20..=43;
+/// Highest frequency used, as a part of the sample rate.
+const HIGHEST: f64 = 0.45;
+
+/// Centres in Hz of the third octaves from 100 Hz to 20 kHz, as far as the sample rate goes.
+pub fn centres_hz(sample_rate_hz: f64) -> Vec<f64> {
+    NUMBERS.map(|k| 10f64.powf(f64::from(k) / 10.0)).take_while(|hz| *hz < HIGHEST * sample_rate_hz).collect()
+}
+
+/// A signal's mean power by frequency: windows of Hann, half overlapping (Welch 1967).
+#[derive(Debug)]
+pub struct Power {
+    /// Power in every bin; the bins' sum is the signal's mean power.
+    bins: Vec<f64>,
+    bin_hz: f64,
+}
+
+impl Power {
+    /// The powers of `signal`. One shorter than a window is taken as followed by silence.
+    pub fn of(signal: &[f64], sample_rate_hz: f64) -> Self {
+        let longest = (WINDOW_S * sample_rate_hz).log2().floor() as u32;
+        let mut transform = Transform::new(1 << longest.clamp(6, 20));
+        let len = transform.len();
+        let window: Vec<f64> = (0..len).map(|i| 0.5 - 0.5 * (2.0 * PI * i as f64 / len as f64).cos()).collect();
+        let mut bins = vec![0.0; transform.bins()];
+        let mut count = 0.0;
+        for start in (0..signal.len().saturating_sub(len / 2).max(1)).step_by(len / 2) {
+            transform.time.fill(0.0);
+            for ((time, x), weight) in transform.time.iter_mut().zip(&signal[start..]).zip(&window) {
+                *time = x * weight;
+            }
+            transform.forward();
+            bins.iter_mut().zip(&transform.spectrum).for_each(|(power, bin)| *power += Complex64::norm_sqr(bin));
+            count += 1.0;
+        }
+        // A Hann window's mean square is 3/8; all bins but the outermost stand for two.
+        let scale = 2.0 / (0.375 * (len as f64).powi(2) * count);
+        bins.iter_mut().for_each(|power| *power *= scale);
+        Self { bins, bin_hz: sample_rate_hz / len as f64 }
+    }
+
+    /// The mean power between two frequencies in Hz, per bin; between bins where none lies there.
+    fn density(&self, low_hz: f64, high_hz: f64) -> f64 {
+        let (first, last) = ((low_hz / self.bin_hz).ceil() as usize, (high_hz / self.bin_hz).ceil() as usize);
+        let inside = self.bins.get(first..last.min(self.bins.len())).unwrap_or(&[]);
+        if inside.is_empty() {
+            return self.bins.get(first).copied().unwrap_or(0.0);
+        }
+        inside.iter().sum::<f64>() / inside.len() as f64
+    }
+
+    /// The root mean square of what lies below a frequency in Hz.
+    pub fn rms_below(&self, frequency_hz: f64) -> f64 {
+        let end = ((frequency_hz / self.bin_hz) as usize + 1).min(self.bins.len());
+        self.bins[..end].iter().sum::<f64>().sqrt()
+    }
+
+    /// Levels in dB of the third octaves at [`centres_hz`]; no lower than 120 dB below the highest.
+    pub fn third_octaves_db(&self, sample_rate_hz: f64) -> Vec<f64> {
+        let half = 10f64.powf(0.05);
+        let level = |centre: &f64| 10.0 * self.density(centre / half, centre * half).max(1e-30).log10();
+        let mut levels: Vec<f64> = centres_hz(sample_rate_hz).iter().map(level).collect();
+        let floor = levels.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x)) - 120.0;
+        levels.iter_mut().for_each(|x| *x = x.max(floor));
+        levels
+    }
+}
+
+/// The log spectral distance in dB: the root mean square difference of two sets of levels, their mean
+/// difference left out.
+pub fn distance_db(a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len().min(b.len()).max(1) as f64;
+    let mean = a.iter().zip(b).map(|(a, b)| a - b).sum::<f64>() / count;
+    (a.iter().zip(b).map(|(a, b)| (a - b - mean).powi(2)).sum::<f64>() / count).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::White;
+
+    #[test]
+    fn white_noise_is_flat_and_has_its_power() {
+        let mut noise = vec![0.0; 441_000];
+        White::new(1, 2).fill(0, &mut noise);
+        let power = Power::of(&noise, 44_100.0);
+        assert!((power.rms_below(22_050.0) - 1.0).abs() < 0.01);
+        assert!((power.rms_below(150.0) - (150.0f64 / 22_050.0).sqrt()).abs() < 0.02);
+        let levels = power.third_octaves_db(44_100.0);
+        assert_eq!(levels.len(), 23, "to 15.8 kHz");
+        let flat = vec![0.0; levels.len()];
+        assert!(distance_db(&levels, &flat) < 0.7, "{levels:?}");
+    }
+
+    #[test]
+    fn distance_is_that_of_the_shape() {
+        assert_eq!(distance_db(&[1.0, 2.0], &[3.0, 4.0]), 0.0);
+        assert_eq!(distance_db(&[1.0, -1.0], &[0.0, 0.0]), 1.0);
+    }
+
+    #[test]
+    fn short_and_silent_signals_have_levels() {
+        for signal in [vec![], vec![0.5], vec![0.0; 100_000]] {
+            assert!(Power::of(&signal, 44_100.0).third_octaves_db(44_100.0).iter().all(|x| x.is_finite()));
+        }
+    }
+}

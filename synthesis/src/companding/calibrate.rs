@@ -1,0 +1,116 @@
+//! The level and the equaliser of a recording, found by a trial run with a drive that is like flames.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::bands::{Power, distance_db};
+use super::equalizer::{Equalizer, LIMIT_DB, design};
+use super::level::NOMINAL;
+use super::{Companding, MATCH_FUTURE_S};
+use crate::Error;
+use crate::controls::{CompandingControls, DynamicRange, TextureControls};
+use crate::filter::{Section, section_gain};
+use crate::noise::White;
+use crate::texture::dictionary::{Dictionary, Progress};
+use crate::texture::engine::Texture;
+
+/// Length of a trial in seconds. The first finds the equaliser, the second tells whether it helps.
+const TRIAL_S: f64 = 6.0;
+const SEEDS: [u32; 2] = [17, 18];
+/// How often in a second, and by how many nepers, the trial's flame swells.
+const SWELLS_HZ: [f64; 4] = [0.7, 1.9, 3.1, 5.3];
+const SWELL_NEPERS: f64 = 0.5;
+/// Above this frequency, in Hz, a flame's pressure falls by 12 dB an octave.
+const FLAME_HZ: f64 = 200.0;
+/// Stream of white noise that no other stage uses.
+const STREAM: u32 = 0x464C_414D;
+/// Samples processed at once.
+const BLOCK: usize = 1024;
+
+/// Completes a companded `dictionary` whose recording's mean of channels is `recording`. Fails only when
+/// `progress` calls it off.
+pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progress<'_>) -> Result<Dictionary, Error> {
+    let rate_hz = dictionary.sample_rate_hz();
+    let goal = Power::of(recording, rate_hz);
+    let goal_db = goal.third_octaves_db(rate_hz);
+    let shared = Arc::new(dictionary);
+    let mut trials: Vec<Vec<f64>> =
+        SEEDS.par_iter().map(|seed| trial(&shared, *seed, progress)).collect::<Result<_, Error>>()?;
+    // The engine of each trial has given its reference back.
+    let Some(inner) = Arc::into_inner(shared) else { return Err(Error::Cancelled) };
+    dictionary = inner;
+    let is_silent = |signal: &Vec<f64>| signal.iter().all(|x| *x == 0.0);
+    let Some(profile) = dictionary.profile_mut() else { return Ok(dictionary) };
+    if trials.iter().any(is_silent) || goal.rms_below(rate_hz) == 0.0 {
+        return Ok(dictionary);
+    }
+    let found_db = Power::of(&trials[0], rate_hz).third_octaves_db(rate_hz);
+    let mean = goal_db.iter().zip(&found_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len() as f64;
+    let gains: Vec<f64> =
+        goal_db.iter().zip(&found_db).map(|(a, b)| (a - b - mean).clamp(-LIMIT_DB, LIMIT_DB)).collect();
+    let taps = design(&gains, rate_hz);
+    let plain = trials.pop().unwrap_or_default();
+    let mut equalized = plain.clone();
+    let mut equalizer = Equalizer::new(rate_hz, 1);
+    for at in 0..equalized.len() {
+        equalizer.process(&taps, 1.0, &mut [&mut equalized], at);
+    }
+    let distance = |signal: &[f64]| distance_db(&Power::of(signal, rate_hz).third_octaves_db(rate_hz), &goal_db);
+    let helps = distance(&equalized) < distance(&plain);
+    let (heard, taps) = if helps { (equalized, taps) } else { (plain, Vec::new()) };
+    let level = rms(recording) / rms(&heard);
+    profile.set_calibration(if level.is_finite() { level } else { 1.0 }, taps);
+    Ok(dictionary)
+}
+
+/// What companded texture makes of a flame-like drive, neither equalised nor with its low end.
+fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Result<Vec<f64>, Error> {
+    let rate_hz = dictionary.sample_rate_hz();
+    let drive = flame(rate_hz, seed);
+    let mut texture = Texture::new(dictionary.shape(), 1, rate_hz)?;
+    texture.swap_dictionary(Some(Arc::clone(dictionary)));
+    let wait = (MATCH_FUTURE_S * rate_hz) as usize;
+    let latency = wait + texture.latency_samples();
+    let mut companding = Companding::new(rate_hz, 1, wait, latency, BLOCK);
+    let controls = TextureControls {
+        scaling_alpha: 0.0,
+        dynamic_range: DynamicRange::Off,
+        gate: 0.0,
+        companding: CompandingControls { low_end_hz: 0.0, spectrum_match: 0.0, ..CompandingControls::default() },
+        ..TextureControls::default()
+    };
+    texture.reset(0);
+    let mut output = vec![0.0; drive.len()];
+    let (mut flat, mut loudness) = (vec![0.0; BLOCK], vec![0.0; BLOCK]);
+    for (number, (drive, output)) in drive.chunks(BLOCK).zip(output.chunks_mut(BLOCK)).enumerate() {
+        let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
+        companding.flatten(drive, &controls, dictionary.profile(), flat, loudness);
+        texture.process(flat, Some(loudness), &controls, &mut [&mut *output]);
+        companding.expand(dictionary.profile(), &mut [output]);
+        if !progress((number * BLOCK) as f32 / (TRIAL_S * rate_hz) as f32) {
+            return Err(Error::Cancelled);
+        }
+    }
+    Ok(output.split_off(latency.min(output.len())))
+}
+
+/// Noise with the spectrum of a flame's pressure, which swells as flames do, at the nominal level.
+fn flame(rate_hz: f64, seed: u32) -> Vec<f64> {
+    let mut flame = vec![0.0; (TRIAL_S * rate_hz) as usize];
+    White::new(seed, STREAM).fill(0, &mut flame);
+    let (mut section, gain) = (Section::default(), section_gain(FLAME_HZ, rate_hz));
+    for (i, sample) in flame.iter_mut().enumerate() {
+        let time_s = i as f64 / rate_hz + f64::from(seed);
+        let nepers: f64 = SWELLS_HZ.iter().map(|hz| (2.0 * PI * hz * time_s).sin()).sum();
+        *sample = section.process(gain, *sample).low * (SWELL_NEPERS * nepers).exp();
+    }
+    let scale = NOMINAL / rms(&flame);
+    flame.iter_mut().for_each(|sample| *sample *= scale);
+    flame
+}
+
+fn rms(signal: &[f64]) -> f64 {
+    (signal.iter().map(|x| x * x).sum::<f64>() / signal.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,158 @@
+//! A signal's loudness, in frames of two thirds of a millisecond.
+
+/// Length of a frame in seconds: 32 samples at 44.1 kHz.
+const FRAME_S: f64 = 32.0 / 44_100.0;
+
+/// Samples in a frame at `sample_rate_hz`.
+pub fn frame_samples(sample_rate_hz: f64) -> usize {
+    (FRAME_S * sample_rate_hz).round().max(1.0) as usize
+}
+
+/// Weights with which the powers of the frames around an instant make its loudness: two exponentials,
+/// back to back, the future's faded out where the look-ahead ends.
+#[derive(Debug, Clone)]
+pub struct Kernel {
+    /// The oldest frame's first.
+    weights: Vec<f64>,
+    /// Frames after the instant that are known when its loudness is told; negative where it is
+    /// told too late even for itself.
+    look_ahead: i64,
+}
+
+/// Time constants of the past, in seconds, after which a frame no longer counts: -39 dB.
+const PAST_SPAN: f64 = 9.0;
+
+impl Kernel {
+    /// A kernel over frames that come `frame_rate_hz` times a second. Power from the future counts
+    /// exp(-t / `future_s`), from the past exp(-t / `past_s`).
+    pub fn new(frame_rate_hz: f64, look_ahead: i64, future_s: f64, past_s: f64) -> Self {
+        let future = look_ahead.max(0);
+        let past = (PAST_SPAN * past_s * frame_rate_hz).ceil() as i64;
+        let weight = |frame: i64| {
+            let time_s = frame as f64 / frame_rate_hz;
+            if frame > 0 {
+                let end = std::f64::consts::FRAC_PI_2 * frame as f64 / (future + 1) as f64;
+                (-time_s / future_s).exp() * end.cos().powi(2)
+            } else {
+                (time_s / past_s).exp()
+            }
+        };
+        let mut weights: Vec<f64> = (-past..=future).map(weight).collect();
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|x| *x /= sum);
+        Self { weights, look_ahead }
+    }
+
+    /// Frames between an instant and the last one of its future.
+    pub fn look_ahead(&self) -> i64 {
+        self.look_ahead
+    }
+
+    /// Frames that it spans.
+    pub fn span(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The loudness at the instant that the newest of `powers` is the last to count for; `powers` are as
+    /// many as the kernel is long, oldest first.
+    pub fn loudness(&self, powers: &[f64]) -> f64 {
+        self.weights.iter().zip(powers).map(|(weight, power)| weight * power).sum::<f64>().max(0.0).sqrt()
+    }
+}
+
+/// The last values of something told once a frame, read between frames.
+#[derive(Debug, Clone)]
+pub struct Track {
+    values: Vec<f64>,
+    frame_samples: i64,
+    /// Value before the first one.
+    initial: f64,
+    /// Frames told since reset.
+    told: i64,
+}
+
+impl Track {
+    /// Room for the last `frames` values; reads `initial` before the first.
+    pub fn new(frames: usize, frame_samples: usize, initial: f64) -> Self {
+        Self { values: vec![initial; frames.max(2)], frame_samples: frame_samples as i64, initial, told: 0 }
+    }
+
+    /// Forgets everything.
+    pub fn reset(&mut self) {
+        self.values.fill(self.initial);
+        self.told = 0;
+    }
+
+    /// Takes the next frame's value.
+    pub fn push(&mut self, value: f64) {
+        let length = self.values.len() as i64;
+        self.values[(self.told % length) as usize] = value;
+        self.told += 1;
+    }
+
+    /// Between which frames' middles `sample` lies, where sample 0 is the first of frame 0: the frame
+    /// before it, and how far it lies behind its middle, 0-1.
+    pub fn place(&self, sample: i64) -> (i64, f64) {
+        let place = 2 * sample - (self.frame_samples - 1);
+        let span = 2 * self.frame_samples;
+        (place.div_euclid(span), place.rem_euclid(span) as f64 / span as f64)
+    }
+
+    /// The value told last.
+    pub fn newest(&self) -> f64 {
+        self.frame(self.told - 1)
+    }
+
+    /// The value of a frame; before the first told the initial one, after the last told that one.
+    pub fn frame(&self, frame: i64) -> f64 {
+        if frame < 0 {
+            return self.initial;
+        }
+        let length = self.values.len() as i64;
+        self.values[(frame.min(self.told - 1).max(0) % length) as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_tell_the_level_of_a_steady_signal() {
+        for (look_ahead, future_s, past_s) in [(27, 0.02, 0.02), (60, 0.06, 0.02), (0, 0.02, 0.1), (-3, 0.02, 0.02)] {
+            let kernel = Kernel::new(1378.0, look_ahead, future_s, past_s);
+            let powers = vec![0.25; kernel.span()];
+            assert!((kernel.loudness(&powers) - 0.5).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_future_fades_in() {
+        let kernel = Kernel::new(1378.0, 27, 0.02, 0.02);
+        let mut powers = vec![0.0; kernel.span()];
+        let mut before = 0.0;
+        for i in (0..kernel.span()).rev() {
+            powers[i] = 1.0;
+            let now = kernel.loudness(&powers);
+            assert!(now > before, "{i}: {now} after {before}");
+            before = now;
+        }
+        let last = kernel.span() - 1;
+        assert!(kernel.weights[last] < 0.01 * kernel.weights[last - 27]);
+    }
+
+    #[test]
+    fn tracks_tell_between_which_frames_a_sample_lies() {
+        let mut track = Track::new(8, 4, 0.0);
+        for value in 0..6 {
+            track.push(f64::from(value));
+        }
+        // Frame 3 spans samples 12-15, its middle is 13.5.
+        assert_eq!(track.place(13), (2, 0.875));
+        assert_eq!(track.place(14), (3, 0.125));
+        assert_eq!(track.place(-1), (-1, 0.375));
+        assert_eq!((track.frame(3), track.newest()), (3.0, 5.0));
+        assert_eq!(track.frame(1000), 5.0, "beyond the last one, the last one");
+        assert_eq!(track.frame(-1000), 0.0);
+    }
+}

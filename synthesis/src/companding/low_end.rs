@@ -1,0 +1,162 @@
+//! The drive's own low end instead of texture's.
+
+use crate::error::within;
+use crate::filter::{Section, section_gain};
+
+/// Time in seconds in which a change of the crossover takes place.
+const GLIDE_S: f64 = 0.03;
+/// The lowest and the highest crossover in Hz.
+pub const LOWEST_HZ: f64 = 20.0;
+/// See [`LOWEST_HZ`].
+pub const HIGHEST_HZ: f64 = 400.0;
+
+/// A crossover of Linkwitz and Riley, order 4: its two bands are in phase with one another, so that
+/// they add up without a dip. Glides to a new corner; switched off it passes texture as it is.
+#[derive(Debug)]
+pub struct LowEnd {
+    sample_rate_hz: f64,
+    glide_samples: f64,
+    drive: [Section; 2],
+    texture: Vec<[Section; 2]>,
+    gain: f64,
+    /// Share of the crossover in the result, 0-1.
+    wet: f64,
+    asked_hz: Option<f64>,
+    target_gain: f64,
+    target_wet: f64,
+}
+
+impl LowEnd {
+    /// A crossover for `channels` of texture.
+    pub fn new(sample_rate_hz: f64, channels: usize) -> Self {
+        Self {
+            sample_rate_hz,
+            glide_samples: GLIDE_S * sample_rate_hz,
+            drive: Default::default(),
+            texture: vec![Default::default(); channels],
+            gain: 0.0,
+            wet: 0.0,
+            asked_hz: None,
+            target_gain: 0.0,
+            target_wet: 0.0,
+        }
+    }
+
+    /// Back to the state of a fresh instance.
+    pub fn reset(&mut self) {
+        self.asked_hz = None;
+        self.drive = Default::default();
+        self.texture.fill(Default::default());
+    }
+
+    /// Sets out for a crossover in Hz; 0 switches off.
+    pub fn aim(&mut self, crossover_hz: f64) {
+        if self.asked_hz == Some(crossover_hz) {
+            return;
+        }
+        let fresh = self.asked_hz.is_none();
+        self.asked_hz = Some(crossover_hz);
+        self.target_wet = if crossover_hz > 0.0 { 1.0 } else { 0.0 };
+        if crossover_hz > 0.0 {
+            self.target_gain = section_gain(within(crossover_hz, LOWEST_HZ, HIGHEST_HZ), self.sample_rate_hz);
+        }
+        if fresh || self.wet == 0.0 {
+            self.gain = self.target_gain;
+        }
+        if fresh {
+            self.wet = self.target_wet;
+        }
+    }
+
+    /// Puts `drive` below the crossover into one sample of every channel.
+    #[inline]
+    pub fn process(&mut self, drive: f64, channels: &mut [&mut [f64]], at: usize) {
+        if self.wet == 0.0 && self.target_wet == 0.0 {
+            return;
+        }
+        let step = 1.0 / self.glide_samples;
+        self.wet = approach(self.wet, self.target_wet, step);
+        self.gain = approach(self.gain, self.target_gain, step * section_gain(HIGHEST_HZ, self.sample_rate_hz));
+        let [first, second] = &mut self.drive;
+        let low = second.process(self.gain, first.process(self.gain, drive).low).low;
+        for (channel, [first, second]) in channels.iter_mut().zip(&mut self.texture) {
+            let texture = channel[at];
+            let high = second.process(self.gain, first.process(self.gain, texture).high).high;
+            channel[at] = texture + self.wet * (low + high - texture);
+        }
+    }
+}
+
+/// `value` moved towards `target` by at most `step`.
+fn approach(value: f64, target: f64, step: f64) -> f64 {
+    value + (target - value).clamp(-step, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    const RATE_HZ: f64 = 48_000.0;
+
+    fn sine(frequency_hz: f64) -> Vec<f64> {
+        (0..48_000).map(|i| (2.0 * PI * frequency_hz * i as f64 / RATE_HZ).sin()).collect()
+    }
+
+    fn rms(signal: &[f64]) -> f64 {
+        (signal.iter().map(|x| x * x).sum::<f64>() / signal.len() as f64).sqrt()
+    }
+
+    fn run(drive: &[f64], texture: &[f64], crossover_hz: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut low_end = LowEnd::new(RATE_HZ, 1);
+        let mut out = texture.to_vec();
+        for (i, drive) in drive.iter().enumerate() {
+            low_end.aim(crossover_hz(i));
+            low_end.process(*drive, &mut [&mut out], i);
+        }
+        out
+    }
+
+    #[test]
+    fn the_same_signal_on_both_sides_keeps_its_level() {
+        for frequency_hz in [40.0, 100.0, 150.0, 250.0, 1000.0] {
+            let signal = sine(frequency_hz);
+            let out = run(&signal, &signal, |_| 150.0);
+            let change_db = 20.0 * (rms(&out[24_000..]) / rms(&signal[24_000..])).log10();
+            assert!(change_db.abs() < 0.02, "{frequency_hz} Hz: {change_db} dB");
+        }
+    }
+
+    #[test]
+    fn below_is_the_drive_and_above_is_texture() {
+        let silence = vec![0.0; 48_000];
+        for (frequency_hz, drive_is_heard) in [(50.0, true), (600.0, false)] {
+            let signal = sine(frequency_hz);
+            let heard = [run(&signal, &silence, |_| 150.0), run(&silence, &signal, |_| 150.0)];
+            let levels_db = heard.map(|x| 20.0 * (rms(&x[24_000..]) / rms(&signal[24_000..])).log10());
+            let (heard_db, other_db) =
+                if drive_is_heard { (levels_db[0], levels_db[1]) } else { (levels_db[1], levels_db[0]) };
+            assert!(heard_db > -0.3 && other_db < -35.0, "{frequency_hz} Hz: {levels_db:?}");
+        }
+    }
+
+    #[test]
+    fn off_is_texture_bit_for_bit() {
+        let (drive, texture) = (sine(60.0), sine(333.0));
+        assert_eq!(run(&drive, &texture, |_| 0.0), texture);
+        let switched = run(&drive, &texture, |i| if i < 20_000 { 150.0 } else { 0.0 });
+        assert_eq!(switched[24_000..], texture[24_000..]);
+    }
+
+    #[test]
+    fn changes_do_not_click() {
+        let (drive, texture) = (sine(60.0), vec![0.0; 48_000]);
+        let steepest = 2.0 * PI * 60.0 / RATE_HZ;
+        for (from, to) in [(150.0, 0.0), (0.0, 150.0), (20.0, 400.0), (400.0, 20.0)] {
+            let out = run(&drive, &texture, |i| if i < 24_000 { from } else { to });
+            let largest = out[2000..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+            assert!(largest < 2.0 * steepest, "{from} to {to} Hz: {largest}");
+        }
+    }
+}

@@ -1,0 +1,454 @@
+//! Companded matching: texture in a world without slow loudness.
+//!
+//! A drive's loudness varies far more than a recording's. So the slow loudness is taken out of both,
+//! windows are matched in that flat world, and the drive's loudness is put back:
+//!
+//! ```text
+//! drive ──┬─ loudness ──────────────┬────────────────────┐
+//!         └─ wait ── / loudness^0.6 ─ texture ─ * loudness^g ─ equaliser ─ low end ── out
+//!                                   │                             └── drive, delayed
+//!                recording / loudness^0.6                                              (at load)
+//! ```
+//!
+//! Loudness looks ahead within the latency that the effect has anyway. The paper (Chadwick & James 2011, §5.3)
+//! maps amplitudes window by window instead; see [`crate::structure::Dynamics`].
+//!
+//! | module | does |
+//! |---|---|
+//! | [`frames`] | loudness in frames, with look-ahead |
+//! | [`level`] | the drive's loudness on the whole |
+//! | [`profile`] | the recording's side |
+//! | [`calibrate`] | its level and equaliser, found by a trial run |
+//! | [`bands`] | spectra in third octaves |
+//! | [`equalizer`] | towards the recording's spectrum |
+//! | [`low_end`] | the drive's own low end |
+
+pub mod bands;
+pub mod calibrate;
+pub mod equalizer;
+pub mod frames;
+pub mod level;
+pub mod low_end;
+pub mod profile;
+
+use crate::chain::delay::Delay;
+use crate::controls::{CompandingControls, DynamicRange, TextureControls};
+use crate::error::within;
+use crate::filter::{Section, section_gain};
+use crate::noise::White;
+use crate::smoothed::Smoothed;
+use crate::texture::Distribution;
+use crate::timeline::Timeline;
+use equalizer::Equalizer;
+use frames::{Kernel, Track, frame_samples};
+use level::{NOMINAL, RunningLevel};
+use low_end::LowEnd;
+pub use profile::Profile;
+
+/// How much of both loudnesses is taken out before matching.
+pub const MATCH_EXPONENT: f64 = 0.6;
+/// How much louder than the recording's mean the drive is matched: quiet windows are many, loud
+/// ones are what fire is made of.
+const MATCH_FACTOR: f64 = 3.0;
+/// What texture's top level hears of the drive, about: its loudness is that of what lies below, in Hz.
+const MATCHED_HZ: f64 = 600.0;
+/// Time constants of the loudness's power, in seconds: 8 Hz.
+const PAST_S: f64 = 0.02;
+/// What matching knows of the future.
+const MATCH_FUTURE_S: f64 = 0.02;
+/// What the output knows of the future; slower, since flames swell, and to begin at full is not like them.
+const OUTPUT_FUTURE_S: f64 = 0.06;
+/// Loudness relative to the drive's level below which matching no longer follows it: -40 dB.
+const FLOOR: f64 = 0.01;
+/// Level, relative to what is matched, of a noise under it: where a drive pauses while its loudness still
+/// falls, so that what is matched there is fire and not one quiet window over and over.
+const UNDERTONE: f64 = 0.3;
+/// Its stream of white noise, which no other stage uses.
+const UNDERTONE_SEED: u32 = 0x4649_5245;
+const UNDERTONE_STREAM: u32 = 0x434F_4D50;
+/// Loudness that counts as silence however quiet the drive, and part of its level that does.
+const SILENCE: f64 = 1e-6;
+const SILENT_PART: f64 = 1e-3;
+/// Time constant in seconds of all levels.
+const SMOOTHING_S: f64 = 0.02;
+
+/// Something told by frames, read between their middles.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ramp {
+    frame: Option<i64>,
+    from: f64,
+    to: f64,
+}
+
+impl Ramp {
+    /// The value at `place`; `tell` is asked once for every frame.
+    #[inline]
+    fn at(&mut self, place: (i64, f64), mut tell: impl FnMut(i64) -> f64) -> f64 {
+        let (frame, part) = place;
+        if self.frame != Some(frame) {
+            let goes_on = self.frame.is_some_and(|before| before + 1 == frame);
+            self.from = if goes_on { self.to } else { tell(frame) };
+            self.to = tell(frame + 1);
+            self.frame = Some(frame);
+        }
+        self.from + part * (self.to - self.from)
+    }
+}
+
+/// What surrounds texture synthesis in the companded mode.
+#[derive(Debug)]
+pub struct Companding {
+    frame_samples: usize,
+    low: Section,
+    low_gain: f64,
+    power: f64,
+    /// Samples in the frame under way.
+    filled: usize,
+    /// The last frames' powers, each kept twice so that they always lie in a row, oldest first.
+    powers: Vec<f64>,
+    newest: usize,
+    kernels: [Kernel; 2],
+    loudness: [Track; 2],
+    running: RunningLevel,
+    learned: Option<f64>,
+    /// The drive's level as used, in nepers.
+    level: Smoothed,
+    is_level_fresh: bool,
+    /// The same, told with the loudnesses.
+    levels: Track,
+    dynamics: Smoothed,
+    drive_match: Smoothed,
+    spectrum_match: f64,
+    flat_gain: Ramp,
+    /// How loud it is, or is about to be within the wait.
+    heard: f64,
+    output_gain: Ramp,
+    low_gain_ramp: Ramp,
+    wait: Delay<f64>,
+    drive: Delay<f64>,
+    drive_block: Vec<f64>,
+    timeline: Timeline<TextureControls>,
+    equalizer: Equalizer,
+    low_end: LowEnd,
+    noise: White,
+    /// Where, on the host's timeline, it was reset, and how far into a frame of that timeline: frames stand
+    /// on multiples of their length, so that two starts in one silence agree.
+    position: i64,
+    origin: i64,
+    wait_samples: i64,
+    latency_samples: i64,
+    /// Samples taken since reset.
+    now: i64,
+    /// Loudnesses told in the last call of [`flatten`](Self::flatten).
+    told: Vec<f64>,
+}
+
+/// Most loudnesses that one call leaves in `told`.
+const TOLD_CAPACITY: usize = 8192;
+
+impl Companding {
+    /// For texture that comes `latency_samples` after the drive, of which `wait_samples` are spent
+    /// before texture. Blocks have up to `block` samples.
+    pub fn new(
+        sample_rate_hz: f64,
+        channels: usize,
+        wait_samples: usize,
+        latency_samples: usize,
+        block: usize,
+    ) -> Self {
+        let frame_samples = frame_samples(sample_rate_hz);
+        let frame_rate_hz = sample_rate_hz / frame_samples as f64;
+        // A loudness must have been told before the first sample that lies beyond its frame's middle.
+        let look_ahead = |samples: usize| (samples / frame_samples) as i64 - 2;
+        let kernels = [
+            Kernel::new(frame_rate_hz, look_ahead(wait_samples), MATCH_FUTURE_S, PAST_S),
+            Kernel::new(frame_rate_hz, look_ahead(latency_samples), OUTPUT_FUTURE_S, PAST_S),
+        ];
+        let longest = kernels.iter().map(Kernel::span).max().unwrap_or(1);
+        let track = || Track::new(latency_samples / frame_samples + 8, frame_samples, 0.0);
+        let by_frame = Smoothed::new(SMOOTHING_S, frame_rate_hz);
+        Self {
+            frame_samples,
+            low: Section::default(),
+            low_gain: section_gain(MATCHED_HZ, sample_rate_hz),
+            power: 0.0,
+            filled: 0,
+            powers: vec![0.0; 2 * longest],
+            newest: 0,
+            loudness: [track(), track()],
+            kernels,
+            running: RunningLevel::new(frame_rate_hz),
+            learned: None,
+            level: by_frame,
+            is_level_fresh: true,
+            levels: Track::new(latency_samples / frame_samples + 8, frame_samples, NOMINAL),
+            dynamics: by_frame,
+            drive_match: by_frame,
+            spectrum_match: 0.0,
+            flat_gain: Ramp::default(),
+            heard: 0.0,
+            output_gain: Ramp::default(),
+            low_gain_ramp: Ramp::default(),
+            wait: Delay::new(wait_samples),
+            drive: Delay::new(latency_samples),
+            drive_block: vec![0.0; block],
+            timeline: Timeline::new(latency_samples + 1, TextureControls::default()),
+            equalizer: Equalizer::new(sample_rate_hz, channels),
+            low_end: LowEnd::new(sample_rate_hz, channels),
+            noise: White::new(UNDERTONE_SEED, UNDERTONE_STREAM),
+            position: 0,
+            origin: 0,
+            wait_samples: wait_samples as i64,
+            latency_samples: latency_samples as i64,
+            now: 0,
+            told: Vec::with_capacity(TOLD_CAPACITY),
+        }
+    }
+
+    /// Back to silence at `position` of the host's timeline; what was learned stays.
+    pub fn reset(&mut self, position: i64) {
+        self.position = position;
+        self.origin = position.rem_euclid(self.frame_samples as i64);
+        self.low.reset();
+        self.power = 0.0;
+        self.filled = self.origin as usize;
+        self.powers.fill(0.0);
+        self.newest = 0;
+        self.loudness.iter_mut().for_each(Track::reset);
+        self.running.reset();
+        self.is_level_fresh = true;
+        self.levels.reset();
+        for ramp in [&mut self.flat_gain, &mut self.output_gain, &mut self.low_gain_ramp] {
+            *ramp = Ramp::default();
+        }
+        self.wait.reset();
+        self.drive.reset();
+        self.timeline.reset(TextureControls::default());
+        self.equalizer.reset();
+        self.low_end.reset();
+        self.now = 0;
+        self.heard = 0.0;
+        self.told.clear();
+    }
+
+    /// Samples for which it goes on after texture has fallen silent.
+    pub fn tail_samples(&self) -> usize {
+        self.kernels[1].span() * self.frame_samples + self.equalizer.tail_samples()
+    }
+
+    /// Takes the distribution of the drive's loudness, learned beforehand.
+    pub fn set_learned(&mut self, learned: Option<&Distribution>) {
+        self.learned = learned.and_then(Distribution::loudness);
+    }
+
+    /// Loudnesses told in the last call of [`flatten`](Self::flatten), for learning them.
+    pub fn told(&self) -> &[f64] {
+        &self.told
+    }
+
+    /// Takes a block of the drive. Writes what texture is to match, and how loud the drive is, both
+    /// delayed by the wait. `controls` hold for the whole block.
+    pub fn flatten(
+        &mut self,
+        drive: &[f64],
+        controls: &TextureControls,
+        profile: Option<&Profile>,
+        flat: &mut [f64],
+        loudness: &mut [f64],
+    ) {
+        if self.timeline.end() == 0 {
+            self.timeline.reset(*controls);
+            self.start(&controls.companding);
+        }
+        self.timeline.push(*controls, drive.len());
+        self.told.clear();
+        self.drive_block[..drive.len()].copy_from_slice(drive);
+        flat.copy_from_slice(drive);
+        self.wait.process(flat);
+        let undertone = UNDERTONE * MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms);
+        for (i, sample) in drive.iter().enumerate() {
+            self.measure(*sample, controls);
+            let place = self.place(self.now - self.wait_samples, 0);
+            let gain = self.flat_gain_at(place, profile);
+            flat[i] = flat[i] * gain + undertone * self.noise.at(self.position.wrapping_add(self.now));
+            loudness[i] = self.heard;
+            self.now += 1;
+        }
+    }
+
+    /// The controls that texture is to use from sample `start` of the last block on, and the sample
+    /// before which they hold.
+    pub fn controls_from(&self, start: usize, samples: usize) -> (TextureControls, usize) {
+        let (controls, end) = self.run(start, samples, self.wait_samples);
+        // Loudness is matched already; what is left is mapped as it runs.
+        let dynamic_range = match controls.dynamic_range {
+            DynamicRange::Off => DynamicRange::Off,
+            DynamicRange::Learned | DynamicRange::Running => DynamicRange::Running,
+        };
+        (TextureControls { dynamic_range, ..controls }, end)
+    }
+
+    /// Puts the drive's loudness back into what texture has made of the last block.
+    pub fn expand(&mut self, profile: Option<&Profile>, channels: &mut [&mut [f64]]) {
+        let samples = channels.first().map_or(0, |channel| channel.len());
+        let mut drive = std::mem::take(&mut self.drive_block);
+        self.drive.process(&mut drive[..samples]);
+        let mut start = 0;
+        while start < samples {
+            let (controls, end) = self.run(start, samples, self.latency_samples);
+            let companding = controls.companding;
+            self.low_end.aim(companding.low_end_hz);
+            self.spectrum_match = within(companding.spectrum_match, 0.0, 1.0);
+            for (i, drive) in drive.iter().enumerate().take(end).skip(start) {
+                let sample = self.now - (samples - i) as i64 - self.latency_samples;
+                self.expand_sample(sample, &controls, profile, *drive, channels, i);
+            }
+            start = end;
+        }
+        self.drive_block = drive;
+    }
+
+    #[inline]
+    fn expand_sample(
+        &mut self,
+        sample: i64,
+        controls: &TextureControls,
+        profile: Option<&Profile>,
+        drive: f64,
+        channels: &mut [&mut [f64]],
+        at: usize,
+    ) {
+        let place = self.place(sample, 1);
+        let (gain, low_gain) = self.output_gains_at(place, controls, profile);
+        channels.iter_mut().for_each(|channel| channel[at] *= gain);
+        let taps = profile.map_or(&[] as &[f64], |profile| &profile.taps);
+        self.equalizer.process(taps, self.spectrum_match, channels, at);
+        self.low_end.process(drive * low_gain, channels, at);
+    }
+
+    /// The first block's controls are taken at once.
+    fn start(&mut self, controls: &CompandingControls) {
+        self.dynamics.value = within(controls.dynamics, 0.0, 1.0);
+        self.drive_match.value = controls.drive_match;
+    }
+
+    /// Controls in force `delay` samples before sample `start` of the last block of `samples`, and
+    /// the sample of the block before which they hold.
+    fn run(&self, start: usize, samples: usize, delay: i64) -> (TextureControls, usize) {
+        let first = self.now - samples as i64 - delay;
+        let (controls, end) = self.timeline.run_at((first + start as i64).max(0) as u64);
+        let end = i64::try_from(end).unwrap_or(i64::MAX).saturating_sub(first);
+        (controls, end.clamp(start as i64 + 1, samples as i64) as usize)
+    }
+
+    /// Which frames' loudness holds at `sample` since reset: that told while the frame's future had arrived.
+    fn place(&self, sample: i64, kernel: usize) -> (i64, f64) {
+        let (frame, part) = self.loudness[kernel].place(sample + self.origin);
+        (frame + self.kernels[kernel].look_ahead(), part)
+    }
+
+    /// Takes one sample of the drive into account.
+    fn measure(&mut self, sample: f64, controls: &TextureControls) {
+        let low = self.low.process(self.low_gain, sample).low;
+        self.power += low * low;
+        self.filled += 1;
+        if self.filled < self.frame_samples {
+            return;
+        }
+        let length = self.powers.len() / 2;
+        self.powers[self.newest] = self.power / self.frame_samples as f64;
+        self.powers[self.newest + length] = self.powers[self.newest];
+        self.newest = (self.newest + 1) % length;
+        self.power = 0.0;
+        self.filled = 0;
+        let last = self.newest + length;
+        let coming = (self.wait_samples as usize).div_ceil(self.frame_samples).clamp(1, length);
+        let peak = self.powers[last - coming..last].iter().fold(0.0f64, |most, power| most.max(*power)).sqrt();
+        for (kernel, track) in self.kernels.iter().zip(&mut self.loudness) {
+            track.push(kernel.loudness(&self.powers[last - kernel.span()..last]));
+        }
+        let told = self.loudness[0].newest();
+        self.heard = told.max(peak);
+        if self.told.len() < TOLD_CAPACITY {
+            self.told.push(told);
+        }
+        let least = if self.running.is_fresh() { SILENCE } else { SILENCE.max(SILENT_PART * self.running.level()) };
+        // A layer that is off has an infinite threshold; its level is followed all the same.
+        let gate = if controls.gate.is_finite() { controls.gate } else { 0.0 };
+        if told > least.max(gate) {
+            self.running.push(told);
+        }
+        self.follow_level(controls);
+    }
+
+    fn follow_level(&mut self, controls: &TextureControls) {
+        let level = match (controls.dynamic_range, self.learned) {
+            (DynamicRange::Off, _) => NOMINAL,
+            (DynamicRange::Learned, Some(learned)) => learned,
+            (DynamicRange::Learned | DynamicRange::Running, _) => self.running.level(),
+        };
+        if std::mem::take(&mut self.is_level_fresh) {
+            self.level.value = level.ln();
+        }
+        self.levels.push(self.level.next(level.ln()).exp());
+    }
+
+    fn flat_gain_at(&mut self, place: (i64, f64), profile: Option<&Profile>) -> f64 {
+        let Self { flat_gain, loudness, levels, drive_match, timeline, frame_samples, kernels, origin, .. } = self;
+        flat_gain.at(place, |frame| {
+            let sample = (frame - kernels[0].look_ahead()) * *frame_samples as i64 - *origin;
+            let controls = timeline.at(sample.max(0) as u64);
+            let (loudness, level) = (loudness[0].frame(frame), levels.frame(frame));
+            let matched = drive_match.next(within(controls.companding.drive_match, 0.01, 100.0));
+            let target = MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms) / level;
+            matched * target * (loudness / level).max(FLOOR).powf(-MATCH_EXPONENT) * audible(loudness, controls.gate)
+        })
+    }
+
+    /// Factors on texture and on the drive's low end.
+    fn output_gains_at(
+        &mut self,
+        place: (i64, f64),
+        controls: &TextureControls,
+        profile: Option<&Profile>,
+    ) -> (f64, f64) {
+        let Self { output_gain, low_gain_ramp, loudness, levels, dynamics, .. } = self;
+        let (own_level, below) = match profile {
+            Some(profile) => {
+                let crossover_hz = within(controls.companding.low_end_hz, low_end::LOWEST_HZ, low_end::HIGHEST_HZ);
+                (profile.level, profile.rms_below(crossover_hz))
+            }
+            None => (0.0, 0.0),
+        };
+        let gain = output_gain.at(place, |frame| {
+            let (loudness, level) = (loudness[1].frame(frame), levels.frame(frame));
+            let exponent = dynamics.next(within(controls.companding.dynamics, 0.0, 1.0));
+            own_level * (loudness / level).powf(exponent) * audible(loudness, controls.gate)
+        });
+        (gain, low_gain_ramp.at(place, |frame| below / levels.frame(frame)))
+    }
+}
+
+/// The loudnesses of a whole drive, for learning them.
+pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Vec<f64> {
+    let mut companding = Companding::new(sample_rate_hz, 0, 0, 0, LEARN_BLOCK);
+    let mut all = Vec::new();
+    let (mut flat, mut loudness) = (vec![0.0; LEARN_BLOCK], vec![0.0; LEARN_BLOCK]);
+    for drive in drive.chunks(LEARN_BLOCK) {
+        let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
+        companding.flatten(drive, &TextureControls::default(), None, flat, loudness);
+        all.extend_from_slice(companding.told());
+    }
+    all
+}
+
+/// Samples learned at once.
+const LEARN_BLOCK: usize = 4096;
+
+/// Fades a loudness out towards the gate's threshold: 1 far above, 0 below.
+fn audible(loudness: f64, threshold: f64) -> f64 {
+    if loudness <= threshold || loudness <= 0.0 {
+        return 0.0;
+    }
+    (1.0 - (threshold / loudness).powi(2)).max(0.0).sqrt()
+}

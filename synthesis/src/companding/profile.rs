@@ -1,0 +1,188 @@
+//! The recording's side: its loudness taken out, once, when it is loaded.
+
+use super::bands::Power;
+use super::frames::frame_samples;
+use super::{MATCH_EXPONENT, MATCHED_HZ};
+use crate::filter::{Section, section_gain};
+
+/// Corner in Hz of the loudness that is taken out.
+const LOUDNESS_HZ: f64 = 8.0;
+/// Part of the loudest below which loudness is not followed: -50 dB.
+const FLOOR: f64 = 3.162e-3;
+/// Crossovers in Hz for which the level of what lies below is known.
+const LOW_STEP_HZ: f64 = 20.0;
+const LOW_STEPS: usize = 20;
+
+/// What is known of a recording besides its flat form.
+#[derive(Debug, Clone)]
+pub struct Profile {
+    /// Its loudness by frames, relative to the whole's.
+    relative: Vec<f64>,
+    frame_samples: usize,
+    /// Index, in the dictionary's arrays, of its first sample.
+    first: usize,
+    /// Root mean square of the flat form below [`MATCHED_HZ`].
+    pub(super) matched_rms: f64,
+    /// Root mean square of what lies below multiples of [`LOW_STEP_HZ`].
+    below: Vec<f64>,
+    /// Factor that brings what is made of it to its own level.
+    pub(super) level: f64,
+    /// Taps of the equaliser towards its spectrum; empty where that would not bring it nearer.
+    pub(super) taps: Vec<f64>,
+}
+
+impl Profile {
+    /// Takes the loudness out of `channels`, equally long, and says what it was.
+    pub fn flatten(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> Self {
+        let frame_samples = frame_samples(sample_rate_hz);
+        let mean = mean_of(channels);
+        let mut relative = loudness(channels, frame_samples, sample_rate_hz / frame_samples as f64);
+        let whole = (relative.iter().map(|x| x * x).sum::<f64>() / relative.len().max(1) as f64).sqrt();
+        let floor = FLOOR * relative.iter().fold(0.0f64, |most, x| most.max(*x));
+        let is_audible = whole > 0.0;
+        relative.iter_mut().for_each(|x| *x = if is_audible { x.max(floor) / whole } else { 1.0 });
+        let power = Power::of(&mean, sample_rate_hz);
+        let mut profile = Self {
+            relative,
+            frame_samples,
+            first: 0,
+            matched_rms: 0.0,
+            below: (0..=LOW_STEPS).map(|step| power.rms_below(LOW_STEP_HZ * step as f64)).collect(),
+            level: 1.0,
+            taps: Vec::new(),
+        };
+        for channel in channels.iter_mut() {
+            for (i, sample) in channel.iter_mut().enumerate() {
+                *sample *= profile.relative_at(i as f64).powf(-MATCH_EXPONENT);
+            }
+        }
+        profile.matched_rms = rms_below(&mean_of(channels), MATCHED_HZ, sample_rate_hz);
+        profile
+    }
+
+    /// Tells where the recording begins in the dictionary's arrays.
+    pub(crate) fn set_first(&mut self, first: usize) {
+        self.first = first;
+    }
+
+    /// Takes what a [calibration](super::calibrate) has found.
+    pub(super) fn set_calibration(&mut self, level: f64, taps: Vec<f64>) {
+        self.level = level;
+        self.taps = taps;
+    }
+
+    /// The factor that gives the sound around `sample` of the dictionary's arrays as much of its own
+    /// loudness back as exponent `dynamics` (0-1) leaves it.
+    pub(crate) fn own_dynamics(&self, sample: i64, dynamics: f64) -> f64 {
+        let exponent = MATCH_EXPONENT - dynamics;
+        if exponent == 0.0 { 1.0 } else { self.relative_at((sample - self.first as i64) as f64).powf(exponent) }
+    }
+
+    /// Root mean square of what lies below a frequency in Hz.
+    pub(super) fn rms_below(&self, frequency_hz: f64) -> f64 {
+        let place = (frequency_hz / LOW_STEP_HZ).clamp(0.0, LOW_STEPS as f64);
+        let step = (place as usize).min(LOW_STEPS - 1);
+        self.below[step] + (place - step as f64) * (self.below[step + 1] - self.below[step])
+    }
+
+    /// Bytes held, about.
+    pub(crate) fn bytes(&self) -> usize {
+        (self.relative.len() + self.below.len() + self.taps.len()) * size_of::<f64>()
+    }
+
+    fn relative_at(&self, sample: f64) -> f64 {
+        let Some(last) = self.relative.len().checked_sub(1) else { return 1.0 };
+        let place = ((sample + 0.5) / self.frame_samples as f64 - 0.5).clamp(0.0, last as f64);
+        let frame = (place as usize).min(last);
+        let next = self.relative[(frame + 1).min(last)];
+        self.relative[frame] + (place - frame as f64) * (next - self.relative[frame])
+    }
+}
+
+/// Loudness by frames: the root of the channels' mean power below [`LOUDNESS_HZ`], zero phase.
+fn loudness(channels: &[Vec<f64>], frame_samples: usize, frame_rate_hz: f64) -> Vec<f64> {
+    let samples = channels.first().map_or(0, Vec::len);
+    let power = |start: usize| {
+        let end = samples.min(start + frame_samples);
+        let sum: f64 = channels.iter().flat_map(|channel| &channel[start..end]).map(|x| x * x).sum();
+        sum / ((end - start) * channels.len()) as f64
+    };
+    let mut powers: Vec<f64> = (0..samples).step_by(frame_samples).map(power).collect();
+    // Beyond the ends there is nothing, which is not the same as silence: the weights' sum says so.
+    let mut weights = vec![1.0; powers.len()];
+    let keep = (-2.0 * std::f64::consts::PI * LOUDNESS_HZ / frame_rate_hz).exp();
+    for series in [&mut powers, &mut weights] {
+        smooth(series.iter_mut(), keep);
+        smooth(series.iter_mut().rev(), keep);
+    }
+    powers.iter().zip(&weights).map(|(power, weight)| (power / weight).max(0.0).sqrt()).collect()
+}
+
+fn smooth<'a>(values: impl Iterator<Item = &'a mut f64>, keep: f64) {
+    let mut state = 0.0;
+    for value in values {
+        state = keep * state + (1.0 - keep) * *value;
+        *value = state;
+    }
+}
+
+pub(super) fn mean_of(channels: &[Vec<f64>]) -> Vec<f64> {
+    let samples = channels.first().map_or(0, Vec::len);
+    let share = 1.0 / channels.len().max(1) as f64;
+    (0..samples).map(|i| channels.iter().map(|x| x[i]).sum::<f64>() * share).collect()
+}
+
+fn rms_below(signal: &[f64], corner_hz: f64, sample_rate_hz: f64) -> f64 {
+    let (mut section, gain) = (Section::default(), section_gain(corner_hz, sample_rate_hz));
+    let sum: f64 = signal.iter().map(|x| section.process(gain, *x).low.powi(2)).sum();
+    (sum / signal.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::White;
+
+    fn swelling(samples: usize) -> Vec<f64> {
+        let mut noise = vec![0.0; samples];
+        White::new(3, 4).fill(0, &mut noise);
+        let swell = |i: usize| 0.1 * 10f64.powf((i as f64 / 44_100.0 * 2.0 * std::f64::consts::PI * 0.5).sin());
+        noise.iter().enumerate().map(|(i, x)| x * swell(i)).collect()
+    }
+
+    #[test]
+    fn what_is_taken_out_can_be_put_back() {
+        let recording = swelling(200_000);
+        let mut flat = [recording.clone()];
+        let profile = Profile::flatten(&mut flat, 44_100.0);
+        for (i, (flat, sample)) in flat[0].iter().zip(&recording).enumerate().step_by(97) {
+            let back = flat * profile.own_dynamics(i as i64, 0.0);
+            assert!((back - sample).abs() < 1e-12, "{i}: {back} instead of {sample}");
+            assert_eq!(profile.own_dynamics(i as i64, MATCH_EXPONENT), 1.0);
+        }
+    }
+
+    #[test]
+    fn flat_is_flatter_by_the_exponent() {
+        let recording = swelling(400_000);
+        let mut flat = [recording.clone()];
+        Profile::flatten(&mut flat, 44_100.0);
+        let range_db = |signal: &[f64]| {
+            let level = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>() / part.len() as f64;
+            let levels: Vec<f64> = signal.chunks_exact(4096).map(|part| 10.0 * level(part).log10()).collect();
+            levels.iter().fold(f64::MIN, |a, b| a.max(*b)) - levels.iter().fold(f64::MAX, |a, b| a.min(*b))
+        };
+        let (before, after) = (range_db(&recording), range_db(&flat[0]));
+        assert!((after / before - (1.0 - MATCH_EXPONENT)).abs() < 0.05, "{after} of {before} dB");
+    }
+
+    #[test]
+    fn silence_and_a_single_sample_stay_finite() {
+        for recording in [vec![0.0; 5000], vec![0.3], vec![]] {
+            let mut flat = [recording];
+            let profile = Profile::flatten(&mut flat, 44_100.0);
+            assert!(flat[0].iter().all(|x| x.is_finite()));
+            assert!(profile.own_dynamics(10, 0.2).is_finite() && profile.rms_below(150.0).is_finite());
+        }
+    }
+}
