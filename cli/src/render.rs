@@ -101,12 +101,12 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     if args.training.is_some() || !may_sound(Id::TextureLevel) {
         return Ok(());
     }
-    if may_sound(Id::LowLevel) || may_sound(Id::ExtensionLevel) {
-        note("there is no --training, so the texture layer stays silent");
-        return Ok(());
-    }
     if values.structure().dynamics == Dynamics::Companded {
         note("there is no --training, so spectral extension stands in for texture");
+        return Ok(());
+    }
+    if may_sound(Id::LowLevel) || may_sound(Id::ExtensionLevel) {
+        note("there is no --training, so the texture layer stays silent");
         return Ok(());
     }
     let message = format!("preset {}: texture alone sounds, but there is no recording; add --training", args.preset);

@@ -32,14 +32,7 @@ pub fn table(pairs: &[Pair]) {
             for _ in 0..RUNS {
                 play(&pair.input, &pair.training, Dynamics::Paper, rate_hz, block, &mut shares);
             }
-            let mean = shares.iter().sum::<f64>() / shares.len() as f64;
-            shares.sort_by(f64::total_cmp);
-            let at = |q: f64| 100.0 * shares[((shares.len() - 1) as f64 * q) as usize];
-            let (median, most, largest) = (at(0.5), at(0.999), at(1.0));
-            println!(
-                "| {} | {rate_hz} | {block} | {median:.1} % | {most:.1} % | {largest:.1} % | {mean:.4} |",
-                pair.name
-            );
+            println!("| {} | {rate_hz} | {block} | {} |", pair.name, summary(shares));
         }
     }
     println!();
@@ -65,13 +58,17 @@ pub fn companded_table(pairs: &[Pair]) {
         for _ in 0..RUNS {
             play(&drive.input, &recording.training, Dynamics::Companded, rate_hz, block, &mut shares);
         }
-        let mean = shares.iter().sum::<f64>() / shares.len() as f64;
-        shares.sort_by(f64::total_cmp);
-        let at = |q: f64| 100.0 * shares[((shares.len() - 1) as f64 * q) as usize];
-        let (median, most, largest) = (at(0.5), at(0.999), at(1.0));
-        println!("| {} | {} | {median:.1} % | {most:.1} % | {largest:.1} % | {mean:.4} |", drive.name, recording.name);
+        println!("| {} | {} | {} |", drive.name, recording.name, summary(shares));
     }
     println!();
+}
+
+/// Median, 99.9 %, largest and mean of the blocks' shares.
+fn summary(mut shares: Vec<f64>) -> String {
+    let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+    shares.sort_by(f64::total_cmp);
+    let at = |q: f64| 100.0 * shares[((shares.len() - 1) as f64 * q) as usize];
+    format!("{:.1} % | {:.1} % | {:.1} % | {mean:.4}", at(0.5), at(0.999), at(1.0))
 }
 
 /// Plays a drive with a recording, as if they had been recorded at this rate; `shares` keeps the least of each block.

@@ -396,8 +396,8 @@ fn clean(x: f32) -> f32 {
 }
 
 /// Learns the distribution of the drive's amplitudes from a whole file, as texture synthesis of
-/// this file would (reference padding; algorithms §3); in the companded mode, of its loudnesses. `sidechain` may be empty. Fails where the
-/// file is too short for the levels.
+/// this file would (reference padding; algorithms §3); in the companded mode, of its loudnesses.
+/// `sidechain` may be empty. Fails where the file is too short for the levels, or for one loudness.
 pub fn learn(
     sample_rate_hz: f64,
     structure: &Structure,
@@ -426,6 +426,6 @@ pub fn learn(
     }
     match structure.dynamics {
         Dynamics::Paper => offline::learn(&signal, &Shape::at_rate(structure, sample_rate_hz)),
-        Dynamics::Companded => Ok(Distribution::from_magnitudes(loudnesses(&signal, sample_rate_hz))),
+        Dynamics::Companded => Ok(Distribution::from_magnitudes(loudnesses(&signal, sample_rate_hz)?)),
     }
 }

@@ -18,7 +18,7 @@ const SMOOTHING_S: f64 = 0.02;
 /// Taps of the minimum-phase filter whose gains in dB at [`centres_hz`] are `gains_db`; beyond the
 /// outermost they stay.
 pub fn design(gains_db: &[f64], sample_rate_hz: f64) -> Vec<f64> {
-    let taps = ((TAPS * sample_rate_hz / 44_100.0 / 8.0).ceil() as usize * 8).next_multiple_of(8);
+    let taps = ((TAPS * sample_rate_hz / 44_100.0).ceil() as usize).next_multiple_of(STRIDE);
     let mut transform = Transform::new((taps * DESIGN_FACTOR).next_power_of_two());
     let len = transform.len();
     let centres: Vec<f64> = centres_hz(sample_rate_hz).iter().map(|hz| hz.ln()).collect();
@@ -169,6 +169,19 @@ mod tests {
         let taps = design(&tilt, RATE_HZ);
         let energy = |taps: &[f64]| taps.iter().map(|x| x * x).sum::<f64>();
         assert!(energy(&taps[..32]) > 0.95 * energy(&taps));
+    }
+
+    #[test]
+    fn a_change_of_the_amount_does_not_click() {
+        let taps = design(&[6.0; 23], RATE_HZ);
+        let mut equalizer = Equalizer::new(RATE_HZ, 1);
+        let mut signal = vec![1.0; 20_000];
+        for i in 0..signal.len() {
+            let amount = if i / 5000 % 2 == 0 { 0.0 } else { 1.0 };
+            equalizer.process(&taps, amount, &mut [&mut signal], i);
+        }
+        let largest = signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        assert!((signal[9999] - 2.0).abs() < 0.02 && largest < 2e-3, "{largest}");
     }
 
     #[test]

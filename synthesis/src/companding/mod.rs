@@ -4,10 +4,9 @@
 //! windows are matched in that flat world, and the drive's loudness is put back:
 //!
 //! ```text
-//! drive ──┬─ loudness ──────────────┬────────────────────┐
-//!         └─ wait ── / loudness^0.6 ─ texture ─ * loudness^g ─ equaliser ─ low end ── out
-//!                                   │                             └── drive, delayed
-//!                recording / loudness^0.6                                              (at load)
+//! drive ── wait ── / loudness^0.6 ── texture ── * loudness^g ── equaliser ── low end ── out
+//!                                       │                                       │
+//!       at load: recording / loudness^0.6                         drive, delayed
 //! ```
 //!
 //! Loudness looks ahead within the latency that the effect has anyway. The paper (Chadwick & James 2011, §5.3)
@@ -31,6 +30,7 @@ pub mod level;
 pub mod low_end;
 pub mod profile;
 
+use crate::Error;
 use crate::chain::delay::Delay;
 use crate::controls::{CompandingControls, DynamicRange, TextureControls};
 use crate::error::within;
@@ -69,6 +69,9 @@ const UNDERTONE_STREAM: u32 = 0x434F_4D50;
 /// Loudness that counts as silence however quiet the drive, and part of its level that does.
 const SILENCE: f64 = 1e-6;
 const SILENT_PART: f64 = 1e-3;
+/// Range of the factor on what is matched.
+const LEAST_MATCH: f64 = 0.01;
+const MOST_MATCH: f64 = 100.0;
 /// Time constant in seconds of all levels.
 const SMOOTHING_S: f64 = 0.02;
 
@@ -118,7 +121,6 @@ pub struct Companding {
     levels: Track,
     dynamics: Smoothed,
     drive_match: Smoothed,
-    spectrum_match: f64,
     flat_gain: Ramp,
     /// How loud it is, or is about to be within the wait.
     heard: f64,
@@ -184,7 +186,6 @@ impl Companding {
             levels: Track::new(latency_samples / frame_samples + 8, frame_samples, NOMINAL),
             dynamics: by_frame,
             drive_match: by_frame,
-            spectrum_match: 0.0,
             flat_gain: Ramp::default(),
             heard: 0.0,
             output_gain: Ramp::default(),
@@ -296,9 +297,7 @@ impl Companding {
         let mut start = 0;
         while start < samples {
             let (controls, end) = self.run(start, samples, self.latency_samples);
-            let companding = controls.companding;
-            self.low_end.aim(companding.low_end_hz);
-            self.spectrum_match = within(companding.spectrum_match, 0.0, 1.0);
+            self.low_end.aim(controls.companding.low_end_hz);
             for (i, drive) in drive.iter().enumerate().take(end).skip(start) {
                 let sample = self.now - (samples - i) as i64 - self.latency_samples;
                 self.expand_sample(sample, &controls, profile, *drive, channels, i);
@@ -322,14 +321,14 @@ impl Companding {
         let (gain, low_gain) = self.output_gains_at(place, controls, profile);
         channels.iter_mut().for_each(|channel| channel[at] *= gain);
         let taps = profile.map_or(&[] as &[f64], |profile| &profile.taps);
-        self.equalizer.process(taps, self.spectrum_match, channels, at);
+        self.equalizer.process(taps, within(controls.companding.spectrum_match, 0.0, 1.0), channels, at);
         self.low_end.process(drive * low_gain, channels, at);
     }
 
     /// The first block's controls are taken at once.
     fn start(&mut self, controls: &CompandingControls) {
         self.dynamics.value = within(controls.dynamics, 0.0, 1.0);
-        self.drive_match.value = controls.drive_match;
+        self.drive_match.value = within(controls.drive_match, LEAST_MATCH, MOST_MATCH);
     }
 
     /// Controls in force `delay` samples before sample `start` of the last block of `samples`, and
@@ -399,7 +398,7 @@ impl Companding {
             let sample = (frame - kernels[0].look_ahead()) * *frame_samples as i64 - *origin;
             let controls = timeline.at(sample.max(0) as u64);
             let (loudness, level) = (loudness[0].frame(frame), levels.frame(frame));
-            let matched = drive_match.next(within(controls.companding.drive_match, 0.01, 100.0));
+            let matched = drive_match.next(within(controls.companding.drive_match, LEAST_MATCH, MOST_MATCH));
             let target = MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms) / level;
             matched * target * (loudness / level).max(FLOOR).powf(-MATCH_EXPONENT) * audible(loudness, controls.gate)
         })
@@ -429,8 +428,13 @@ impl Companding {
     }
 }
 
-/// The loudnesses of a whole drive, for learning them.
-pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Vec<f64> {
+/// The loudnesses of a whole drive, for learning them. Fails where it is shorter than a frame.
+pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Result<Vec<f64>, Error> {
+    let least = frame_samples(sample_rate_hz);
+    if drive.len() < least {
+        let remedy = "the running estimate";
+        return Err(Error::TooShort { what: "the sound to learn from", found: drive.len(), least, remedy });
+    }
     let mut companding = Companding::new(sample_rate_hz, 0, 0, 0, LEARN_BLOCK);
     let mut all = Vec::new();
     let (mut flat, mut loudness) = (vec![0.0; LEARN_BLOCK], vec![0.0; LEARN_BLOCK]);
@@ -439,7 +443,7 @@ pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Vec<f64> {
         companding.flatten(drive, &TextureControls::default(), None, flat, loudness);
         all.extend_from_slice(companding.told());
     }
-    all
+    Ok(all)
 }
 
 /// Samples learned at once.
@@ -451,4 +455,63 @@ fn audible(loudness: f64, threshold: f64) -> f64 {
         return 0.0;
     }
     (1.0 - (threshold / loudness).powi(2)).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE_HZ: f64 = 44_100.0;
+    const BLOCK: usize = 500;
+
+    /// What is matched, and the factor on texture, while the controls go back and forth.
+    fn run(calm: &TextureControls, moved: &TextureControls) -> [Vec<f64>; 2] {
+        let mut noise = vec![0.0; 30_000];
+        White::new(1, 2).fill(0, &mut noise);
+        let profile = Profile::flatten(&mut [noise], RATE_HZ);
+        let mut companding = Companding::new(RATE_HZ, 1, 900, 2048, BLOCK);
+        let (mut flats, mut gains) = (vec![], vec![]);
+        for block in 0..200 {
+            let drive: Vec<f64> = (0..BLOCK)
+                .map(|i| 0.5 * (2.0 * std::f64::consts::PI * 50.0 * (block * BLOCK + i) as f64 / RATE_HZ).sin())
+                .collect();
+            let (mut flat, mut loudness, mut gain) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![1.0; BLOCK]);
+            let controls = if block / 20 % 2 == 0 { calm } else { moved };
+            companding.flatten(&drive, controls, Some(&profile), &mut flat, &mut loudness);
+            companding.expand(Some(&profile), &mut [&mut gain]);
+            flats.extend(flat);
+            gains.extend(gain);
+        }
+        [flats, gains]
+    }
+
+    #[test]
+    fn no_control_makes_a_step() {
+        let calm = TextureControls {
+            companding: CompandingControls { low_end_hz: 0.0, ..CompandingControls::default() },
+            ..TextureControls::default()
+        };
+        let with = |change: &dyn Fn(&mut TextureControls)| {
+            let mut moved = calm;
+            change(&mut moved);
+            run(&calm, &moved)
+        };
+        let step = |signal: &[f64]| signal[20_000..].windows(2).map(|x| (x[1] - x[0]).abs()).fold(0.0, f64::max);
+        let largest = |signal: &[f64]| signal[20_000..].iter().fold(0.0f64, |most, x| most.max(x.abs()));
+        let still = run(&calm, &calm);
+        let changes: [&dyn Fn(&mut TextureControls); 3] = [
+            &|controls| controls.companding.dynamics = 0.0,
+            &|controls| controls.companding.drive_match = 4.0,
+            &|controls| controls.dynamic_range = DynamicRange::Off,
+        ];
+        for (number, change) in changes.iter().enumerate() {
+            let moving = with(change);
+            assert_ne!(moving, still, "change {number} does something");
+            // 20 ms: a thousandth of the way, about, in every sample.
+            let gain = &moving[1];
+            assert!(step(gain) < 3e-3 * largest(gain), "change {number}: {} of {}", step(gain), largest(gain));
+            let (flat, calm) = (step(&moving[0]) / largest(&moving[0]), step(&still[0]) / largest(&still[0]));
+            assert!(flat < 1.1 * calm, "change {number}: {flat} against {calm}");
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::bands::Power;
 use super::frames::frame_samples;
 use super::{MATCH_EXPONENT, MATCHED_HZ};
 use crate::filter::{Section, section_gain};
+use crate::texture::dictionary::mean_of;
 
 /// Corner in Hz of the loudness that is taken out.
 const LOUDNESS_HZ: f64 = 8.0;
@@ -32,7 +33,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Takes the loudness out of `channels`, equally long, and says what it was.
+    /// Takes the loudness out of `channels`, one at least and equally long, and says what it was.
     pub fn flatten(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> Self {
         let frame_samples = frame_samples(sample_rate_hz);
         let mean = mean_of(channels);
@@ -124,12 +125,6 @@ fn smooth<'a>(values: impl Iterator<Item = &'a mut f64>, keep: f64) {
         state = keep * state + (1.0 - keep) * *value;
         *value = state;
     }
-}
-
-pub(super) fn mean_of(channels: &[Vec<f64>]) -> Vec<f64> {
-    let samples = channels.first().map_or(0, Vec::len);
-    let share = 1.0 / channels.len().max(1) as f64;
-    (0..samples).map(|i| channels.iter().map(|x| x[i]).sum::<f64>() * share).collect()
 }
 
 fn rms_below(signal: &[f64], corner_hz: f64, sample_rate_hz: f64) -> f64 {

@@ -281,7 +281,7 @@ fn needed(windows: &[Range<usize>], shape: &Shape, padding: &Padding) -> Vec<Ran
     needed
 }
 
-fn mean_of(channels: &[Vec<f64>]) -> Vec<f64> {
+pub(crate) fn mean_of(channels: &[Vec<f64>]) -> Vec<f64> {
     if let [only] = channels {
         return only.clone();
     }

@@ -18,6 +18,7 @@ use super::shape::Shape;
 use crate::Error;
 use crate::companding::Profile;
 use crate::controls::{DynamicRange, Quality, TextureControls};
+use crate::error::within;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
 
@@ -255,7 +256,7 @@ impl Texture {
     ) {
         if self.timeline.end() == 0 {
             self.timeline.reset(*controls);
-            self.dynamics.value = controls.companding.dynamics;
+            self.dynamics.value = within(controls.companding.dynamics, 0.0, 1.0);
         }
         self.timeline.push(*controls, drive.len());
         self.top_magnitudes.clear();
@@ -374,7 +375,10 @@ impl Texture {
         target.add(&self.window, dictionary.level(l), &mut level.samples);
         if l == 0 {
             if let Some(profile) = profile {
-                let own = profile.own_dynamics(w * chosen as i64, self.dynamics.next(controls.companding.dynamics));
+                let own = profile.own_dynamics(
+                    w * chosen as i64,
+                    self.dynamics.next(within(controls.companding.dynamics, 0.0, 1.0)),
+                );
                 self.window.iter_mut().for_each(|factor| *factor *= own);
             }
             let channels = self.outputs.len();

@@ -137,7 +137,7 @@ pub fn run(args: &Args) -> Result<()> {
     write_wav_f32(&args.output, &played.channels, rate_hz)?;
     let ready = match &args.training {
         Some(_) => format!("recording ready in {:.2} s", played.loading.as_secs_f64()),
-        None => "no recording, so texture is silent".to_owned(),
+        None => "no recording".to_owned(),
     };
     eprintln!(
         "{}: latency {} samples, {ready}, {:.2} s of sound played in {:.2} s",
