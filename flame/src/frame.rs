@@ -1,0 +1,15 @@
+//! One step of a simulation, as far as its sound needs it.
+
+use crate::grid::Grid;
+use crate::velocity::Velocity;
+
+/// The burning field and the flow at one step.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// The step's number, as its file names it.
+    pub number: u64,
+    /// The field whose iso-surface is the flame front; larger where it burns.
+    pub field: Grid<1>,
+    /// The flow, in the world's units per second.
+    pub velocity: Velocity,
+}

@@ -1,0 +1,102 @@
+//! A frame from the grids of a file.
+
+use std::path::Path;
+
+use super::description::{GridInfo, Selected, Source};
+use super::error::{Error, Fault, shown};
+use super::sequence::PlacementChoice;
+use crate::grid::{Grid, Transform};
+use crate::velocity::{Placement, Velocity};
+
+/// Reads the grids of one frame. Failures name the grid's own file, else `path`.
+pub(super) struct Assembly<'a> {
+    pub source: &'a mut dyn Source,
+    pub path: &'a Path,
+}
+
+impl Assembly<'_> {
+    /// The burning field, larger where it burns.
+    pub fn field(&mut self, index: usize) -> Result<Grid<1>, Error> {
+        let grid = self.scalar(index, |grid, _| Ok(grid))?;
+        Ok(if self.info(index).is_level_set() { grid.map(|[distance]| [-distance]) } else { grid })
+    }
+
+    /// The velocity in world units.
+    pub fn velocity(&mut self, selected: &Selected, choice: PlacementChoice) -> Result<Velocity, Error> {
+        let placement = match choice {
+            PlacementChoice::Collocated => Placement::Collocated,
+            PlacementChoice::Staggered => Placement::Staggered,
+            PlacementChoice::FromFile => {
+                let says_so = selected.velocity.iter().all(|index| self.info(*index).is_staggered());
+                if says_so { Placement::Staggered } else { Placement::Collocated }
+            }
+        };
+        let [x, y, z] = selected.velocity;
+        if !selected.is_split() {
+            return Ok(Velocity::Vectors(self.vectors(x)?, placement));
+        }
+        let mut component = |axis, index| {
+            self.scalar(index, |grid, in_voxels| {
+                let grid = if in_voxels { scaled(grid, axis)? } else { grid };
+                if placement == Placement::Staggered { on_lower_face(grid, axis) } else { Ok(grid) }
+            })
+        };
+        Ok(Velocity::Components(Box::new([component(0, x)?, component(1, y)?, component(2, z)?])))
+    }
+
+    /// A grid of numbers, finite after `change`, which is told whether they count voxels.
+    fn scalar(
+        &mut self,
+        index: usize,
+        change: impl FnOnce(Grid<1>, bool) -> Result<Grid<1>, Fault>,
+    ) -> Result<Grid<1>, Error> {
+        let in_voxels = self.info(index).in_voxels;
+        let grid = self.source.scalar(index).and_then(|grid| change(grid, in_voxels));
+        grid.and_then(|grid| self.finite(index, grid.is_finite()).map(|()| grid)).map_err(self.failure(index))
+    }
+
+    fn vectors(&mut self, index: usize) -> Result<Grid<3>, Error> {
+        let in_voxels = self.info(index).in_voxels;
+        let grid = self.source.vectors(index).map(|grid| if in_voxels { to_world(grid) } else { grid });
+        grid.and_then(|grid| self.finite(index, grid.is_finite()).map(|()| grid)).map_err(self.failure(index))
+    }
+
+    fn info(&self, index: usize) -> GridInfo {
+        self.source.grids().get(index).cloned().unwrap_or_default()
+    }
+
+    fn finite(&self, index: usize, is_finite: bool) -> Result<(), Fault> {
+        if is_finite { Ok(()) } else { Err(Fault::NotFinite { grid: shown(&self.info(index).name) }) }
+    }
+
+    fn failure(&self, index: usize) -> impl Fn(Fault) -> Error + use<> {
+        Error::of_file(self.source.path_of(index).unwrap_or(self.path))
+    }
+}
+
+fn to_world(grid: Grid<3>) -> Grid<3> {
+    let transform = *grid.transform();
+    grid.map(|voxels| transform.turn(voxels.map(f64::from)).map(|number| number as f32))
+}
+
+/// A component in voxels as one in world units, which it has of its own only where the axes are the world's.
+fn scaled(grid: Grid<1>, axis: usize) -> Result<Grid<1>, Fault> {
+    let step = grid.transform().turn(unit(axis));
+    if (0..3).any(|other| other != axis && step[other] != 0.0) {
+        let found = "a velocity in voxels, split into components, on turned axes".into();
+        return Err(Fault::Unsupported { found, advice: "export the velocity as one grid of vectors" });
+    }
+    Ok(grid.map(|[voxels]| [(f64::from(voxels) * step[axis]) as f32]))
+}
+
+/// A component that stands on the voxels' lower faces: its grid, half a voxel down.
+fn on_lower_face(grid: Grid<1>, axis: usize) -> Result<Grid<1>, Fault> {
+    let rows = [0, 1, 2].map(|of| grid.transform().turn(unit(of)));
+    let half_down = unit(axis).map(|i| -0.5 * i);
+    let moved = Transform::new(rows, grid.transform().to_world(half_down))?;
+    Ok(grid.with_transform(moved))
+}
+
+fn unit(axis: usize) -> [f64; 3] {
+    std::array::from_fn(|of| f64::from(u8::from(of == axis)))
+}

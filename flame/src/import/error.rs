@@ -1,0 +1,195 @@
+//! What can be wrong with a file of a simulation, or with a folder of them.
+
+use std::path::Path;
+
+/// What is wrong with a file's content, whatever the file's name.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The bytes contradict themselves or their format.
+    #[error("the file is damaged ({0}); write or copy it again")]
+    Damaged(String),
+    /// A known format, but of a kind that is not read.
+    #[error("{found} cannot be read; {advice}")]
+    Unsupported {
+        /// What was found.
+        found: String,
+        /// What is read in its place.
+        advice: &'static str,
+    },
+    /// More than memory is given for.
+    #[error("{what}: {found}, but at most {allowed} are read; use a smaller or coarser simulation")]
+    TooLarge {
+        /// What is counted.
+        what: &'static str,
+        /// How many were found.
+        found: u64,
+        /// How many are allowed.
+        allowed: u64,
+    },
+    /// No grid answers to the name asked for.
+    #[error("there is no {wanted}; the file holds {there}: name one of them")]
+    NoGrid {
+        /// The name and kind asked for.
+        wanted: String,
+        /// Names and types of the grids that are there.
+        there: String,
+    },
+    /// A value that is used is NaN or infinite.
+    #[error("grid {grid} holds values that are not finite numbers; simulate or export it again")]
+    NotFinite {
+        /// The grid.
+        grid: String,
+    },
+    /// A grid's place in the world, or its shape, makes no sense.
+    #[error(transparent)]
+    Grid(Box<crate::Error>),
+    /// The system failed while the file was read.
+    #[error("cannot be read ({0}); copy it to a local disk and try again")]
+    Unreadable(String),
+    /// The system failed while the file was written.
+    #[error("cannot be written ({0}); choose a folder that exists, is writable and has room")]
+    NotWritten(String),
+}
+
+impl From<crate::Error> for Fault {
+    fn from(error: crate::Error) -> Self {
+        Self::Grid(Box::new(error))
+    }
+}
+
+/// Why a simulation could not be read.
+///
+/// Every message is one line: which file, what was found, what is allowed, what to do.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There is no such file or folder.
+    #[error("{path}: there is no such file or folder; check the path")]
+    Missing {
+        /// The path asked for.
+        path: String,
+    },
+    /// The system refuses to hand over a file or folder.
+    #[error("{path}: cannot be read ({reason}); check its permissions or copy it to a local disk")]
+    Unreadable {
+        /// The path.
+        path: String,
+        /// What the system said.
+        reason: String,
+    },
+    /// Something is wrong with a file's content.
+    #[error("{path}: {fault}")]
+    File {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        fault: Fault,
+    },
+    /// A file of no kind that is read.
+    #[error("{path}: not a file that is read; use .vdb, .npz or .npy")]
+    Kind {
+        /// The file.
+        path: String,
+    },
+    /// A folder without frames.
+    #[error("{path}: no frames here; a folder of files such as name_0001.vdb, .npz or .npy is needed, {found}")]
+    NoFrames {
+        /// The folder.
+        path: String,
+        /// What is there instead.
+        found: String,
+    },
+    /// A folder with frames of several sorts.
+    #[error("{path}: frames of several sorts ({found}); keep one sort in a folder of its own")]
+    Mixed {
+        /// The folder.
+        path: String,
+        /// The sorts and how many files each has.
+        found: String,
+    },
+    /// Two files claim one frame.
+    #[error("{path}: frame {number} is there twice ({first}, {second}); remove one of them")]
+    Twice {
+        /// The folder.
+        path: String,
+        /// The frame.
+        number: u64,
+        /// The name of one file.
+        first: String,
+        /// The name of the other.
+        second: String,
+    },
+    /// Frame numbers far apart.
+    #[error(
+        "{path}: between frames {first} and {last} {missing} are missing, at most {allowed} may be; remove stray files"
+    )]
+    Gap {
+        /// The folder.
+        path: String,
+        /// The lowest number.
+        first: u64,
+        /// The highest number.
+        last: u64,
+        /// Numbers without a file.
+        missing: u64,
+        /// How many may be missing.
+        allowed: u64,
+    },
+    /// A frame that the sequence does not have.
+    #[error("{path}: frame {index} of {found} was asked for (counting from 0); ask for one that is there")]
+    NoFrame {
+        /// The folder or file.
+        path: String,
+        /// The frame asked for.
+        index: usize,
+        /// Frames there are.
+        found: usize,
+    },
+    /// A row of a series that is no row.
+    #[error("{path}: line {line}: {reason}")]
+    Row {
+        /// The file.
+        path: String,
+        /// The line, from 1.
+        line: u64,
+        /// What is wrong with it, and what is allowed.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// For what is wrong with the content of the file at `path`.
+    pub fn of_file(path: &Path) -> impl Fn(Fault) -> Self + use<> {
+        let path = shown_path(path);
+        move |fault| Self::File { path: path.clone(), fault }
+    }
+
+    /// For what the system says of `path`.
+    pub(super) fn of_system(path: &Path) -> impl Fn(std::io::Error) -> Self + use<> {
+        let path = shown_path(path);
+        move |error| match error.kind() {
+            std::io::ErrorKind::NotFound => Self::Missing { path: path.clone() },
+            kind => Self::Unreadable { path: path.clone(), reason: kind.to_string() },
+        }
+    }
+}
+
+/// Names longer than this are cut in messages.
+const LONGEST_NAME: usize = 80;
+
+/// A name out of a file, fit for one line of a message.
+pub(super) fn shown(name: &str) -> String {
+    let clean: String = name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { '?' } else { c }).collect();
+    if name.chars().nth(LONGEST_NAME).is_some() { clean + "…" } else { clean }
+}
+
+/// A path, fit for one line of a message.
+pub(super) fn shown_path(path: &Path) -> String {
+    path.display().to_string().chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+}
+
+/// Shorthand for what most checks find.
+pub(super) fn damaged<T>(reason: impl Into<String>) -> Result<T, Fault> {
+    Err(Fault::Damaged(reason.into()))
+}

@@ -1,0 +1,211 @@
+//! Which files of a folder are frames.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::error::{Error, shown, shown_path};
+
+/// Formats of frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Format {
+    Vdb,
+    Npz,
+    Npy,
+}
+
+impl Format {
+    /// By the end of a file's name.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "vdb" => Some(Self::Vdb),
+            "npz" => Some(Self::Npz),
+            "npy" => Some(Self::Npy),
+            _ => None,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Vdb => ".vdb",
+            Self::Npz => ".npz",
+            Self::Npy => ".npy",
+        }
+    }
+}
+
+/// The files of one frame, each with the part of its name before the number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct FrameFiles {
+    pub number: u64,
+    pub format: Format,
+    /// One, or for `.npy` one for each field: the field's name and the file.
+    pub files: Vec<(String, PathBuf)>,
+}
+
+/// The frames of a folder, ascending, and how many numbered files are left out.
+pub(super) struct Listing {
+    pub frames: Vec<FrameFiles>,
+    pub left_out: usize,
+}
+
+/// Files that belong together: of one format and, unless that has a file for each field, of one name.
+type Sort = (Format, String);
+
+struct Numbered {
+    stem: String,
+    number: u64,
+    path: PathBuf,
+}
+
+/// The frames of a folder.
+///
+/// Files of one sort are taken; stray files, of which there is one of a sort, are left out. Fails where there are no
+/// frames, where there are several of more than one sort, and where two files claim one frame.
+pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
+    let (sorts, others) = sorts(folder)?;
+    let main = sorts.iter().max_by_key(|(_, files)| files.len());
+    let Some((main, files)) = main else {
+        let found = format!("but it holds {others} other files or folders");
+        return Err(Error::NoFrames { path: shown_path(folder), found });
+    };
+    if sorts.iter().any(|(sort, stray)| sort != main && (stray.len() > 1 || files.len() < 2)) {
+        let told = |((format, stem), files): (&Sort, &Vec<Numbered>)| {
+            format!("{} {} {}", files.len(), format.name(), if stem.is_empty() { "by number" } else { stem })
+        };
+        let found: Vec<String> = sorts.iter().take(8).map(told).collect();
+        return Err(Error::Mixed { path: shown_path(folder), found: shown(&found.join(", ")) });
+    }
+    let left_out = sorts.iter().filter(|(sort, _)| *sort != main).map(|(_, files)| files.len()).sum();
+    Ok(Listing { frames: frames(folder, main.0, files)?, left_out })
+}
+
+/// The frame that a file belongs to: itself, or for `.npy` all files beside it with its number.
+pub(super) fn of_file(path: &Path) -> Result<FrameFiles, Error> {
+    let format = Format::of(path).ok_or_else(|| Error::Kind { path: shown_path(path) })?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, number) = split(&name).unwrap_or_else(|| (name.clone(), 0));
+    if format == Format::Npy && split(&name).is_some() {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let (sorts, _) = sorts(folder)?;
+        let beside = sorts.into_iter().filter(|((format, _), _)| *format == Format::Npy).flat_map(|(_, files)| files);
+        let of_number: Vec<Numbered> = beside.filter(|file| file.number == number).collect();
+        if let Some(frame) = frames(folder, format, &of_number)?.pop() {
+            return Ok(frame);
+        }
+    }
+    Ok(FrameFiles { number, format, files: vec![(field(&stem), path.to_path_buf())] })
+}
+
+/// The numbered files of a folder by sort, and how many other entries there are.
+fn sorts(folder: &Path) -> Result<(BTreeMap<Sort, Vec<Numbered>>, usize), Error> {
+    let mut sorts: BTreeMap<Sort, Vec<Numbered>> = BTreeMap::new();
+    let mut others = 0;
+    for entry in std::fs::read_dir(folder).map_err(Error::of_system(folder))? {
+        let path = entry.map_err(Error::of_system(folder))?.path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        match (Format::of(&path).filter(|_| path.is_file()), split(&name)) {
+            (Some(format), Some((stem, number))) => {
+                let sort = if format == Format::Npy { String::new() } else { stem.clone() };
+                sorts.entry((format, sort)).or_default().push(Numbered { stem, number, path });
+            }
+            _ => others += 1,
+        }
+    }
+    Ok((sorts, others))
+}
+
+fn frames(folder: &Path, format: Format, files: &[Numbered]) -> Result<Vec<FrameFiles>, Error> {
+    let mut frames: BTreeMap<u64, BTreeMap<String, PathBuf>> = BTreeMap::new();
+    for file in files {
+        let fields = frames.entry(file.number).or_default();
+        if let Some(first) = fields.insert(field(&file.stem), file.path.clone()) {
+            let name = |path: &Path| shown(&path.file_name().unwrap_or_default().to_string_lossy());
+            let (first, second) = (name(&first), name(&file.path));
+            return Err(Error::Twice { path: shown_path(folder), number: file.number, first, second });
+        }
+    }
+    let frame = |(number, fields): (u64, BTreeMap<String, PathBuf>)| FrameFiles {
+        number,
+        format,
+        files: fields.into_iter().collect(),
+    };
+    Ok(frames.into_iter().map(frame).collect())
+}
+
+/// The field that a `.npy` file holds: its name without what parts it from the number.
+fn field(stem: &str) -> String {
+    stem.trim_end_matches(['_', '.', '-', ' ']).to_owned()
+}
+
+/// Parts a name from the number at its end.
+fn split(name: &str) -> Option<(String, u64)> {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let number = name.get(stem.len()..)?.parse().ok()?;
+    Some((stem.to_owned(), number))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(names: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        folder
+    }
+
+    fn numbers(names: &[&str]) -> Result<Vec<u64>, Error> {
+        let folder = folder(names);
+        of_folder(folder.path()).map(|listing| listing.frames.iter().map(|frame| frame.number).collect())
+    }
+
+    #[test]
+    fn frames_are_ordered_by_number() {
+        assert_eq!(numbers(&["a_10.vdb", "a_9.vdb", "a_0011.VDB", "readme.txt", "b.vdb"]).unwrap(), [9, 10, 11]);
+        assert_eq!(numbers(&["0002.npz", "0001.npz"]).unwrap(), [1, 2]);
+        assert_eq!(numbers(&["fire.1.npy", "vel.1.npy", "fire.2.npy"]).unwrap(), [1, 2]);
+    }
+
+    #[test]
+    fn strays_are_left_out_and_mixtures_refused() {
+        assert_eq!(numbers(&["a_1.vdb", "a_2.vdb", "test_1.vdb", "copy_7.npz"]).unwrap(), [1, 2]);
+        for names in [
+            &["a_1.vdb", "a_2.vdb", "b_1.vdb", "b_2.vdb"][..],
+            &["a_1.vdb", "a_2.vdb", "a_3.vdb", "a_1.npz", "a_2.npz"],
+            &["a_1.vdb", "b_1.vdb"],
+        ] {
+            let message = numbers(names).unwrap_err().to_string();
+            assert!(message.contains("several sorts") && message.contains(".vdb a_"), "{message}");
+        }
+    }
+
+    #[test]
+    fn one_frame_twice() {
+        let message = numbers(&["a_1.vdb", "a_01.vdb"]).unwrap_err().to_string();
+        assert!(message.contains("frame 1") && message.contains("a_01.vdb"), "{message}");
+        assert!(numbers(&["v_1.npy", "v.1.npy"]).is_err());
+    }
+
+    #[test]
+    fn no_frames() {
+        assert!(matches!(numbers(&["a.vdb", "b.txt"]), Err(Error::NoFrames { .. })));
+        assert!(matches!(numbers(&["a_99999999999999999999.vdb"]), Err(Error::NoFrames { .. })));
+        assert!(matches!(of_folder(Path::new("/nowhere/at/all")), Err(Error::Missing { .. })));
+    }
+
+    #[test]
+    fn one_file() {
+        let folder = folder(&["flame_3.npy", "vel_3.npy", "vel_4.npy", "alone.npy", "x_8.vdb", "x_9.vdb"]);
+        let frame = |name: &str| of_file(&folder.path().join(name)).unwrap();
+        let fields = |frame: &FrameFiles| frame.files.iter().map(|(field, _)| field.clone()).collect::<Vec<_>>();
+        assert_eq!(
+            (frame("flame_3.npy").number, fields(&frame("flame_3.npy"))),
+            (3, vec!["flame".into(), "vel".into()])
+        );
+        assert_eq!((frame("alone.npy").number, fields(&frame("alone.npy"))), (0, vec!["alone".into()]));
+        assert_eq!((frame("x_9.vdb").number, frame("x_9.vdb").files.len()), (9, 1));
+        assert!(matches!(of_file(&folder.path().join("x_9.txt")), Err(Error::Kind { .. })));
+    }
+}

@@ -1,0 +1,147 @@
+//! Which grid is meant: names that simulators use for the flame and for the velocity.
+
+use super::description::{GridInfo, Selected};
+use super::error::{Fault, shown};
+use super::sequence::Selection;
+
+/// Names of burning fields in the order of preference, with those of physical units last.
+const FIELDS: [&str; 8] = ["flame", "flames", "fire", "burn", "react", "heat", "fuel", "temperature"];
+
+/// How many of [`FIELDS`] mean the same everywhere: near 1 where it burns, 0 elsewhere.
+const WITHOUT_UNIT: usize = 5;
+
+/// Names of velocities in the order of preference.
+const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
+
+/// At most so many grids are listed in a message.
+const MOST_LISTED: usize = 24;
+
+/// Whether a name stands for a quantity with a unit.
+pub(super) fn is_unit_dependent(name: &str) -> bool {
+    FIELDS[WITHOUT_UNIT..].iter().any(|field| field.eq_ignore_ascii_case(name.trim()))
+}
+
+/// The grids that answer to a selection.
+///
+/// A name is taken exactly, else without regard to case. The usual names (`flame`, `velocity`) stand for any of their
+/// kind; a velocity may come as three grids named after its components.
+pub(super) fn select(grids: &[GridInfo], selection: &Selection) -> Result<Selected, Fault> {
+    let field = candidates(&selection.field, &FIELDS).into_iter().find_map(|name| named(grids, name, 1));
+    let field = field.ok_or_else(|| absent(grids, "scalar grid", &selection.field))?;
+    let stems = candidates(&selection.velocity, &VELOCITIES);
+    let whole = stems.iter().find_map(|name| named(grids, name, 3)).map(|grid| [grid; 3]);
+    let split = || stems.iter().find_map(|stem| components(grids, stem));
+    let velocity = whole.or_else(split);
+    let velocity =
+        velocity.ok_or_else(|| absent(grids, "vector grid (or grids of components)", &selection.velocity))?;
+    Ok(Selected { field, velocity })
+}
+
+/// The name asked for, and, where it is the usual one, all that may stand for it.
+fn candidates<'a>(wanted: &'a str, usual: &[&'a str]) -> Vec<&'a str> {
+    if usual[0].eq_ignore_ascii_case(wanted) {
+        return [wanted].iter().chain(&usual[1..]).copied().collect();
+    }
+    vec![wanted]
+}
+
+/// The first readable grid of that name: exactly, else without regard to case.
+fn named(grids: &[GridInfo], name: &str, components: usize) -> Option<usize> {
+    let find =
+        |fits: &dyn Fn(&str) -> bool| grids.iter().position(|grid| grid.components == components && fits(&grid.name));
+    find(&|found| found == name).or_else(|| find(&|found| found.eq_ignore_ascii_case(name)))
+}
+
+/// The grids of the components of `stem`: `stem.x`, `stem_x`, `stemx`, `x_stem`, and so for y and z.
+fn components(grids: &[GridInfo], stem: &str) -> Option<[usize; 3]> {
+    let patterns: [fn(&str, char) -> String; 4] = [
+        |stem, axis| format!("{stem}.{axis}"),
+        |stem, axis| format!("{stem}_{axis}"),
+        |stem, axis| format!("{stem}{axis}"),
+        |stem, axis| format!("{axis}_{stem}"),
+    ];
+    patterns.iter().find_map(|pattern| {
+        let [x, y, z] = ['x', 'y', 'z'].map(|axis| named(grids, &pattern(stem, axis), 1));
+        Some([x?, y?, z?])
+    })
+}
+
+fn absent(grids: &[GridInfo], what: &str, name: &str) -> Fault {
+    Fault::NoGrid { wanted: format!("{what} \"{}\"", shown(name)), there: listed(grids) }
+}
+
+/// Names and types, for a message.
+pub(super) fn listed(grids: &[GridInfo]) -> String {
+    if grids.is_empty() {
+        return "no grids".into();
+    }
+    let named = |grid: &GridInfo| format!("{} ({})", shown(&grid.name), shown(&grid.kind));
+    let first: Vec<String> = grids.iter().take(MOST_LISTED).map(named).collect();
+    match grids.len().saturating_sub(MOST_LISTED) {
+        0 => first.join(", "),
+        more => format!("{} and {more} more", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grids(names: &[(&str, usize)]) -> Vec<GridInfo> {
+        let info = |(name, components): &(&str, usize)| GridInfo {
+            name: (*name).into(),
+            kind: if *components == 3 { "vec3s".into() } else { "float".into() },
+            components: *components,
+            ..GridInfo::default()
+        };
+        names.iter().map(info).collect()
+    }
+
+    fn selection(field: &str, velocity: &str) -> Selection {
+        Selection { field: field.into(), velocity: velocity.into(), ..Selection::default() }
+    }
+
+    fn check(names: &[(&str, usize)], wanted: (&str, &str), expected: Option<(usize, [usize; 3])>) {
+        let found = select(&grids(names), &selection(wanted.0, wanted.1));
+        assert_eq!(found.ok().map(|found| (found.field, found.velocity)), expected, "{names:?} {wanted:?}");
+    }
+
+    #[test]
+    fn usual_names() {
+        let usual = ("flame", "velocity");
+        check(&[("velocity", 3), ("density", 1), ("flame", 1)], usual, Some((2, [0; 3])));
+        check(&[("Fuel", 1), ("FLAMES", 1), ("Vel", 3)], usual, Some((1, [2; 3])));
+        check(&[("temperature", 1), ("fuel", 1), ("v", 3), ("vel", 3)], usual, Some((1, [3; 3])));
+        check(&[("density", 1), ("velocity", 3)], usual, None);
+        check(&[("flame", 1), ("velocity", 1)], usual, None);
+        check(&[("flame", 3), ("burn", 1), ("velocity", 3)], usual, Some((1, [2; 3])));
+    }
+
+    #[test]
+    fn a_name_of_ones_own_has_no_substitute() {
+        let there = [("flame", 1), ("Smoke", 1), ("velocity", 3), ("wind", 3)];
+        check(&there, ("smoke", "wind"), Some((1, [3; 3])));
+        check(&there, ("fuel", "velocity"), None);
+        check(&there, ("flame", "vel"), None);
+        check(&[("Flame", 1), ("flame", 1), ("velocity", 3)], ("flame", "velocity"), Some((1, [2; 3])));
+    }
+
+    #[test]
+    fn components_of_every_spelling() {
+        for names in [["vel.x", "vel.y", "vel.z"], ["velocity_X", "velocity_Y", "velocity_Z"], ["velX", "velY", "velZ"]]
+        {
+            let there = [(names[2], 1), ("flame", 1), (names[0], 1), (names[1], 1)];
+            check(&there, ("flame", "velocity"), Some((1, [2, 3, 0])));
+        }
+        check(&[("x_vel", 1), ("y_vel", 1), ("z_vel", 1), ("flame", 1)], ("flame", "velocity"), Some((3, [0, 1, 2])));
+        check(&[("u.x", 1), ("u.y", 1), ("u.z", 1), ("flame", 1)], ("flame", "u"), Some((3, [0, 1, 2])));
+        check(&[("vel.x", 1), ("vel.y", 1), ("vel_z", 1), ("flame", 1)], ("flame", "velocity"), None);
+    }
+
+    #[test]
+    fn what_is_there_is_told() {
+        let there = grids(&[("density", 1), ("v\u{1b}[2Jel", 3)]);
+        let message = select(&there, &Selection::default()).unwrap_err().to_string();
+        assert!(message.contains("\"flame\"") && message.contains("density (float), v?[2Jel (vec3s)"), "{message}");
+    }
+}

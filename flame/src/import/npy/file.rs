@@ -1,0 +1,92 @@
+//! A frame of `.npy` files, one for each field.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use super::{Header, components, grid};
+use crate::grid::{Grid, Transform};
+use crate::import::budget::{Budget, check_file_size};
+use crate::import::description::{GridInfo, Source, check_components};
+use crate::import::error::Fault;
+
+/// The `.npy` files of one frame. Their voxels have edges of 1, the first one stands at 0.
+#[derive(Debug)]
+pub struct Npy {
+    files: Vec<PathBuf>,
+    infos: Vec<GridInfo>,
+    /// Why a file cannot be read; told only when it is asked for.
+    headers: Vec<Result<Header, Fault>>,
+    transform: Transform,
+    budget: Budget,
+}
+
+impl Npy {
+    /// Reads the headers of files, each given with the name of its field.
+    pub fn open(fields: &[(String, PathBuf)]) -> Result<Self, Fault> {
+        let transform = Transform::uniform(1.0, [0.0; 3])?;
+        let (mut files, mut infos, mut headers, mut all_bytes) = (vec![], vec![], vec![], 0u64);
+        for (name, path) in fields {
+            let opened = open(path);
+            let header = opened.map(|(header, _, bytes)| {
+                all_bytes = all_bytes.saturating_add(bytes);
+                header
+            });
+            let known = header.as_ref().ok();
+            infos.push(GridInfo {
+                name: name.clone(),
+                kind: known.map_or_else(|| "unreadable".into(), Header::kind),
+                // What cannot be read is found by its name, so that the reason is told.
+                components: known.map_or(1, |header| components(&header.shape)),
+                voxel_edges: Some(transform.voxel_edges()),
+                ..GridInfo::default()
+            });
+            headers.push(header);
+            files.push(path.clone());
+        }
+        Ok(Self { files, infos, headers, transform, budget: Budget::of_file(all_bytes) })
+    }
+
+    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, Fault> {
+        check_components(&self.infos, index, N)?;
+        if let Some(Err(fault)) = self.headers.get(index) {
+            return Err(fault.clone());
+        }
+        let missing = || Fault::Unreadable("it has vanished".into());
+        let (header, mut reader, _) = open(self.files.get(index).ok_or_else(missing)?)?;
+        if components(&header.shape) != N {
+            return Err(Fault::Damaged("it changed while it was read".into()));
+        }
+        grid(&header, &mut reader, self.transform, &mut self.budget)
+    }
+}
+
+/// The header, the reader behind it, and the file's bytes.
+fn open(path: &Path) -> Result<(Header, BufReader<File>, u64), Fault> {
+    let unreadable = |error: std::io::Error| Fault::Unreadable(error.kind().to_string());
+    let file = File::open(path).map_err(unreadable)?;
+    let bytes = file.metadata().map_err(unreadable)?.len();
+    check_file_size(bytes)?;
+    let mut reader = BufReader::new(file);
+    let header = Header::read(&mut reader)?;
+    header.check_size(bytes)?;
+    Ok((header, reader, bytes))
+}
+
+impl Source for Npy {
+    fn grids(&self) -> &[GridInfo] {
+        &self.infos
+    }
+
+    fn scalar(&mut self, index: usize) -> Result<Grid<1>, Fault> {
+        self.read(index)
+    }
+
+    fn vectors(&mut self, index: usize) -> Result<Grid<3>, Fault> {
+        self.read(index)
+    }
+
+    fn path_of(&self, index: usize) -> Option<&Path> {
+        self.files.get(index).map(PathBuf::as_path)
+    }
+}

@@ -1,0 +1,184 @@
+//! A simulation's frames on disk.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use super::assemble::Assembly;
+use super::budget::check_file_size;
+use super::description::{Description, Source};
+use super::error::{Error, Fault, shown_path};
+use super::listing::{self, Format, FrameFiles};
+use super::names;
+use super::npy::Npy;
+use super::npz::Npz;
+use super::vdb::Vdb;
+use crate::frame::Frame;
+
+/// Numbers that may be missing between the first frame and the last.
+const MOST_MISSING: u64 = 1_000_000;
+
+/// Where the velocity's components are taken to stand in their voxels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PlacementChoice {
+    /// At the centre, whatever the file says.
+    #[default]
+    Collocated,
+    /// On the lower faces, whatever the file says.
+    Staggered,
+    /// On the lower faces where the file calls the grid staggered, else at the centre.
+    FromFile,
+}
+
+/// Which grids of a frame are wanted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Selection {
+    /// The burning field. `flame` stands for any of the usual names; another name only for itself.
+    pub field: String,
+    /// The velocity, one grid or three. `velocity` stands for any of the usual names; another name only for itself.
+    pub velocity: String,
+    /// Where its components stand.
+    pub placement: PlacementChoice,
+}
+
+impl Default for Selection {
+    fn default() -> Self {
+        Self { field: "flame".into(), velocity: "velocity".into(), placement: PlacementChoice::default() }
+    }
+}
+
+/// The frames of a folder, or a single file's. Frames are counted from 0 in the order of their numbers.
+#[derive(Debug, Clone)]
+pub struct Sequence {
+    path: PathBuf,
+    frames: Vec<FrameFiles>,
+    left_out: usize,
+}
+
+impl Sequence {
+    /// Opens a folder of numbered `.vdb`, `.npz` or `.npy` files (`<field>_<number>.npy`, one for each field), or one
+    /// file. Files are not read yet.
+    ///
+    /// Fails where there are no frames, frames of several sorts, two files for one frame, or more than a million
+    /// numbers missing.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let metadata = path.metadata().map_err(Error::of_system(path))?;
+        let (frames, left_out) = if metadata.is_dir() {
+            let listing = listing::of_folder(path)?;
+            (listing.frames, listing.left_out)
+        } else {
+            (vec![listing::of_file(path)?], 0)
+        };
+        let sequence = Self { path: path.to_path_buf(), frames, left_out };
+        if let Some((first, last, missing)) = sequence.span().filter(|(.., missing)| *missing > MOST_MISSING) {
+            return Err(Error::Gap { path: shown_path(path), first, last, missing, allowed: MOST_MISSING });
+        }
+        Ok(sequence)
+    }
+
+    /// The first number, the last, and how many have no file.
+    fn span(&self) -> Option<(u64, u64, u64)> {
+        let (first, last) = (self.frames.first()?.number, self.frames.last()?.number);
+        Some((first, last, (last - first).saturating_sub(self.frames.len() as u64 - 1)))
+    }
+
+    /// The frames' numbers, ascending.
+    pub fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
+        self.frames.iter().map(|frame| frame.number)
+    }
+
+    /// How many frames there are; at least one.
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Never: a sequence without frames is not opened.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// Numbers between the first and the last that have no file.
+    pub fn missing(&self) -> Vec<u64> {
+        let pairs = self.frames.windows(2).filter_map(|pair| Some((pair.first()?.number, pair.last()?.number)));
+        pairs.flat_map(|(before, after)| before + 1..after).collect()
+    }
+
+    /// Numbered files of other sorts in the folder, which are left out.
+    pub fn left_out(&self) -> usize {
+        self.left_out
+    }
+
+    /// The file of a frame; the first where it has several; the sequence's own path where there is no such frame.
+    pub fn path_of(&self, index: usize) -> &Path {
+        let file = self.frames.get(index).and_then(|frame| frame.files.first());
+        file.map_or(&self.path, |(_, path)| path)
+    }
+
+    /// What a frame holds, from its headers.
+    pub fn describe(&self, index: usize) -> Result<Description, Error> {
+        let path = shown_path(self.path_of(index));
+        self.with_source(index, |_, source| Ok(Description { path, grids: source.grids().to_vec() }))
+    }
+
+    /// Reads the field and the velocity of a frame.
+    ///
+    /// The field is larger where it burns (a level set is negated); the velocity is in world units per unit of the
+    /// simulation's time, where its components stand as the selection says. Fails with the file and the reason, also
+    /// where a value in either is not finite.
+    pub fn read(&self, index: usize, selection: &Selection) -> Result<Frame, Error> {
+        let path = self.path_of(index);
+        self.with_source(index, |number, source| {
+            let selected = names::select(source.grids(), selection).map_err(Error::of_file(path))?;
+            let mut assembly = Assembly { source, path };
+            let field = assembly.field(selected.field)?;
+            let velocity = assembly.velocity(&selected, selection.placement)?;
+            Ok(Frame { number, field, velocity })
+        })
+    }
+
+    /// Opens a frame's files for `use_it`.
+    fn with_source<T>(
+        &self,
+        index: usize,
+        use_it: impl FnOnce(u64, &mut dyn Source) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let found = self.frames.len();
+        let missing = || Error::NoFrame { path: shown_path(&self.path), index, found };
+        let frame = self.frames.get(index).ok_or_else(missing)?;
+        let path = self.path_of(index);
+        let failure = Error::of_file(path);
+        match frame.format {
+            Format::Vdb => {
+                let bytes = read_whole(path)?;
+                use_it(frame.number, &mut Vdb::open(&bytes).map_err(failure)?)
+            }
+            Format::Npz => {
+                let (file, _) = open(path)?;
+                use_it(frame.number, &mut Npz::open(BufReader::new(file)).map_err(failure)?)
+            }
+            Format::Npy => use_it(frame.number, &mut Npy::open(&frame.files).map_err(failure)?),
+        }
+    }
+}
+
+/// Opens a file that is one, not a device or a pipe, and tells its size.
+pub(super) fn open(path: &Path) -> Result<(File, u64), Error> {
+    let file = File::open(path).map_err(Error::of_system(path))?;
+    let metadata = file.metadata().map_err(Error::of_system(path))?;
+    if !metadata.is_file() {
+        let reason = "it is not a file".into();
+        return Err(Error::Unreadable { path: shown_path(path), reason });
+    }
+    check_file_size(metadata.len()).map_err(Error::of_file(path))?;
+    Ok((file, metadata.len()))
+}
+
+fn read_whole(path: &Path) -> Result<Vec<u8>, Error> {
+    let (file, size) = open(path)?;
+    let too_large = |_| Error::of_file(path)(Fault::Unreadable("out of memory".into()));
+    let mut bytes = vec![];
+    bytes.try_reserve_exact(usize::try_from(size).unwrap_or(usize::MAX)).map_err(too_large)?;
+    // What is added meanwhile is not read.
+    file.take(size).read_to_end(&mut bytes).map_err(Error::of_system(path))?;
+    Ok(bytes)
+}

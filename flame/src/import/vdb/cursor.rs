@@ -1,0 +1,116 @@
+//! Bytes one after the other, never past their end.
+
+use crate::import::error::{Fault, damaged};
+
+/// Longest text a file may hold.
+const LONGEST_TEXT: usize = 1 << 16;
+
+/// A place in a file, or in a part of it that ends earlier. Positions count from the file's first byte.
+#[derive(Debug, Clone)]
+pub(super) struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// From `start` up to `end`; fails unless both lie in the file, in this order.
+    pub fn within(bytes: &'a [u8], start: usize, end: usize) -> Result<Self, Fault> {
+        match bytes.get(..end) {
+            Some(bytes) if start <= end => Ok(Self { bytes, at: start }),
+            _ => damaged(format!("a part from byte {start} to {end} in {} bytes", bytes.len())),
+        }
+    }
+
+    /// Another cursor over the same bytes, from `start` up to `end`.
+    pub fn part(&self, start: usize, end: usize) -> Result<Self, Fault> {
+        Self::within(self.bytes, start, end)
+    }
+
+    /// Goes on to a later position.
+    pub fn forward_to(&mut self, position: usize) -> Result<(), Fault> {
+        match position.checked_sub(self.at) {
+            Some(count) => self.take(count).map(|_| ()),
+            None => damaged(format!("byte {position} before byte {}", self.at)),
+        }
+    }
+
+    /// The position behind the last byte.
+    pub fn end(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// The position of the next byte.
+    pub fn at(&self) -> usize {
+        self.at
+    }
+
+    /// How many bytes follow.
+    pub fn left(&self) -> usize {
+        self.bytes.len().saturating_sub(self.at)
+    }
+
+    /// The next `count` bytes.
+    pub fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        match rest.get(..count) {
+            Some(taken) => {
+                self.at += count;
+                Ok(taken)
+            }
+            None => {
+                damaged(format!("it ends early: {count} bytes are due at byte {}, {} are there", self.at, rest.len()))
+            }
+        }
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N)?);
+        Ok(array)
+    }
+
+    pub fn u8(&mut self) -> Result<u8, Fault> {
+        Ok(u8::from_le_bytes(self.array()?))
+    }
+
+    pub fn u32(&mut self) -> Result<u32, Fault> {
+        Ok(u32::from_le_bytes(self.array()?))
+    }
+
+    pub fn i32(&mut self) -> Result<i32, Fault> {
+        Ok(i32::from_le_bytes(self.array()?))
+    }
+
+    pub fn i64(&mut self) -> Result<i64, Fault> {
+        Ok(i64::from_le_bytes(self.array()?))
+    }
+
+    pub fn f64s<const N: usize>(&mut self) -> Result<[f64; N], Fault> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            *number = f64::from_le_bytes(self.array()?);
+        }
+        Ok(numbers)
+    }
+
+    pub fn position(&mut self) -> Result<[i32; 3], Fault> {
+        Ok([self.i32()?, self.i32()?, self.i32()?])
+    }
+
+    /// Text after its length; what is not UTF-8 is replaced.
+    pub fn text(&mut self) -> Result<String, Fault> {
+        let length = self.u32()? as usize;
+        if length > LONGEST_TEXT {
+            return damaged(format!("a name of {length} bytes, at most {LONGEST_TEXT} are allowed"));
+        }
+        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
+    }
+
+    /// Fails unless what is left can hold `count` things of at least `bytes_each`.
+    pub fn check_room(&self, what: &str, count: usize, bytes_each: usize) -> Result<(), Fault> {
+        if count.checked_mul(bytes_each).is_some_and(|bytes| bytes <= self.left()) {
+            return Ok(());
+        }
+        damaged(format!("{count} {what} in the {} bytes that are left", self.left()))
+    }
+}

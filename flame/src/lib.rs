@@ -1,0 +1,16 @@
+//! From a simulated flame to its low-frequency sound (Chadwick & James 2011, §2-3).
+//!
+//! ```text
+//! import (VDB, npz, npy) ─┐
+//!                         ├─ frames: field and velocity ─ front ─ flux I(t) ─ pressure p(t)
+//! solver, scenes ─────────┘
+//! ```
+
+pub mod error;
+pub mod frame;
+pub mod grid;
+pub mod import;
+pub mod velocity;
+
+pub use error::Error;
+pub use frame::Frame;

@@ -1,0 +1,83 @@
+//! The flow's velocity at any place.
+
+use crate::grid::{Grid, Transform};
+
+/// Where in a voxel the components of a velocity stand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Placement {
+    /// All at its centre.
+    #[default]
+    Collocated,
+    /// Component a on the middle of the voxel's lower face across axis a (a MAC grid).
+    Staggered,
+}
+
+/// A velocity field: one grid of vectors, or a grid for each component.
+#[derive(Debug, Clone)]
+pub enum Velocity {
+    /// One grid of vectors along the world's axes.
+    Vectors(Grid<3>, Placement),
+    /// A grid per component, each with a transform of its own.
+    Components(Box<[Grid<1>; 3]>),
+}
+
+impl Velocity {
+    /// The velocity at a place in the world, trilinear between the samples (Chadwick & James 2011, §3); zero, or the
+    /// field's background, where nothing is stored.
+    pub fn at(&self, world: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Vectors(grid, Placement::Collocated) => trilinear(grid, grid.transform().to_index(world)),
+            Self::Vectors(grid, Placement::Staggered) => {
+                let index = grid.transform().to_index(world);
+                std::array::from_fn(|axis| {
+                    let mut shifted = index;
+                    shifted[axis] += 0.5;
+                    trilinear(grid, shifted)[axis]
+                })
+            }
+            Self::Components(grids) => {
+                std::array::from_fn(|axis| trilinear(&grids[axis], grids[axis].transform().to_index(world))[0])
+            }
+        }
+    }
+
+    /// Whether every value is finite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Self::Vectors(grid, _) => grid.is_finite(),
+            Self::Components(grids) => grids.iter().all(Grid::is_finite),
+        }
+    }
+
+    /// The transform of the field, or of its first component.
+    pub fn transform(&self) -> &Transform {
+        match self {
+            Self::Vectors(grid, _) => grid.transform(),
+            Self::Components(grids) => grids[0].transform(),
+        }
+    }
+}
+
+/// Trilinear interpolation at a fractional index.
+fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
+    // Beyond this no grid has values, and an index would not fit its type.
+    if !index.iter().all(|i| i.abs() < f64::from(1 << 30)) {
+        return grid.background().map(f64::from);
+    }
+    let base = index.map(|i| i.floor() as i32);
+    let fraction: [f64; 3] = std::array::from_fn(|axis| index[axis] - f64::from(base[axis]));
+    let mut sum = [0.0; N];
+    for corner in 0..8i32 {
+        let offset = [corner >> 2, (corner >> 1) & 1, corner & 1];
+        let weight: f64 =
+            (0..3).map(|axis| if offset[axis] == 1 { fraction[axis] } else { 1.0 - fraction[axis] }).product();
+        if weight == 0.0 {
+            continue;
+        }
+        let value = grid.value(std::array::from_fn(|axis| base[axis] + offset[axis]));
+        for (sum, value) in sum.iter_mut().zip(value) {
+            *sum += weight * f64::from(value);
+        }
+    }
+    sum
+}

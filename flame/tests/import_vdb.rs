@@ -1,0 +1,348 @@
+//! OpenVDB files of every version, codec, flag and shape, written here and read back.
+
+mod import_common;
+
+use import_common::Random;
+use import_common::trees::{Written, components};
+use import_common::vdb::{ACTIVE_MASK, BLOSC, Form, Plan, VdbFile, ZIP, doubles, text, write};
+use pyrophone_flame::grid::Grid;
+use pyrophone_flame::import::vdb::Vdb;
+use pyrophone_flame::import::{Fault, PlacementChoice, Selection, Sequence, Source};
+use pyrophone_flame::velocity::Velocity;
+
+fn assert_same<const N: usize>(found: &Grid<N>, written: &Written, what: &str) {
+    assert_eq!(found.background().as_slice(), &written.background[..N], "{what}: background");
+    let expected = written.leaves.iter().map(|(origin, values)| (origin.map(|i| i / 8), values));
+    assert_eq!(found.blocks().count(), written.leaves.len(), "{what}: leaves");
+    for ((key, block), (expected_key, values)) in found.blocks().zip(expected) {
+        assert_eq!(key, expected_key, "{what}");
+        for (slot, (found, expected)) in block.iter().zip(values).enumerate() {
+            assert_eq!(found.as_slice(), &expected[..N], "{what}: leaf {key:?}, slot {slot}");
+        }
+    }
+    assert_eq!(found.tiles().count(), written.tiles.len(), "{what}: tiles");
+    for (origin, log2, value) in found.tiles() {
+        assert_eq!(
+            Some(value.as_slice()),
+            written.tiles.get(&(log2, origin)).map(|value| &value[..N]),
+            "{what}: {origin:?}"
+        );
+    }
+}
+
+fn read_and_compare(vdb: &mut Vdb, index: usize, kind: &str, written: &Written, what: &str) {
+    if components(kind) == 3 {
+        assert_same(&vdb.vectors(index).unwrap_or_else(|fault| panic!("{what}: {fault}")), written, what);
+    } else {
+        assert_same(&vdb.scalar(index).unwrap_or_else(|fault| panic!("{what}: {fault}")), written, what);
+    }
+}
+
+/// Every version with every codec; halves and offsets in turn.
+fn forms() -> impl Iterator<Item = Form> {
+    (220..=225).flat_map(|version| {
+        let codecs: &[u32] = if version < 222 {
+            &[0, ZIP, 0, ZIP]
+        } else {
+            &[0, ZIP, ACTIVE_MASK, ZIP | ACTIVE_MASK, BLOSC, BLOSC | ACTIVE_MASK, ZIP | BLOSC | ACTIVE_MASK]
+        };
+        codecs.iter().enumerate().map(move |(index, compression)| Form {
+            version,
+            compression: *compression,
+            half: (index + version as usize / 2).is_multiple_of(2),
+            offsets: (index / 2 + version as usize).is_multiple_of(2),
+        })
+    })
+}
+
+#[test]
+fn every_version_codec_and_type() {
+    let mut random = Random(1);
+    let (mut flags, mut leaves, mut tiles) = ([0; 7], 0, [0; 3]);
+    for form in forms() {
+        let mut kinds = vec!["float", "vec3s", "double", "vec3d", "int32", "bool"];
+        if form.version == 225 {
+            kinds.push("half");
+        }
+        let plans: Vec<Plan> = kinds.iter().map(|kind| Plan::new(kind, kind)).collect();
+        let VdbFile { bytes, written } = write(form, &plans, &mut random);
+        let mut vdb = Vdb::open(&bytes).unwrap_or_else(|fault| panic!("{form:?}: {fault}"));
+        for (index, (kind, written)) in kinds.iter().zip(&written).enumerate() {
+            let written = written.as_ref().unwrap();
+            read_and_compare(&mut vdb, index, kind, written, &format!("{form:?}, {kind}"));
+            flags.iter_mut().zip(written.flags).for_each(|(sum, count)| *sum += count);
+            leaves += written.leaves.len();
+            for (log2, _) in written.tiles.keys() {
+                tiles[[3, 7, 12].iter().position(|known| known == log2).unwrap()] += 1;
+            }
+        }
+    }
+    // The trees must have had something to get wrong.
+    assert!(flags.iter().all(|count| *count > 20), "{flags:?}");
+    assert!(leaves > 1000 && tiles.iter().all(|count| *count > 100), "{leaves} {tiles:?}");
+}
+
+#[test]
+fn values_by_index() {
+    let mut random = Random(2);
+    let form = Form { version: 224, compression: BLOSC | ACTIVE_MASK, half: true, offsets: true };
+    let VdbFile { bytes, written } = write(form, &[Plan::new("flame", "float")], &mut random);
+    let written = written[0].as_ref().unwrap();
+    let grid = Vdb::open(&bytes).unwrap().scalar(0).unwrap();
+    let mut places: Vec<[i32; 3]> = written.leaves.keys().copied().collect();
+    places.extend(written.tiles.keys().map(|(_, origin)| *origin).take(500));
+    assert!(places.len() > 3);
+    for place in places {
+        for _ in 0..20 {
+            let index = place.map(|i| i + random.below(24) as i32 - 8);
+            let leaf = written.leaves.get(&index.map(|i| i >> 3 << 3));
+            let slot = index.iter().fold(0, |slot, i| slot << 3 | (*i & 7) as usize);
+            let tile =
+                || [3, 7, 12].iter().find_map(|log2| written.tiles.get(&(*log2, index.map(|i| i >> log2 << log2))));
+            let expected = leaf.map(|leaf| &leaf[slot]).or_else(tile).unwrap_or(&written.background);
+            assert_eq!(grid.value(index)[0], expected[0], "{index:?}");
+        }
+    }
+}
+
+#[test]
+fn instances_share_a_tree_and_have_a_place_of_their_own() {
+    let mut random = Random(3);
+    for offsets in [true, false] {
+        let form = Form { version: 223, compression: ZIP, half: false, offsets };
+        let plans = [
+            Plan::instance("b", "float", "a").placed("TranslationMap", &[1.0, 2.0, 3.0]),
+            Plan::new("a", "float"),
+            Plan::instance("of an instance", "float", "b"),
+            Plan::instance("of another type", "vec3s", "a"),
+            Plan::instance("of nothing", "float", "c"),
+        ];
+        let VdbFile { bytes, written } = write(form, &plans, &mut random);
+        let mut vdb = Vdb::open(&bytes).unwrap();
+        let (instance, own) = (vdb.scalar(0).unwrap(), vdb.scalar(1).unwrap());
+        assert_same(&instance, written[1].as_ref().unwrap(), "instance");
+        assert_same(&own, written[1].as_ref().unwrap(), "parent");
+        assert_eq!(instance.transform().to_world([0.0; 3]), [1.0, 2.0, 3.0]);
+        assert_eq!(own.transform().to_world([1.0; 3]), [0.5; 3]);
+        for (index, fault) in [(2, vdb.scalar(2).err()), (3, vdb.vectors(3).err()), (4, vdb.scalar(4).err())] {
+            assert!(matches!(fault, Some(Fault::Damaged(_))), "{index}: {fault:?}");
+        }
+    }
+}
+
+#[test]
+fn maps_of_every_kind() {
+    let mut random = Random(4);
+    let rest = [0.0; 12];
+    let scale = |edges: [f64; 3]| [&edges[..], &rest].concat();
+    let moved = |edges: [f64; 3]| [&[10.0, 20.0, 30.0], &edges[..], &rest].concat();
+    let turned = [0.0, 2.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+    let cases = [
+        (Plan::new("a", "float").placed("UniformScaleMap", &scale([0.1; 3])), Some([0.1, 0.2, 0.3])),
+        (Plan::new("b", "float").placed("ScaleMap", &scale([1.0, -2.0, 3.0])), Some([1.0, -4.0, 9.0])),
+        (Plan::new("c", "float").placed("UniformScaleTranslateMap", &moved([1.0; 3])), Some([11.0, 22.0, 33.0])),
+        (Plan::new("d", "float").placed("ScaleTranslateMap", &moved([1.0, 2.0, 3.0])), Some([11.0, 24.0, 39.0])),
+        (Plan::new("e", "float").placed("TranslationMap", &[1.0, 1.0, 1.0]), Some([2.0, 3.0, 4.0])),
+        (Plan::new("f", "float").placed("AffineMap", &turned), Some([-3.0, 3.0, 13.0])),
+        (Plan::new("g", "float").placed("ScaleMap", &scale([1.0, 0.0, 1.0])), None),
+        (Plan::new("h", "float").placed("ScaleMap", &scale([f64::NAN; 3])), None),
+        (Plan::new("i", "float").placed("ScaleMap", &scale([1e300; 3])), None),
+        (Plan::new("j", "float").placed("AffineMap", &[1.0; 16]), None),
+        (Plan::new("k", "float").placed("SpiralMap", &scale([1.0; 3])), None),
+    ];
+    let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
+    let plans: Vec<Plan> = cases.iter().map(|(plan, _)| plan.clone()).collect();
+    let VdbFile { bytes, .. } = write(form, &plans, &mut random);
+    let mut vdb = Vdb::open(&bytes).unwrap();
+    for (index, (plan, expected)) in cases.iter().enumerate() {
+        let found = vdb.scalar(index).ok().map(|grid| grid.transform().to_world([1.0, 2.0, 3.0]));
+        let is_near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+        let agree = match (found, expected) {
+            (Some(found), Some(expected)) => found.iter().zip(expected).all(is_near),
+            (found, expected) => found.is_none() && expected.is_none(),
+        };
+        assert!(agree, "{}: {found:?}, not {expected:?}", plan.unique_name);
+    }
+}
+
+#[test]
+fn a_frustum_is_passed_over_and_refused() {
+    let mut random = Random(5);
+    for version in [220, 221, 224] {
+        let form = Form { version, compression: ZIP, half: false, offsets: false };
+        let inner = |name: &str| {
+            let corners = if version < 221 { vec![0; 24] } else { doubles(&[0.0; 6]) };
+            [corners, doubles(&[1.0, 1.0]), text(name)].concat()
+        };
+        let mut camera = Plan::new("camera", "float");
+        camera.map = ("NonlinearFrustumMap", [inner("TranslationMap"), doubles(&[0.0; 3])].concat());
+        let VdbFile { bytes, written } = write(form, &[camera.clone(), Plan::new("box", "float")], &mut random);
+        let mut vdb = Vdb::open(&bytes).unwrap();
+        assert!(matches!(vdb.scalar(0), Err(Fault::Unsupported { .. })));
+        assert_same(&vdb.scalar(1).unwrap(), written[1].as_ref().unwrap(), "behind a frustum");
+        camera.map.1 = [inner("NonlinearFrustumMap"), inner("TranslationMap"), doubles(&[0.0; 3])].concat();
+        let VdbFile { bytes, .. } = write(form, &[camera], &mut random);
+        assert!(Vdb::open(&bytes).is_err(), "a frustum in a frustum");
+    }
+}
+
+#[test]
+fn grids_of_other_types_are_passed_over_by_their_offsets() {
+    let mut random = Random(6);
+    let points = |kind| Plan { tree: Some((vec![9; 50], vec![7; 50])), ..Plan::new("points", kind) };
+    for offsets in [true, false] {
+        let form = Form { version: 224, compression: BLOSC, half: false, offsets };
+        let VdbFile { bytes, written } =
+            write(form, &[points("ptdataidx32"), Plan::new("flame", "float")], &mut random);
+        match Vdb::open(&bytes) {
+            Ok(mut vdb) => {
+                assert!(offsets && vdb.scalar(0).is_err());
+                assert_same(&vdb.scalar(1).unwrap(), written[1].as_ref().unwrap(), "behind points");
+                assert_eq!(vdb.grids()[0].kind, "ptdataidx32");
+            }
+            Err(fault) => assert!(!offsets && fault.to_string().contains("points"), "{fault}"),
+        }
+    }
+}
+
+#[test]
+fn half_is_what_the_metadata_say() {
+    let mut random = Random(7);
+    let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
+    let tree = |half| import_common::trees::random_tree(Form { half, ..form }, "float", &mut Random(8));
+    let (topology, leaves, written) = tree(true);
+    // The type says full, the metadata half.
+    let plan = Plan { tree: Some((topology, leaves)), ..Plan::new("flame", "float") };
+    let VdbFile { bytes, .. } = write(form, &[plan.with("is_saved_as_half_float", "bool", &[1])], &mut random);
+    assert_same(&Vdb::open(&bytes).unwrap().scalar(0).unwrap(), &written, "half by metadata");
+}
+
+fn in_folder(name: &str, bytes: &[u8]) -> (tempfile::TempDir, Sequence) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join(name), bytes).unwrap();
+    let sequence = Sequence::open(&folder.path().join(name)).unwrap();
+    (folder, sequence)
+}
+
+#[test]
+fn classes_are_told_and_heeded() {
+    let mut random = Random(9);
+    let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
+    let plans = [
+        Plan::new("flame", "float").with("class", "string", b" Level Set"),
+        Plan::new("velocity", "vec3s").with("class", "string", b"staggered").with("is_local_space", "bool", &[1]),
+    ];
+    let VdbFile { bytes, written } = write(form, &plans, &mut random);
+    let (_folder, sequence) = in_folder("phi_0042.vdb", &bytes);
+    let described = sequence.describe(0).unwrap();
+    assert!(described.grids[0].is_level_set() && !described.grids[0].is_staggered());
+    assert!(described.grids[1].is_staggered() && described.grids[1].in_voxels);
+    assert_eq!(described.grids[1].voxel_edges, Some([0.5; 3]));
+    let selected = described.select(&Selection::default()).unwrap();
+    assert_eq!((selected.field, selected.velocity, selected.is_split()), (0, [1; 3], false));
+
+    let read = |placement| sequence.read(0, &Selection { placement, ..Selection::default() }).unwrap();
+    let frame = read(PlacementChoice::Collocated);
+    assert_eq!(frame.number, 42);
+    let field = written[0].as_ref().unwrap();
+    assert_eq!(frame.field.background()[0], -field.background[0]);
+    for (origin, values) in &field.leaves {
+        let block = frame.field.block(origin.map(|i| i >> 3)).unwrap();
+        assert!(block.iter().zip(values).all(|([found], expected)| *found == -expected[0]));
+    }
+    let Velocity::Vectors(found, _) = &frame.velocity else { panic!("{:?}", frame.velocity) };
+    for (origin, values) in &written[1].as_ref().unwrap().leaves {
+        let block = found.block(origin.map(|i| i >> 3)).unwrap();
+        assert!(block.iter().zip(values).all(|(found, expected)| (0..3).all(|a| found[a] == 0.5 * expected[a])));
+    }
+    use pyrophone_flame::velocity::Placement;
+    let is_staggered = |choice| matches!(read(choice).velocity, Velocity::Vectors(_, Placement::Staggered));
+    assert!(is_staggered(PlacementChoice::Staggered) && is_staggered(PlacementChoice::FromFile));
+    assert!(!is_staggered(PlacementChoice::Collocated));
+}
+
+#[test]
+fn split_velocities() {
+    let mut random = Random(10);
+    let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
+    let component = |name| Plan::new(name, "float").placed("TranslationMap", &[10.0, 20.0, 30.0]);
+    let plans = [component("vel.x"), component("vel.y"), component("vel.z"), Plan::new("flame", "float")];
+    let VdbFile { bytes, written } = write(form, &plans, &mut random);
+    let (_folder, sequence) = in_folder("a.vdb", &bytes);
+    let read = |placement| match sequence.read(0, &Selection { placement, ..Selection::default() }).unwrap().velocity {
+        Velocity::Components(grids) => grids,
+        other => panic!("{other:?}"),
+    };
+    let (centred, on_faces) = (read(PlacementChoice::FromFile), read(PlacementChoice::Staggered));
+    for axis in 0..3 {
+        assert_same(&centred[axis], written[axis].as_ref().unwrap(), "component");
+        assert_eq!(centred[axis].transform().to_world([0.0; 3]), [10.0, 20.0, 30.0]);
+        let mut lower = [10.0, 20.0, 30.0];
+        lower[axis] -= 0.5;
+        assert_eq!(on_faces[axis].transform().to_world([0.0; 3]), lower);
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_refused_where_it_is_used() {
+    let leaf = |value: f32| {
+        let mask = [0xFFu8; 64];
+        let branch = |bytes: usize, slots: usize| {
+            let mut child = vec![0u8; bytes];
+            child[0] = 1;
+            [child, vec![0; bytes], vec![6], vec![0; slots * 4]].concat()
+        };
+        let mut topology = [1i32.to_le_bytes(), 0f32.to_le_bytes(), 0u32.to_le_bytes(), 1u32.to_le_bytes()].concat();
+        topology.extend([0; 12]);
+        topology.extend([branch(4096, 32768), branch(512, 4096), mask.to_vec()].concat());
+        let mut values = [1f32; 512];
+        values[77] = value;
+        let numbers: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        (topology, [mask.to_vec(), vec![6], numbers].concat())
+    };
+    let form = Form { version: 224, compression: 0, half: false, offsets: true };
+    for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3.0] {
+        let grid = |name| Plan { tree: Some(leaf(value)), ..Plan::new(name, "float") };
+        let plans = [grid("density"), Plan::new("flame", "float"), Plan::new("velocity", "vec3s")];
+        let VdbFile { bytes, .. } = write(form, &plans, &mut Random(11));
+        let (_folder, sequence) = in_folder("a_0001.vdb", &bytes);
+        assert!(sequence.read(0, &Selection::default()).is_ok());
+        let density = Selection { field: "density".into(), ..Selection::default() };
+        let message = sequence.read(0, &density).map(|_| ()).map_err(|error| error.to_string());
+        match message {
+            Ok(()) => assert_eq!(value, 3.0),
+            Err(message) => assert!(
+                message.contains("a_0001.vdb") && message.contains("density") && message.contains("not finite"),
+                "{message}"
+            ),
+        }
+    }
+}
+
+#[test]
+fn a_tree_larger_than_its_file_allows_is_refused() {
+    // Branches of 32768 tiles each, packed to almost nothing.
+    let form = Form { version: 224, compression: ZIP, half: false, offsets: true };
+    let ramp: Vec<u8> = (0..32768u32).flat_map(|i| (1.0 + (i % 2) as f32).to_le_bytes()).collect();
+    let packed = {
+        let mut encoder = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::best());
+        std::io::Write::write_all(&mut encoder, &ramp).unwrap();
+        encoder.finish().unwrap()
+    };
+    let branches = 600u32;
+    let mut topology = [1i32.to_le_bytes(), 0f32.to_le_bytes(), 0u32.to_le_bytes(), branches.to_le_bytes()].concat();
+    for branch in 0..branches as i32 {
+        topology.extend([0, 0, branch * 4096].into_iter().flat_map(i32::to_le_bytes));
+        topology.extend([0; 8192]);
+        topology.push(6);
+        topology.extend((packed.len() as i64).to_le_bytes());
+        topology.extend(&packed);
+    }
+    let plan = Plan { tree: Some((topology, vec![])), ..Plan::new("flame", "float") };
+    let VdbFile { bytes, .. } = write(form, &[plan], &mut Random(12));
+    let seen = allocation_counter::measure(|| {
+        let mut vdb = Vdb::open(&bytes).unwrap();
+        assert!(matches!(vdb.scalar(0), Err(Fault::TooLarge { .. })));
+    });
+    assert!(seen.bytes_max < (256 << 20) + 64 * bytes.len() as u64, "{} bytes", seen.bytes_max);
+}
