@@ -26,6 +26,10 @@ pub enum Command {
     Extend(ExtendArgs),
     /// The plugin's whole chain
     Render(RenderArgs),
+    /// Flame signal of a simulated flame: flux through its front, frame by frame, and its pressure
+    Flux(FluxArgs),
+    /// Flame signal from the parts that `flux --partial` has written
+    FluxMerge(FluxMergeArgs),
 }
 
 /// Options of `pyrophone texture`.
@@ -162,5 +166,123 @@ impl DynamicRange {
             Self::Running => "running",
         };
         (Id::DynamicRange.parameter().id, text)
+    }
+}
+
+/// Options of `pyrophone flux`.
+#[derive(Debug, Args)]
+pub struct FluxArgs {
+    /// Folder of numbered .vdb, .npz or .npy frames, one .vdb or .npz frame, or a series of flux: CSV, .npy, or a sound
+    /// file whose samples are the steps
+    #[arg(long, value_name = "DIR|FILE")]
+    pub input: PathBuf,
+    /// Grid of the burning field; `flame` stands for any of the usual names
+    #[arg(long, value_name = "NAME", default_value = "flame")]
+    pub field: String,
+    /// Grid (or grids) of the velocity; `velocity` stands for any of the usual names
+    #[arg(long, value_name = "NAME", default_value = "velocity")]
+    pub velocity: String,
+    /// Where in a voxel the velocity's components stand
+    #[arg(long, value_enum, default_value_t = Placement::Collocated)]
+    pub placement: Placement,
+    /// Value of the field at the flame front [default: 0.5, of a level set 0]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub iso: Option<f64>,
+    /// Parts into which a voxel's edge is cut, 1-16
+    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
+    pub refine: usize,
+    /// Only these frames, the last included
+    #[arg(long, value_name = "A-B", value_parser = frame_range)]
+    pub frames: Option<(u64, u64)>,
+    /// Write the frames' flux as a part for flux-merge
+    #[arg(long, value_name = "FILE.csv")]
+    pub partial: Option<PathBuf>,
+    /// Interpolate frames that are missing or cannot be read, instead of giving up
+    #[arg(long)]
+    pub skip_bad: bool,
+    /// Also write the flame fronts as .ply
+    #[arg(long, value_name = "DIR")]
+    pub mesh: Option<PathBuf>,
+    /// Of every so many frames one front
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "mesh", value_parser = clap::value_parser!(u64).range(1..))]
+    pub mesh_every: u64,
+    /// What becomes of the flux.
+    #[command(flatten)]
+    pub sound: SoundArgs,
+}
+
+/// Options of `pyrophone flux-merge`.
+#[derive(Debug, Args)]
+pub struct FluxMergeArgs {
+    /// Parts that flux --partial has written, in any order
+    #[arg(value_name = "SHARD", required = true)]
+    pub shards: Vec<PathBuf>,
+    /// What becomes of the flux.
+    #[command(flatten)]
+    pub sound: SoundArgs,
+}
+
+/// Options for turning flux into sound.
+#[derive(Debug, Args)]
+pub struct SoundArgs {
+    /// File to write
+    #[arg(long, value_name = "OUT.wav")]
+    pub output: Option<PathBuf>,
+    /// Frames per second of simulated time [default: 360, or what the input says]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Sample rate of the output
+    #[arg(long, value_name = "HZ", default_value_t = 44_100, allow_negative_numbers = true)]
+    pub sample_rate: u32,
+    /// What to write
+    #[arg(long = "as", value_enum, default_value_t = Kind::Pressure)]
+    pub kind: Kind,
+    /// Level of the loudest sample, -100 to 0
+    #[arg(long, value_name = "DB", default_value_t = -6.0, allow_negative_numbers = true)]
+    pub peak_db: f64,
+    /// Corner of the pressure's high-pass, 0-1000; 0 switches it off
+    #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true)]
+    pub high_pass: f64,
+    /// Place of the first sample on the timeline, for the file's BWF time stamp
+    #[arg(long, value_name = "SAMPLES", conflicts_with = "start_frame")]
+    pub time_reference: Option<u64>,
+    /// The same by the number of the frame at which the timeline starts
+    #[arg(long, value_name = "FRAME")]
+    pub start_frame: Option<u64>,
+    /// Also write flux and area of every frame: frame,flux,area
+    #[arg(long, value_name = "FILE.csv")]
+    pub flux_csv: Option<PathBuf>,
+    /// Also write a page with pictures and figures: DIR/index.html
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+}
+
+/// Values of `--placement`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Placement {
+    /// At its centre, whatever the files say
+    Collocated,
+    /// On its lower faces, whatever the files say
+    Staggered,
+    /// As the files say
+    File,
+}
+
+/// Values of `--as`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// The flux's derivative, high-passed: the low-frequency sound
+    Pressure,
+    /// The flux's size, smoothed: an envelope for the plugin's envelope drive
+    Envelope,
+}
+
+/// `A-B` or `A`.
+fn frame_range(text: &str) -> Result<(u64, u64), String> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let number = |text: &str| text.trim().parse::<u64>().map_err(|_| format!("'{text}' is not a frame's number"));
+    match (number(first)?, number(last)?) {
+        (first, last) if first <= last => Ok((first, last)),
+        _ => Err("the first frame must not come after the last".into()),
     }
 }

@@ -22,6 +22,30 @@ pub enum Error {
     /// A parameter, preset or automation was refused.
     #[error("{0}")]
     Settings(String),
+    /// A flame could not be measured, or an option of that is out of range.
+    #[error(transparent)]
+    Flame(Box<pyrophone_flame::Error>),
+    /// A frame could not be measured.
+    #[error("{path}: {source}")]
+    Frame {
+        /// Its file.
+        path: String,
+        /// What is wrong with it.
+        source: Box<pyrophone_flame::Error>,
+    },
+    /// A simulation or series could not be read.
+    #[error(transparent)]
+    Import(Box<pyrophone_flame::import::Error>),
+    /// Stopped half way; what was done is kept.
+    #[error("{reason}; the {done} frames done are kept in {path}: run the command again to go on from there")]
+    Unfinished {
+        /// Why.
+        reason: Box<Self>,
+        /// Frames done.
+        done: usize,
+        /// Where they are kept.
+        path: String,
+    },
     /// An option contradicts another, or a file.
     #[error("{0}")]
     Conflict(String),
@@ -42,6 +66,18 @@ impl Error {
             source @ pyrophone_synthesis::Error::OutOfRange { .. } => Self::Option(source),
             source => Self::File { path: path.clone(), source },
         }
+    }
+}
+
+impl From<pyrophone_flame::Error> for Error {
+    fn from(error: pyrophone_flame::Error) -> Self {
+        Self::Flame(Box::new(error))
+    }
+}
+
+impl From<pyrophone_flame::import::Error> for Error {
+    fn from(error: pyrophone_flame::import::Error) -> Self {
+        Self::Import(Box::new(error))
     }
 }
 

@@ -30,6 +30,12 @@ fn stop(result: Result<Recording, pyrophone_recording::Error>) -> Result<Recordi
     })
 }
 
+/// Reads a file of text.
+pub fn text(path: &Path) -> Result<String, Error> {
+    let not_text = |_| Error::Conflict(format!("{}: this is not a file of text; choose another", path.display()));
+    String::from_utf8(pyrophone_recording::read(path)?).map_err(not_text)
+}
+
 /// Channels in double precision.
 pub fn as_f64(channels: &[Vec<f32>]) -> Vec<Vec<f64>> {
     channels.iter().map(|samples| samples.iter().map(|sample| f64::from(*sample)).collect()).collect()

@@ -6,9 +6,12 @@
 mod args;
 mod error;
 mod extend;
+mod flux;
+mod flux_merge;
 mod input;
 mod progress;
 mod render;
+mod report;
 mod texture;
 
 use std::process::ExitCode;
@@ -39,6 +42,8 @@ fn run(command: &Command) -> Result<(), Error> {
         Command::Texture(args) => texture::run(args, &work),
         Command::Extend(args) => extend::run(args, &work),
         Command::Render(args) => render::run(args, &work),
+        Command::Flux(args) => flux::run(args, &work),
+        Command::FluxMerge(args) => flux_merge::run(args, &work),
     }
 }
 

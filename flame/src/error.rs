@@ -36,6 +36,83 @@ pub enum Error {
         /// The largest value allowed.
         high: f64,
     },
+    /// The field burns everywhere but where it is stored.
+    #[error(
+        "the field is {background} far from everything, above the iso value {iso}: such a flame has no bounds; choose another field or a higher iso value"
+    )]
+    Unbounded {
+        /// The field's background.
+        background: f64,
+        /// The iso value.
+        iso: f64,
+    },
+    /// A surface would be too large to be meant.
+    #[error(
+        "the flame front would have {found} pieces, but at most {allowed} are worked on; check the iso value and crop the simulation"
+    )]
+    TooLarge {
+        /// Blocks or corners found.
+        found: u128,
+        /// The most allowed.
+        allowed: u128,
+    },
+    /// A voxel's index is beyond reason.
+    #[error(
+        "the field reaches index {index:?}, but indices must lie between -2^30 and 2^30; move or crop the simulation"
+    )]
+    TooFar {
+        /// The index.
+        index: [i64; 3],
+    },
+    /// A value is NaN or infinite, or became so.
+    #[error("the {what} is not a finite number everywhere; simulate or export this step again")]
+    NotFinite {
+        /// `field`, `velocity` or `flux`.
+        what: &'static str,
+    },
+    /// Not one frame was measured.
+    #[error("no frame could be measured; at least one good frame is needed")]
+    NoFrames,
+    /// A table of flux or a partial one cannot be read.
+    #[error("{name}, line {line}: {reason}; write the file again with `pyrophone flux`")]
+    Table {
+        /// The file.
+        name: String,
+        /// Line from 1.
+        line: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Partial tables were measured with different settings.
+    #[error(
+        "{first} ({first_settings}) and {second} ({second_settings}) were measured differently; measure one of them again"
+    )]
+    SettingsDiffer {
+        /// A file.
+        first: String,
+        /// Its settings.
+        first_settings: String,
+        /// Another file.
+        second: String,
+        /// Its settings.
+        second_settings: String,
+    },
+    /// Two partial tables hold the same frame.
+    #[error("frame {frame} is both in {first} and in {second}; merge shards that do not overlap")]
+    Overlap {
+        /// The frame.
+        frame: u64,
+        /// A file.
+        first: String,
+        /// Another file, or the same.
+        second: String,
+    },
+    /// Frames between the first and the last are in no partial table.
+    #[error("frame {frame} is in none of the files, but frames before and after it are; add the shard that holds it")]
+    Hole {
+        /// The first frame missing.
+        frame: u64,
+    },
     /// Work was called off by its progress callback.
     #[error("cancelled")]
     Cancelled,

@@ -63,6 +63,16 @@ impl Transform {
         std::array::from_fn(|axis| (0..3).map(|of| step[of] * self.rows[of][axis]).sum())
     }
 
+    /// A gradient per index as a gradient per world unit.
+    pub fn gradient_to_world(&self, gradient: [f64; 3]) -> [f64; 3] {
+        self.inverse.map(|row| dot(row, gradient))
+    }
+
+    /// Whether the world's axes turn the other way round than the grid's.
+    pub fn is_mirrored(&self) -> bool {
+        dot(self.rows[0], cross(self.rows[1], self.rows[2])) < 0.0
+    }
+
     /// The voxel's edges in world units.
     pub fn voxel_edges(&self) -> [f64; 3] {
         self.rows.map(length)

@@ -7,10 +7,15 @@
 //! ```
 
 pub mod error;
+pub mod flux;
 pub mod frame;
+pub mod front;
 pub mod grid;
 pub mod import;
+pub mod pressure;
 pub mod velocity;
 
 pub use error::Error;
+pub use flux::Flux;
 pub use frame::Frame;
+pub use front::Front;

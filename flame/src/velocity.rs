@@ -1,6 +1,6 @@
 //! The flow's velocity at any place.
 
-use crate::grid::{Grid, Transform};
+use crate::grid::{BLOCK, Grid, Transform, slot};
 
 /// Where in a voxel the components of a velocity stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -14,6 +14,7 @@ pub enum Placement {
 
 /// A velocity field: one grid of vectors, or a grid for each component.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a frame has one, and none is ever moved about in bulk")]
 pub enum Velocity {
     /// One grid of vectors along the world's axes.
     Vectors(Grid<3>, Placement),
@@ -66,6 +67,12 @@ fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
     }
     let base = index.map(|i| i.floor() as i32);
     let fraction: [f64; 3] = std::array::from_fn(|axis| index[axis] - f64::from(base[axis]));
+    // Mostly all eight voxels lie in one block, which then is looked up only once.
+    let is_inner = base.iter().all(|i| i & (BLOCK - 1) != BLOCK - 1);
+    let block = if is_inner { grid.block(base.map(|i| i.div_euclid(BLOCK))) } else { None };
+    if is_inner && block.is_none() {
+        return grid.outside_blocks(base).map(f64::from);
+    }
     let mut sum = [0.0; N];
     for corner in 0..8i32 {
         let offset = [corner >> 2, (corner >> 1) & 1, corner & 1];
@@ -74,7 +81,11 @@ fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
         if weight == 0.0 {
             continue;
         }
-        let value = grid.value(std::array::from_fn(|axis| base[axis] + offset[axis]));
+        let index = std::array::from_fn(|axis| base[axis] + offset[axis]);
+        let value = match block {
+            Some(block) => block[slot(index)],
+            None => grid.value(index),
+        };
         for (sum, value) in sum.iter_mut().zip(value) {
             *sum += weight * f64::from(value);
         }

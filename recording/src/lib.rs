@@ -2,9 +2,10 @@
 //!
 //! [`read`] and [`decode`] take WAV, AIFF, CAF (linear PCM), FLAC, Ogg Vorbis and MP3 and refuse,
 //! with a one-line reason, whatever cannot serve as a recording. [`resample`] brings a recording to
-//! another sample rate, [`write_wav_f32`] writes float WAV files, and [`embed`] packs a file's
+//! another sample rate, [`write_wav_f32`] and [`write_broadcast_wav_f32`] write float WAV files, and [`embed`] packs a file's
 //! bytes into text, for keeping inside a session.
 
+mod broadcast;
 mod container;
 mod decode;
 mod embed;
@@ -12,6 +13,7 @@ mod error;
 mod resample;
 mod write;
 
+pub use broadcast::{Broadcast, write_broadcast_wav_f32};
 pub use decode::{decode, decode_bytes, read};
 pub use embed::{MAX_EMBEDDED_BYTES, embed, unembed};
 pub use error::Error;

@@ -12,11 +12,7 @@ use crate::error::{clean, one_line};
 /// Fails where channels are missing, too many or unequal, and where the file cannot be written; then
 /// whatever stood at `path` before still stands there.
 pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<(), Error> {
-    crate::container::check_layout(channels.len(), Some(sample_rate_hz), &one_line(path))?;
-    let expected = channels[0].len();
-    if let Some((channel, samples)) = channels.iter().enumerate().find(|(_, samples)| samples.len() != expected) {
-        return Err(Error::UnequalChannels { path: one_line(path), channel, found: samples.len(), expected });
-    }
+    let expected = check_channels(path, channels, sample_rate_hz)?;
     let spec = hound::WavSpec {
         channels: channels.len() as u16,
         sample_rate: sample_rate_hz,
@@ -32,6 +28,16 @@ pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) ->
         }
         writer.finalize()
     })
+}
+
+/// The channels' length; fails where they are missing, too many or unequal.
+pub(crate) fn check_channels(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<usize, Error> {
+    crate::container::check_layout(channels.len(), Some(sample_rate_hz), &one_line(path))?;
+    let expected = channels[0].len();
+    if let Some((channel, samples)) = channels.iter().enumerate().find(|(_, samples)| samples.len() != expected) {
+        return Err(Error::UnequalChannels { path: one_line(path), channel, found: samples.len(), expected });
+    }
+    Ok(expected)
 }
 
 /// Fails where what is to be written to `path` holds values that are not finite: its input was too loud.

@@ -1,0 +1,134 @@
+//! `pyrophone flux`: the flame signal of a simulation, or of a series of flux.
+
+mod kept;
+mod measuring;
+pub mod sound;
+
+use std::path::Path;
+
+use pyrophone_flame::flux::{Flux, Partial};
+use pyrophone_flame::import::{Series, Timing};
+use pyrophone_recording::{check_not_among, write_file};
+use rayon::prelude::*;
+
+use self::measuring::Plan;
+use self::sound::Signal;
+use crate::args::FluxArgs;
+use crate::error::Error;
+use crate::input;
+use crate::progress::Work;
+use crate::report::{self, Picture};
+
+pub use self::measuring::make_folder;
+
+/// Pictures of the front in a report.
+const PICTURES: usize = 12;
+
+/// Tables of flux; other files are sounds or simulations.
+const TABLES: [&str; 4] = ["csv", "txt", "tsv", "npy"];
+
+/// Sounds whose samples are flux.
+const SOUNDS: [&str; 9] = ["wav", "wave", "aif", "aiff", "aifc", "caf", "flac", "ogg", "mp3"];
+
+/// Measures the frames of `input`, or takes its series, and writes what was asked for.
+pub fn run(args: &FluxArgs, work: &Work) -> Result<(), Error> {
+    let partial: Vec<&Path> = args.partial.iter().map(|path| path.as_path()).collect();
+    sound::check(&args.sound, &partial)?;
+    pyrophone_flame::Front::new(args.iso.unwrap_or(0.0), args.refine)?;
+    let extension = args.input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let is_series = TABLES.contains(&extension.as_str()) || SOUNDS.contains(&extension.as_str());
+    if is_series && !args.input.is_dir() {
+        series(args, SOUNDS.contains(&extension.as_str()), work)
+    } else {
+        simulation(args, work)
+    }
+}
+
+/// A series goes straight to pressure.
+fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<(), Error> {
+    let given = [
+        ("--iso", args.iso.is_some()),
+        ("--frames", args.frames.is_some()),
+        ("--partial", args.partial.is_some()),
+        ("--mesh", args.mesh.is_some()),
+        ("--flux-csv", args.sound.flux_csv.is_some()),
+        ("--rate", is_sound && args.sound.rate.is_some()),
+    ];
+    let shown = args.input.display();
+    if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
+        let what = if is_sound { "a sound, with a rate of its own" } else { "a series" };
+        let message = format!("{shown}: this is {what}, not a simulation, so {option} has no meaning; leave it out");
+        return Err(Error::Conflict(message));
+    }
+    for output in sound::files(&args.sound) {
+        check_not_among(output, &[&args.input])?;
+    }
+    let signal = if is_sound {
+        let recording = input::load(&args.input, work)?;
+        Signal::of_series(input::mean(&recording), 0, Some(f64::from(recording.sample_rate_hz)))
+    } else {
+        let series = Series::read(&args.input)?;
+        let first = match series.timing {
+            Timing::Frames(first) => u64::try_from(first).unwrap_or(0),
+            Timing::Times(_) if series.rate_hz.is_none() => {
+                let message = format!("{shown}: its times are uneven, but steps must be even; resample the series");
+                return Err(Error::Conflict(message));
+            }
+            Timing::Times(_) => 0,
+        };
+        Signal::of_series(series.values, first, args.sound.rate.or(series.rate_hz))
+    };
+    let facts = vec![("Series".into(), shown.to_string())];
+    sound::write(&args.sound, &signal, None, facts, vec![], work)
+}
+
+fn simulation(args: &FluxArgs, work: &Work) -> Result<(), Error> {
+    let plan = Plan::new(args, work)?;
+    let outputs: Vec<&Path> = sound::files(&args.sound).chain(args.partial.as_deref()).collect();
+    let inputs: Vec<&Path> = plan.indices.iter().map(|index| plan.sequence.path_of(*index)).collect();
+    for output in &outputs {
+        check_not_among(output, &inputs)?;
+    }
+    let Some(beside) = outputs.first().copied().or(args.sound.report.as_deref()) else { return Ok(()) };
+    let steps = plan.measure(beside, work)?;
+    if let Some(path) = &args.partial {
+        let part = Partial { settings: plan.settings.clone(), steps: steps.clone() };
+        write_file(path, |file| part.write(file))?;
+    }
+    if args.sound.report.is_none() && sound::files(&args.sound).next().is_none() {
+        return Ok(());
+    }
+    let flux = Flux::from_steps(&steps)?;
+    sound::note_interpolated(&flux.interpolated);
+    let signal = Signal::of_flux(&flux, args.sound.rate);
+    let surfaces = if args.sound.report.is_some() { surfaces(&plan, signal.rate_hz, work)? } else { vec![] };
+    let facts = vec![
+        ("Simulation".into(), args.input.display().to_string()),
+        ("Measured with".into(), plan.settings.clone()),
+        ("Interpolated".into(), format!("{} of {} frames", flux.interpolated.len(), flux.rows.len())),
+    ];
+    sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work)
+}
+
+/// Pictures of the front at even distances, in one view.
+fn surfaces(plan: &Plan, rate_hz: f64, work: &Work) -> Result<Vec<(String, Picture)>, Error> {
+    let stage = work.stage("drawing");
+    let last = plan.indices.len().saturating_sub(1);
+    let count = PICTURES.min(plan.indices.len());
+    let chosen: Vec<usize> = (0..count).map(|n| plan.indices[n * last / count.saturating_sub(1).max(1)]).collect();
+    let first = plan.sequence.numbers().nth(plan.indices.first().copied().unwrap_or(0)).unwrap_or(0);
+    let drawn: Result<Vec<_>, Error> = chosen
+        .par_iter()
+        .map(|index| {
+            work.check()?;
+            // Frames that were skipped have no picture either.
+            let frame = plan.read(*index).ok();
+            Ok(frame.and_then(|frame| Some((frame.number, plan.front.mesh(&frame.field).ok()?))))
+        })
+        .collect();
+    let drawn: Vec<_> = drawn?.into_iter().flatten().collect();
+    stage.at(0.5);
+    let view = report::View::of(drawn.iter().map(|(_, mesh)| mesh));
+    let label = |number: u64| format!("frame {number} · {:.3} s", number.saturating_sub(first) as f64 / rate_hz);
+    Ok(drawn.par_iter().map(|(number, mesh)| (label(*number), view.draw(mesh))).collect())
+}

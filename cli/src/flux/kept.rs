@@ -1,0 +1,86 @@
+//! What an interrupted run leaves for the next one: a part of the table beside the output.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use pyrophone_flame::flux::{Partial, Row, Steps};
+
+use crate::error::Error;
+
+/// What is added to the output's name.
+const SUFFIX: &str = ".flux-progress";
+
+/// Frames done so far, in a file that goes away when the work is whole.
+pub struct Kept {
+    path: PathBuf,
+    settings: String,
+    /// Frames done by the run before.
+    pub steps: Steps,
+    /// Open once there is something to keep.
+    file: Option<File>,
+    done: usize,
+}
+
+impl Kept {
+    /// Finds what a run with the same settings, over the same files, has left beside `output`.
+    pub fn open(output: &Path, settings: String) -> Self {
+        let mut name = output.file_name().unwrap_or_default().to_os_string();
+        name.push(SUFFIX);
+        let path = output.with_file_name(name);
+        // A file that cannot be read, or of other settings, is of no use: it will be written anew.
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        // The last line may have been cut off while it was written.
+        let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
+        let found = Partial::read(whole, "").ok().filter(|part| part.settings == settings);
+        let steps = found.map_or_else(Steps::new, |part| part.steps);
+        let done = steps.values().flatten().count();
+        Self { path, settings, steps, file: None, done }
+    }
+
+    /// Adds frames.
+    pub fn add<'a>(&mut self, rows: impl Iterator<Item = &'a Row>) -> Result<(), Error> {
+        let (mut text, mut count) = (vec![], 0);
+        let failure = |error: std::io::Error| {
+            let reason = error.kind().to_string();
+            Error::Recording(pyrophone_recording::Error::NotWritten { path: self.path.display().to_string(), reason })
+        };
+        for row in rows {
+            Partial::write_step(row.frame, Some(row), &mut text).map_err(failure)?;
+            count += 1;
+        }
+        if text.is_empty() {
+            return Ok(());
+        }
+        let file = match &mut self.file {
+            Some(file) => file,
+            none => {
+                let mut head = vec![];
+                Partial::write_head(&self.settings, &mut head).map_err(failure)?;
+                for (frame, row) in &self.steps {
+                    Partial::write_step(*frame, row.as_ref(), &mut head).map_err(failure)?;
+                }
+                let mut file = File::create(&self.path).map_err(failure)?;
+                file.write_all(&head).map_err(failure)?;
+                none.insert(file)
+            }
+        };
+        file.write_all(&text).and_then(|()| file.flush()).map_err(failure)?;
+        self.done += count;
+        Ok(())
+    }
+
+    /// The work is whole.
+    pub fn remove(self) {
+        drop(self.file);
+        let _ = std::fs::remove_file(&self.path);
+    }
+
+    /// The work ends early: says what is kept, if anything is.
+    pub fn unfinished(self, reason: Error) -> Error {
+        if self.done == 0 {
+            return reason;
+        }
+        Error::Unfinished { reason: Box::new(reason), done: self.done, path: self.path.display().to_string() }
+    }
+}

@@ -1,0 +1,184 @@
+//! From flux to the files that were asked for.
+
+use std::path::Path;
+
+use pyrophone_flame::flux::Flux;
+use pyrophone_flame::pressure::{self, Advice, Options};
+use pyrophone_recording::{Broadcast, check_finite, write_broadcast_wav_f32, write_file};
+
+use crate::args::{Kind, SoundArgs};
+use crate::error::Error;
+use crate::progress::{Work, note};
+use crate::report::{self, Picture, Report};
+
+/// Steps per second where nothing says otherwise: the paper's.
+const RATE_HZ: f64 = 360.0;
+
+/// How long a simulation may take to start, in seconds.
+const START_S: f64 = 0.05;
+
+/// How far its start may stand out before it is worth a word: 12 dB.
+const START_RATIO: f32 = 4.0;
+
+/// Interpolated frames that a note names.
+const NAMED_FRAMES: usize = 8;
+
+/// A flux with its time.
+pub struct Signal {
+    /// One value per step.
+    pub flux: Vec<f64>,
+    /// The front's area at every step; empty where it is not known.
+    pub area: Vec<f64>,
+    /// Number of the first step.
+    pub first_frame: u64,
+    /// Steps per second.
+    pub rate_hz: f64,
+}
+
+impl Signal {
+    /// Of measured frames.
+    pub fn of_flux(flux: &Flux, rate_hz: Option<f64>) -> Self {
+        Self {
+            flux: flux.values(),
+            area: flux.rows.iter().map(|row| row.area).collect(),
+            first_frame: flux.rows.first().map_or(0, |row| row.frame),
+            rate_hz: rate_hz.unwrap_or(RATE_HZ),
+        }
+    }
+
+    /// Of a series whose file may know its rate.
+    pub fn of_series(flux: Vec<f64>, first_frame: u64, rate_hz: Option<f64>) -> Self {
+        Self { flux, area: vec![], first_frame, rate_hz: rate_hz.unwrap_or(RATE_HZ) }
+    }
+}
+
+/// Files that are asked for, but for the report's.
+pub fn files(args: &SoundArgs) -> impl Iterator<Item = &Path> {
+    [args.output.as_deref(), args.flux_csv.as_deref()].into_iter().flatten()
+}
+
+/// Options out of range, and outputs in each other's way, are refused before any file is read. `others` are outputs
+/// beside those of `args`.
+pub fn check(args: &SoundArgs, others: &[&Path]) -> Result<(), Error> {
+    options(args, args.rate.unwrap_or(RATE_HZ)).validate()?;
+    let outputs: Vec<&Path> = files(args).chain(others.iter().copied()).collect();
+    if outputs.is_empty() && args.report.is_none() {
+        return Err(Error::Conflict("there is nothing to write; add --output OUT.wav".into()));
+    }
+    for (index, output) in outputs.iter().enumerate() {
+        if outputs[..index].contains(output) {
+            let message = format!("{}: two outputs have this name; choose another for one of them", output.display());
+            return Err(Error::Conflict(message));
+        }
+    }
+    Ok(())
+}
+
+fn options(args: &SoundArgs, rate_hz: f64) -> Options {
+    let kind = match args.kind {
+        Kind::Pressure => pressure::Kind::Pressure,
+        Kind::Envelope => pressure::Kind::Envelope,
+    };
+    Options { rate_hz, sample_rate_hz: args.sample_rate, kind, high_pass_hz: args.high_pass, peak_db: args.peak_db }
+}
+
+/// Says which frames were not measured.
+pub fn note_interpolated(frames: &[u64]) {
+    if frames.is_empty() {
+        return;
+    }
+    let named: Vec<String> = frames.iter().take(NAMED_FRAMES).map(u64::to_string).collect();
+    let more = if frames.len() > named.len() { ", ..." } else { "" };
+    note(&format!("{} frames interpolated: {}{more}", frames.len(), named.join(", ")));
+}
+
+/// A simulation that starts from rest makes one loud step, to which all the rest is scaled.
+fn note_start(samples: &[f32], sample_rate_hz: u32) {
+    let start = ((START_S * f64::from(sample_rate_hz)) as usize).min(samples.len());
+    let peak = |samples: &[f32]| samples.iter().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
+    let (first, rest) = (peak(&samples[..start]), peak(&samples[start..]));
+    if rest > 0.0 && first > START_RATIO * rest {
+        let above_db = 20.0 * (first / rest).log10();
+        note(&format!(
+            "the first {START_S} s are {above_db:.0} dB louder than all that follows: the simulation starts from rest; --frames can leave its start out"
+        ));
+    }
+}
+
+/// Renders `signal` and writes whatever `args` ask for; the sound comes last. `flux` is the table, where there is one.
+pub fn write(
+    args: &SoundArgs,
+    signal: &Signal,
+    flux: Option<&Flux>,
+    mut facts: Vec<(String, String)>,
+    surfaces: Vec<(String, Picture)>,
+    work: &Work,
+) -> Result<(), Error> {
+    let advice = Advice::on(signal.rate_hz);
+    if advice != Advice::Full && args.kind == Kind::Pressure {
+        let option = if matches!(advice, Advice::EnvelopeOnly { .. }) { " (--as envelope)" } else { "" };
+        note(&format!("at {} steps per second {advice}{option}", signal.rate_hz));
+    }
+    let sound = pressure::render(&signal.flux, &options(args, signal.rate_hz))?;
+    work.check()?;
+    if args.kind == Kind::Pressure {
+        note_start(&sound.samples, args.sample_rate);
+    }
+    let mut written = vec![];
+    if let (Some(path), Some(flux)) = (&args.flux_csv, flux) {
+        write_file(path, |file| {
+            let mut file = std::io::BufWriter::new(file);
+            flux.write_csv(&mut file).and_then(|()| std::io::Write::flush(&mut file))
+        })?;
+        written.push(path.as_path());
+    }
+    if let Some(folder) = &args.report {
+        facts.push(("Steps".into(), format!("{} at {} per second", signal.flux.len(), signal.rate_hz)));
+        facts.push(("Step rate".into(), advice.to_string()));
+        facts.push(("Scale".into(), format!("{:.4e} (peak at {} dB)", sound.scale, args.peak_db)));
+        let report = Report {
+            title: "Flame signal".into(),
+            facts,
+            surfaces,
+            flux: &signal.flux,
+            area: &signal.area,
+            rate_hz: signal.rate_hz,
+            pressure: &sound.samples,
+            sample_rate_hz: args.sample_rate,
+            is_envelope: args.kind == Kind::Envelope,
+        };
+        report::write(folder, &report).inspect_err(|_| remove(&written))?;
+    }
+    if let Some(path) = &args.output {
+        let channels = [sound.samples];
+        let broadcast = Broadcast {
+            description: format!("Flame signal, {} steps per second", signal.rate_hz),
+            time_reference_samples: time_reference(args, signal).inspect_err(|_| remove(&written))?,
+            ..Broadcast::default()
+        };
+        let result = check_finite(path, &channels)
+            .and_then(|()| write_broadcast_wav_f32(path, &channels, args.sample_rate, &broadcast));
+        result.inspect_err(|_| remove(&written))?;
+        note(&format!("scaled by {:.6e} to a peak of {} dB", sound.scale, args.peak_db));
+    }
+    Ok(())
+}
+
+/// Half of what was asked for is nothing; that the rest failed is what is reported.
+fn remove(written: &[&Path]) {
+    for path in written {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+/// Where the first sample stands on the timeline.
+fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
+    let Some(start) = args.start_frame else { return Ok(args.time_reference.unwrap_or(0)) };
+    let Some(frames) = signal.first_frame.checked_sub(start) else {
+        return Err(Error::Conflict(format!(
+            "--start-frame is {start}, but the first frame is {}; the timeline must start there or before",
+            signal.first_frame
+        )));
+    };
+    Ok((frames as f64 / signal.rate_hz * f64::from(args.sample_rate)).round() as u64)
+}

@@ -1,0 +1,32 @@
+//! `pyrophone flux-merge`: one signal from the parts that were measured apart.
+
+use pyrophone_flame::flux::{Flux, Partial};
+use pyrophone_recording::check_not_among;
+
+use crate::args::FluxMergeArgs;
+use crate::error::Error;
+use crate::flux::sound::{self, Signal};
+use crate::input::text;
+use crate::progress::Work;
+
+/// Writes what one run over all frames would have written, bit for bit.
+pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<(), Error> {
+    sound::check(&args.sound, &[])?;
+    let shards: Vec<_> = args.shards.iter().map(|path| path.as_path()).collect();
+    for output in sound::files(&args.sound) {
+        check_not_among(output, &shards)?;
+    }
+    let mut parts = vec![];
+    for path in shards {
+        let name = path.display().to_string();
+        parts.push((name.clone(), Partial::read(&text(path)?, &name)?));
+        work.check()?;
+    }
+    let merged = Partial::merge(&parts)?;
+    let flux = Flux::from_steps(&merged.steps)?;
+    sound::note_interpolated(&flux.interpolated);
+    let signal = Signal::of_flux(&flux, args.sound.rate);
+    let facts =
+        vec![("Measured with".into(), merged.settings), ("Merged from".into(), format!("{} parts", parts.len()))];
+    sound::write(&args.sound, &signal, Some(&flux), facts, vec![], work)
+}

@@ -1,0 +1,133 @@
+//! Power over frequency.
+
+use realfft::RealFftPlanner;
+
+/// Longest and shortest window in samples.
+const WINDOWS: (usize, usize) = (1 << 15, 1 << 10);
+
+/// Power spectral density by Welch's method: full scale squared per Hz.
+#[derive(Debug, Clone)]
+pub struct Spectrum {
+    bins: Vec<f64>,
+    bin_hz: f64,
+}
+
+impl Spectrum {
+    /// Of a whole sound; a short one is followed by silence. Windows (Hann) overlap by half.
+    pub fn of(samples: &[f32], sample_rate_hz: u32) -> Self {
+        let half = (samples.len() / 2).max(1);
+        let size = (1 << half.ilog2()).clamp(WINDOWS.1, WINDOWS.0);
+        let window: Vec<f64> =
+            (0..size).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / size as f64).cos()).collect();
+        let energy: f64 = window.iter().map(|x| x * x).sum();
+        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let (mut time, mut frequency) = (transform.make_input_vec(), transform.make_output_vec());
+        let mut bins = vec![0.0; size / 2 + 1];
+        let starts: Vec<usize> = (0..=samples.len().saturating_sub(size)).step_by(size / 2).collect();
+        for start in &starts {
+            for (n, (slot, window)) in time.iter_mut().zip(&window).enumerate() {
+                *slot = samples.get(start + n).map_or(0.0, |sample| f64::from(*sample) * window);
+            }
+            // Both buffers are of the transform's own making.
+            if transform.process(&mut time, &mut frequency).is_ok() {
+                bins.iter_mut().zip(&frequency).for_each(|(bin, value)| *bin += value.norm_sqr());
+            }
+        }
+        let scale = 2.0 / (energy * f64::from(sample_rate_hz) * starts.len().max(1) as f64);
+        bins.iter_mut().for_each(|bin| *bin *= scale);
+        Self { bins, bin_hz: f64::from(sample_rate_hz) / size as f64 }
+    }
+
+    /// Power between two frequencies in Hz.
+    pub fn power(&self, low_hz: f64, high_hz: f64) -> f64 {
+        self.between(low_hz, high_hz).map(|(_, density)| density).sum::<f64>() * self.bin_hz
+    }
+
+    /// Frequencies in Hz, each with the density round it in dB per Hz: means over a 24th of an octave, where that holds
+    /// more than one value.
+    pub fn levels_db(&self, low_hz: f64, high_hz: f64) -> Vec<(f64, f64)> {
+        let part = |hz: f64| (24.0 * hz.log2()).floor() as i64;
+        let values: Vec<(f64, f64)> = self.between(low_hz, high_hz).filter(|(hz, _)| *hz > 0.0).collect();
+        let means = values.chunk_by(|a, b| part(a.0) == part(b.0)).map(|values| {
+            let mean = |value: fn(&(f64, f64)) -> f64| values.iter().map(value).sum::<f64>() / values.len() as f64;
+            (mean(|value| value.0), 10.0 * mean(|value| value.1).max(1e-30).log10())
+        });
+        means.collect()
+    }
+
+    /// The exponent of the power law that fits best between two frequencies, on logarithmic axes; none where there is
+    /// nothing to fit.
+    pub fn slope(&self, low_hz: f64, high_hz: f64) -> Option<f64> {
+        let points: Vec<(f64, f64)> = self
+            .between(low_hz, high_hz)
+            .filter(|(hz, density)| *hz > 0.0 && *density > 0.0)
+            .map(|(hz, density)| (hz.log10(), density.log10()))
+            .collect();
+        let count = points.len() as f64;
+        let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / count;
+        let (x, y) = (mean(|point| point.0), mean(|point| point.1));
+        let (above, below) = points.iter().fold((0.0, 0.0), |(above, below), point| {
+            (above + (point.0 - x) * (point.1 - y), below + (point.0 - x) * (point.0 - x))
+        });
+        (points.len() >= 3).then_some(above / below)
+    }
+
+    /// Highest frequency in Hz.
+    pub fn nyquist_hz(&self) -> f64 {
+        self.bin_hz * (self.bins.len() - 1) as f64
+    }
+
+    fn between(&self, low_hz: f64, high_hz: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let bins = self.bins.iter().enumerate().map(|(bin, density)| (bin as f64 * self.bin_hz, *density));
+        bins.filter(move |(hz, _)| (low_hz..=high_hz).contains(hz))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White noise, the same every time.
+    fn noise(samples: usize) -> Vec<f32> {
+        let mut state = 1u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+        };
+        (0..samples).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn power_is_the_signals() {
+        let noise = noise(400_000);
+        let spectrum = Spectrum::of(&noise, 44_100);
+        let power = noise.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / noise.len() as f64;
+        assert!((spectrum.power(0.0, 22_050.0) / power - 1.0).abs() < 0.02);
+        assert!(spectrum.slope(100.0, 10_000.0).unwrap().abs() < 0.05);
+        let sine: Vec<f32> = (0..100_000).map(|n| (std::f32::consts::TAU * 0.01 * n as f32).sin()).collect();
+        assert!((Spectrum::of(&sine, 44_100).power(400.0, 480.0) - 0.5).abs() < 0.01);
+    }
+
+    #[test]
+    fn an_integrated_noise_falls_with_the_square() {
+        let mut sum = 0.0;
+        let walk: Vec<f32> = noise(400_000)
+            .iter()
+            .map(|x| {
+                sum = 0.9999 * sum + x;
+                sum
+            })
+            .collect();
+        let slope = Spectrum::of(&walk, 44_100).slope(30.0, 3000.0).unwrap();
+        assert!((slope + 2.0).abs() < 0.05, "{slope}");
+    }
+
+    #[test]
+    fn short_sounds_have_spectra_too() {
+        for count in [0, 1, 100, 5000] {
+            let spectrum = Spectrum::of(&noise(count), 8000);
+            assert!(spectrum.power(0.0, 4000.0).is_finite() && spectrum.nyquist_hz() == 4000.0);
+        }
+        assert_eq!(Spectrum::of(&[0.0; 3000], 8000).slope(30.0, 180.0), None);
+    }
+}

@@ -1,0 +1,323 @@
+//! `pyrophone flux` and `flux-merge`: what is measured, kept, put together and refused.
+
+mod common;
+
+use std::fs::File;
+use std::path::Path;
+
+use common::{pyrophone, read, reference, refuses, succeeds, write};
+use pyrophone_flame::flux::{Flux, Partial};
+use pyrophone_flame::import::npz::{DenseFrame, write_frame};
+use tempfile::TempDir;
+
+/// Voxels along an edge.
+const SIZE: usize = 16;
+
+/// A ball of flame that breathes, in a flow away from its middle.
+fn flame(path: &Path, number: u64, voxel_size: f64) {
+    let radius = 5.0 + 0.7 * (number as f64 * 0.9).sin();
+    let from_middle = |n: usize| -> [f64; 3] {
+        [n / (SIZE * SIZE), n / SIZE % SIZE, n % SIZE].map(|i| i as f64 - 0.5 * (SIZE - 1) as f64)
+    };
+    let away = |n: usize| from_middle(n).iter().map(|x| x * x).sum::<f64>().sqrt();
+    let count = SIZE * SIZE * SIZE;
+    let frame = DenseFrame {
+        shape: [SIZE; 3],
+        flame: &(0..count).map(|n| [(0.5 + 0.25 * (radius - away(n))).clamp(0.0, 1.0) as f32]).collect::<Vec<_>>(),
+        velocity: &(0..count).map(|n| from_middle(n).map(|x| x as f32)).collect::<Vec<_>>(),
+        voxel_size,
+        origin: [0.0; 3],
+        time_s: None,
+    };
+    write_frame(File::create(path).unwrap(), &frame).unwrap();
+}
+
+/// A folder with `flame/flame_0003.npz` to `flame_0022.npz`.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("flame")).unwrap();
+    for number in 3..=22 {
+        flame(&frame(folder.path(), number), number, 0.1);
+    }
+    folder
+}
+
+fn frame(folder: &Path, number: u64) -> std::path::PathBuf {
+    folder.join("flame").join(format!("flame_{number:04}.npz"))
+}
+
+fn bytes(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).unwrap()
+}
+
+fn table(folder: &Path, name: &str) -> Flux {
+    Flux::read_csv(&std::fs::read_to_string(folder.join(name)).unwrap(), name).unwrap()
+}
+
+/// Standard error of a run that succeeds.
+fn notes(folder: &Path, arguments: &str) -> String {
+    let output = pyrophone(folder, arguments);
+    let notes = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{arguments}: {notes}");
+    assert!(notes.lines().all(|line| line.starts_with("note: ")), "{notes}");
+    notes
+}
+
+#[test]
+fn shards_make_what_one_run_makes() {
+    let folder = folder();
+    let at = folder.path();
+    let options = "--peak-db -12 --sample-rate 48000 --start-frame 1";
+    succeeds(at, &format!("flux --input flame --output one.wav --flux-csv one.csv {options}"));
+    let sound = read(&at.join("one.wav"));
+    assert_eq!((sound.sample_rate_hz, sound.len_samples()), (48_000, 20 * 48_000 / 360 + 1));
+    let peak = sound.channels[0].iter().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
+    assert!((20.0 * peak.log10() + 12.0).abs() < 1e-3, "{peak}");
+    // Two frames after the start of the timeline.
+    let file = bytes(at, "one.wav");
+    let bext = file.windows(4).position(|id| id == b"bext").unwrap() + 8;
+    assert_eq!(file[bext + 338..bext + 346], 267u64.to_le_bytes());
+    let flux = table(at, "one.csv");
+    assert_eq!(flux.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), (3..=22).collect::<Vec<_>>());
+    // The flow is as fast as it is far from the middle, in voxels. The spline takes a little off so small a ball.
+    for row in &flux.rows {
+        let radius = 0.1 * (5.0 + 0.7 * (row.frame as f64 * 0.9).sin());
+        assert!((row.area / (4.0 * std::f64::consts::PI * radius * radius) - 1.0).abs() < 0.1, "{row:?}");
+        assert!((row.flux / (row.area * radius * 10.0) - 1.0).abs() < 0.1, "{row:?}");
+    }
+
+    for (name, frames) in [("b.csv", "9-9"), ("c.csv", "10-22"), ("a.csv", "3-8")] {
+        succeeds(at, &format!("flux --input flame --frames {frames} --partial {name}"));
+    }
+    succeeds(at, &format!("flux-merge c.csv a.csv b.csv --output merged.wav --flux-csv merged.csv {options}"));
+    assert_eq!(bytes(at, "merged.wav"), file);
+    assert_eq!(bytes(at, "merged.csv"), bytes(at, "one.csv"));
+    // Nothing is left of the work in progress.
+    let left = std::fs::read_dir(at)
+        .unwrap()
+        .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().contains("progress"));
+    assert_eq!(left.count(), 0);
+
+    refuses(at, "flux-merge a.csv c.csv --output x.wav", 1, &["frame 9", "none of the files"]);
+    refuses(at, "flux-merge a.csv b.csv c.csv a.csv --output x.wav", 1, &["frame 3", "a.csv", "overlap"]);
+    succeeds(at, "flux --input flame --frames 9-9 --iso 0.6 --partial other.csv");
+    refuses(at, "flux-merge a.csv other.csv c.csv --output x.wav", 1, &["a.csv", "other.csv", "iso 0.5", "iso 0.6"]);
+    refuses(at, "flux-merge one.csv --output x.wav", 1, &["one.csv", "line 1", "not a part"]);
+    refuses(at, "flux-merge a.csv none.csv --output x.wav", 1, &["none.csv", "no such file"]);
+    refuses(at, "flux-merge a.csv --output a.csv", 1, &["a.csv", "overwrite"]);
+    refuses(at, "flux-merge one.wav --output x.wav", 1, &["one.wav", "text"]);
+    refuses(at, "flux-merge --output x.wav", 2, &["SHARD"]);
+}
+
+#[test]
+fn an_interrupted_run_goes_on() {
+    let folder = folder();
+    let at = folder.path();
+    succeeds(at, "flux --input flame --output whole.wav --flux-csv whole.csv");
+    // A frame that cannot be read ends the work; those before it are kept.
+    let good = bytes(at, "flame/flame_0022.npz");
+    std::fs::write(frame(at, 22), &good[..good.len() / 2]).unwrap();
+    let output = pyrophone(at, "flux --input flame --output out.wav --flux-csv out.csv");
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        error.lines().count() == 1 && error.contains("flame_0022.npz") && error.contains("out.wav.flux-progress"),
+        "{error}"
+    );
+    assert!(!at.join("out.wav").exists() && !at.join("out.csv").exists());
+    let kept = std::fs::read_to_string(at.join("out.wav.flux-progress")).unwrap();
+    let rows = Partial::read(&kept, "kept").unwrap().steps.len();
+    assert!(rows > 0 && error.contains(&format!("the {rows} frames done")), "{error}");
+
+    // Numbers that are kept are not measured again: changed by hand, they come out.
+    let changed: String = kept
+        .lines()
+        .map(|line| if line.starts_with("5,") { "5,7.5,1.0,1.0\n".into() } else { format!("{line}\n") })
+        .collect();
+    std::fs::write(at.join("out.wav.flux-progress"), changed + "6,1.0,").unwrap();
+    let said = notes(at, "flux --input flame --output out.wav --flux-csv out.csv --skip-bad");
+    assert!(
+        said.contains(&format!("{rows} of 20 frames were done")) && said.contains("1 frames interpolated: 22"),
+        "{said}"
+    );
+    let (whole, out) = (table(at, "whole.csv"), table(at, "out.csv"));
+    assert_eq!(out.rows[2].flux, 7.5);
+    assert!(whole.rows[3..19].iter().zip(&out.rows[3..19]).all(|(a, b)| a.flux.to_bits() == b.flux.to_bits()));
+    assert_eq!(out.rows[19].flux, out.rows[18].flux);
+    assert!(!at.join("out.wav.flux-progress").exists());
+
+    // Other settings or other files: what was kept is of no use.
+    for options in ["--iso 0.4", ""] {
+        std::fs::write(frame(at, 22), &good[..good.len() / 3]).unwrap();
+        std::fs::write(at.join("out.wav.flux-progress"), &kept).unwrap();
+        std::fs::write(frame(at, 22), &good).unwrap();
+        let said = notes(at, &format!("flux --input flame --output out.wav --flux-csv out.csv {options}"));
+        assert!(!said.contains("done by the run before"), "{said}");
+    }
+    assert_eq!(bytes(at, "out.wav"), bytes(at, "whole.wav"));
+}
+
+#[test]
+fn bad_frames_are_refused_or_interpolated() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::remove_file(frame(at, 9)).unwrap();
+    std::fs::write(frame(at, 15), b"no frame").unwrap();
+    refuses(at, "flux --input flame --output out.wav", 1, &["frame 9 is missing", "--skip-bad"]);
+    let error = pyrophone(at, "flux --input flame --output out.wav --frames 10-22").stderr;
+    assert!(String::from_utf8(error).unwrap().contains("flame_0015.npz"));
+    let said = notes(at, "flux --input flame --output out.wav --flux-csv out.csv --skip-bad");
+    assert!(said.contains("frame 15 is skipped") && said.contains("2 frames interpolated: 9, 15"), "{said}");
+    let rows = table(at, "out.csv").rows;
+    assert!((rows[6].flux - 0.5 * (rows[5].flux + rows[7].flux)).abs() < 1e-12);
+    // The same from shards, although the gap lies at the end of one.
+    succeeds(at, "flux --input flame --frames 3-9 --partial a.csv --skip-bad");
+    succeeds(at, "flux --input flame --frames 10-22 --partial b.csv --skip-bad");
+    succeeds(at, "flux-merge a.csv b.csv --output merged.wav");
+    assert_eq!(bytes(at, "merged.wav"), bytes(at, "out.wav"));
+    refuses(at, "flux --input flame --output x.wav --frames 1-9", 1, &["--frames is 1-9", "3-22"]);
+    flame(&frame(at, 9), 9, 0.2);
+    std::fs::remove_file(frame(at, 15)).unwrap();
+    let output = pyrophone(at, "flux --input flame --output x.wav --skip-bad");
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.code() == Some(1) && error.contains("the voxels of frame 9") && error.contains("0.2"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_series_goes_straight_to_pressure() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let flux: Vec<f64> = (0..720).map(|step| (std::f64::consts::TAU * 60.0 * f64::from(step) / 360.0).sin()).collect();
+    let rows: String = flux.iter().enumerate().map(|(frame, flux)| format!("{frame},{flux:?},1\n")).collect();
+    std::fs::write(at.join("flux.csv"), format!("frame,flux,area\n{rows}")).unwrap();
+    succeeds(at, "flux --input flux.csv --output csv.wav --time-reference 12345678901");
+    let sound = read(&at.join("csv.wav"));
+    assert_eq!((sound.sample_rate_hz, sound.len_samples(), sound.channels.len()), (44_100, 88_200, 1));
+    let file = bytes(at, "csv.wav");
+    let bext = file.windows(4).position(|id| id == b"bext").unwrap() + 8;
+    assert_eq!(file[bext + 338..bext + 346], 12_345_678_901u64.to_le_bytes());
+    // A sound's samples are steps at its own rate.
+    let dense: Vec<f32> = (0..4000).map(|n| (std::f32::consts::TAU * 60.0 * n as f32 / 2000.0).sin()).collect();
+    write(at, "dense.wav", &[dense], 2000);
+    succeeds(at, "flux --input dense.wav --output dense_out.wav");
+    let dense = read(&at.join("dense_out.wav"));
+    assert_eq!(dense.len_samples(), 88_200);
+    // Both are cosines of 60 Hz at -6 dB.
+    let far = (40_000..50_000).map(|n| (dense.channels[0][n] - sound.channels[0][n]).abs()).fold(0.0, f32::max);
+    assert!(far < 0.1, "{far}");
+    for option in ["--rate 100", "--iso 0.5", "--partial x.csv", "--frames 1-2", "--flux-csv y.csv", "--mesh z"] {
+        let name = option.split(' ').next().unwrap();
+        refuses(
+            at,
+            &format!("flux --input dense.wav --output x.wav {option}"),
+            1,
+            &["dense.wav", name, "leave it out"],
+        );
+    }
+    refuses(at, "flux --input flux.csv --output flux.csv", 1, &["flux.csv", "overwrite"]);
+    std::fs::write(at.join("bad.csv"), "frame,flux\n1,2\n2,x\n").unwrap();
+    refuses(at, "flux --input bad.csv --output x.wav", 1, &["bad.csv", "line 3"]);
+    std::fs::write(at.join("still.csv"), "1.5\n".repeat(100)).unwrap();
+    succeeds(at, "flux --input still.csv --output still.wav");
+    assert!(read(&at.join("still.wav")).channels[0].iter().all(|sample| *sample == 0.0));
+}
+
+#[test]
+fn low_rates_are_said_to_be_envelopes() {
+    let folder = folder();
+    let at = folder.path();
+    let said = notes(at, "flux --input flame --output p.wav --rate 24");
+    assert!(said.contains("12 Hz only") && said.contains("--as envelope"), "{said}");
+    let said = notes(at, "flux --input flame --output e.wav --rate 24 --as envelope --peak-db 0");
+    assert!(!said.contains("12 Hz"), "{said}");
+    let envelope = read(&at.join("e.wav"));
+    assert!(envelope.channels[0].iter().all(|sample| (0.0..=1.0).contains(sample)));
+    assert!(notes(at, "flux --input flame --output p.wav --rate 120").contains("60 Hz only"));
+    assert!(notes(at, "flux --input flame --output p.wav --rate 360").contains("scaled by"));
+}
+
+#[test]
+fn fronts_and_reports_are_written() {
+    let folder = folder();
+    let at = folder.path();
+    succeeds(at, "flux --input flame --output p.wav --mesh fronts --mesh-every 5 --report told");
+    let mut fronts: Vec<String> =
+        at.join("fronts").read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    fronts.sort();
+    assert_eq!(fronts, ["front_0003.ply", "front_0008.ply", "front_0013.ply", "front_0018.ply"]);
+    assert!(bytes(at, "fronts/front_0003.ply").starts_with(b"ply\n"));
+    let page = std::fs::read_to_string(at.join("told/index.html")).unwrap();
+    for part in
+        ["Flame front", "frame 22", "Velocity flux", "Area", "Spectrum", "iso 0.5", "Crest factor", "voxel 0.1 x"]
+    {
+        assert!(page.contains(part), "{part}");
+    }
+    assert_eq!(page.matches("<figure>").count(), 12);
+    // A report alone is enough.
+    succeeds(at, "flux --input flame --frames 3-4 --report alone");
+    assert!(at.join("alone/index.html").is_file());
+}
+
+#[test]
+fn bad_options_are_refused() {
+    let folder = folder();
+    let at = folder.path();
+    write(at, "good.wav", &[vec![0.1; 2000]], 8000);
+    for (options, says) in [
+        ("--output x.wav --rate 0", &["step rate", "0", "768000"][..]),
+        ("--output x.wav --refine 0", &["refinement", "0", "16"]),
+        ("--output x.wav --iso nan", &["iso", "NaN"]),
+        ("--output x.wav --peak-db 3", &["peak", "3", "-100"]),
+        ("--output x.wav --high-pass -5", &["high-pass", "-5", "1000"]),
+        ("--output x.wav --sample-rate 1000", &["sample rate", "1000", "8000"]),
+        ("--output x.wav --field smoke", &["smoke", "flame"]),
+        ("--output x.wav --velocity wind", &["wind", "velocity"]),
+        ("--output x.wav --start-frame 4", &["--start-frame is 4", "first frame is 3"]),
+        ("--output x.wav --flux-csv x.wav", &["x.wav", "two outputs"]),
+        ("--partial x.csv --flux-csv x.csv", &["x.csv", "two outputs"]),
+        ("--output flame/flame_0004.npz", &["flame_0004.npz", "overwrite"]),
+        ("--output no/folder/x.wav", &["cannot be written"]),
+        ("", &["nothing to write", "--output"]),
+    ] {
+        refuses(at, &format!("flux --input flame {options}"), 1, says);
+    }
+    for (options, says) in [
+        ("--frames 9-3", &["first frame", "last"][..]),
+        ("--frames x", &["'x'"]),
+        ("--time-reference 5 --start-frame 1", &["--time-reference", "--start-frame"]),
+        ("--mesh-every 2", &["--mesh"]),
+        ("--mesh m --mesh-every 0", &["--mesh-every"]),
+        ("--placement here", &["here", "collocated"]),
+    ] {
+        refuses(at, &format!("flux --input flame --output x.wav {options}"), 2, says);
+    }
+    refuses(at, "flux --input none --output x.wav", 1, &["none", "no such file"]);
+    refuses(at, "flux --input none.wav --output x.wav", 1, &["none.wav", "no such file"]);
+}
+
+/// The reference flame through the program: the staggered grid is pointed out, and sampling it where it stands is not
+/// what the reference has.
+#[test]
+fn the_reference_flame() {
+    let Some(reference) = reference() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let input = reference.join("flame_cache");
+    let run = |name: &str, options: &str| {
+        notes(at, &format!("flux --input {} --frames 1-6 --flux-csv {name} {options}", input.display()))
+    };
+    let said = run("a.csv", "");
+    assert!(said.contains("velocity is staggered") && said.contains("--placement file"), "{said}");
+    assert!(!run("b.csv", "--placement file").contains("staggered"));
+    let expected = std::fs::read_to_string(input.join("flux_reference.csv")).unwrap();
+    let expected = Flux::read_csv(&expected, "reference").unwrap().rows;
+    let (plain, staggered) = (table(at, "a.csv").rows, table(at, "b.csv").rows);
+    for (row, expected) in plain.iter().zip(&expected) {
+        assert!((row.flux / expected.flux - 1.0).abs() < 0.02 && (row.area / expected.area - 1.0).abs() < 0.01);
+    }
+    assert_eq!(plain.len(), 6);
+    assert!((staggered[0].flux + 0.497).abs() < 0.02, "{:?}", staggered[0]);
+}

@@ -1,0 +1,185 @@
+//! The cells that can hold the surface. Cell (i, j, k) lies between voxels (i, j, k) and (i+1, j+1, k+1).
+
+use super::spline::Patch;
+use crate::error::Error;
+use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, slot};
+
+/// Most blocks of cells that the boundaries of a field's tiles may touch; a real flame's touch some thousands.
+const MAX_TILE_BLOCKS: u128 = 1 << 22;
+
+/// Voxels beyond this index are refused: arithmetic on them would leave the range of an index.
+const MAX_INDEX: i64 = 1 << 30;
+
+/// Voxels that the cells of a block see along each axis: one before, two after.
+const REACH: usize = BLOCK as usize + 3;
+
+/// What the samples' rounding may add to the bounds of a cell, as a part of its largest value.
+const ROUNDING: f64 = 1e-12;
+
+/// Hands over, in ascending order of blocks and of cells in them, every cell whose spline can cross `level`.
+///
+/// Fails where tiles have so much surface, or lie so far away, that they cannot be meant.
+pub(super) fn visit(field: &Grid<1>, level: f64, mut visit: impl FnMut([i32; 3], &Patch)) -> Result<(), Error> {
+    let mut seen = Neighbourhood::new();
+    for key in candidates(field)? {
+        if seen.gather(field, key) {
+            seen.crossed(level, |cell, patch| visit(std::array::from_fn(|axis| key[axis] * BLOCK + cell[axis]), patch));
+        }
+    }
+    Ok(())
+}
+
+/// Keys of the blocks of cells that see more than one value: all that see a block, or a tile and what is not that tile.
+fn candidates(field: &Grid<1>) -> Result<Vec<[i32; 3]>, Error> {
+    let tile_blocks: u128 = field.tiles().map(|(_, log2, _)| shell_blocks(log2)).sum();
+    if tile_blocks > MAX_TILE_BLOCKS {
+        return Err(Error::TooLarge { found: tile_blocks, allowed: MAX_TILE_BLOCKS });
+    }
+    let mut keys = vec![];
+    for (key, _) in field.blocks() {
+        check_index(key.map(|key| i64::from(key) * i64::from(BLOCK)))?;
+        keys.extend(shell([key; 2].map(|key| key.map(i64::from))));
+    }
+    for (origin, log2, _) in field.tiles() {
+        let last = origin.map(|i| i64::from(i) + (1 << log2) - 1);
+        check_index(origin.map(i64::from))?;
+        check_index(last)?;
+        keys.extend(shell([origin.map(i64::from), last].map(|index| index.map(|i| i.div_euclid(i64::from(BLOCK))))));
+    }
+    keys.sort_unstable();
+    keys.dedup();
+    Ok(keys)
+}
+
+fn check_index(index: [i64; 3]) -> Result<(), Error> {
+    if index.iter().any(|i| i.abs() >= MAX_INDEX) { Err(Error::TooFar { index }) } else { Ok(()) }
+}
+
+/// How many keys [`shell`] gives for a tile.
+fn shell_blocks(log2: u32) -> u128 {
+    let edge = 1u128 << log2.clamp(3, 26).saturating_sub(3);
+    (edge + 2).pow(3) - edge.saturating_sub(2).pow(3)
+}
+
+/// Keys of the blocks of cells that see a cube of blocks and more than that: its own outermost and those round it.
+fn shell([first, last]: [[i64; 3]; 2]) -> impl Iterator<Item = [i32; 3]> {
+    let range = move |axis: usize| first[axis] - 1..=last[axis] + 1;
+    let is_within = move |axis: usize, key: i64| key > first[axis] && key < last[axis];
+    range(0).flat_map(move |x| {
+        range(1).flat_map(move |y| {
+            let hollow = is_within(0, x) && is_within(1, y) && last[2] - first[2] >= 2;
+            let (near, far) = if hollow { (first[2], last[2]) } else { (last[2] + 1, last[2] + 2) };
+            // In range: check_index has seen both ends.
+            (first[2] - 1..=near).chain(far..=last[2] + 1).map(move |z| [x as i32, y as i32, z as i32])
+        })
+    })
+}
+
+/// The voxels that the cells of one block see, x slowest.
+struct Neighbourhood {
+    values: Vec<f32>,
+}
+
+/// A block, or the one value of whatever is there instead.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    Block(&'a [[f32; 1]; BLOCK_VOXELS]),
+    Constant(f32),
+}
+
+impl Neighbourhood {
+    fn new() -> Self {
+        Self { values: vec![0.0; REACH.pow(3)] }
+    }
+
+    /// Fills itself for the block of cells at `key`; answers whether it holds more than one value.
+    fn gather(&mut self, field: &Grid<1>, key: [i32; 3]) -> bool {
+        let sources: [Source<'_>; 27] = std::array::from_fn(|n| {
+            let offset = [n / 9, n / 3 % 3, n % 3];
+            let key: [i32; 3] = std::array::from_fn(|axis| key[axis] + offset[axis] as i32 - 1);
+            match field.block(key) {
+                Some(block) => Source::Block(block),
+                // No tile is smaller than a block.
+                None => Source::Constant(field.outside_blocks(key.map(|key| key * BLOCK))[0]),
+            }
+        });
+        if let Source::Constant(first) = sources[0]
+            && sources.iter().all(|source| matches!(source, Source::Constant(value) if *value == first))
+        {
+            return false;
+        }
+        for (n, value) in self.values.iter_mut().enumerate() {
+            // Index in the neighbourhood to index in the 3×3×3 blocks.
+            let index = [n / (REACH * REACH), n / REACH % REACH, n % REACH].map(|i| i + BLOCK as usize - 1);
+            let source = index.iter().fold(0, |source, i| 3 * source + i / BLOCK as usize);
+            *value = match sources[source] {
+                Source::Block(block) => block[slot(index.map(|i| i as i32))][0],
+                Source::Constant(value) => value,
+            };
+        }
+        true
+    }
+
+    /// Hands over the cells, counted from the block's first, whose spline can cross `level`.
+    fn crossed(&self, level: f64, mut visit: impl FnMut([i32; 3], &Patch)) {
+        // A bit per voxel of a row along z.
+        let mut rows = [[0u16; REACH]; REACH];
+        for (n, row) in self.values.chunks_exact(REACH).enumerate() {
+            let inside = row.iter().enumerate().map(|(z, value)| u16::from(f64::from(*value) > level) << z);
+            rows[n / REACH][n % REACH] = inside.sum();
+        }
+        let edge = BLOCK as usize;
+        for (x, y) in (0..edge).flat_map(|x| (0..edge).map(move |y| (x, y))) {
+            let seen = || rows[x..x + 4].iter().flat_map(|rows| &rows[y..y + 4]);
+            let any = seen().fold(0, |any, row| any | row);
+            let all = seen().fold(u16::MAX, |all, row| all & row);
+            // Bit z now tells of the four voxels from z on.
+            let any = any | any >> 1 | any >> 2 | any >> 3;
+            let all = all & all >> 1 & all >> 2 & all >> 3;
+            for z in (0..edge).filter(|z| ((any & !all) >> z) & 1 == 1) {
+                let patch = self.patch([x, y, z]);
+                let (low, high) = patch.bounds();
+                let largest = patch.coefficients.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+                let margin = ROUNDING * largest;
+                if low - margin <= level && high + margin >= level {
+                    visit([x, y, z].map(|i| i as i32), &patch);
+                }
+            }
+        }
+    }
+
+    fn patch(&self, [x, y, z]: [usize; 3]) -> Patch {
+        let at = |n: usize| ((x + (n >> 4)) * REACH + y + ((n >> 2) & 3)) * REACH + z + (n & 3);
+        Patch { coefficients: std::array::from_fn(|n| f64::from(self.values[at(n)])) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_is_all_but_the_core() {
+        for edge in 1..6i64 {
+            let (first, last) = ([-3, 0, 7], [-4 + edge, edge - 1, 6 + edge]);
+            let mut found: Vec<[i32; 3]> = shell([first, last]).collect();
+            found.sort_unstable();
+            let all = |axis: usize| (first[axis] - 1..=last[axis] + 1).collect::<Vec<_>>();
+            let mut expected = vec![];
+            for x in all(0) {
+                for y in all(1) {
+                    for z in all(2) {
+                        let key = [x, y, z];
+                        if !(0..3).all(|axis| key[axis] > first[axis] && key[axis] < last[axis]) {
+                            expected.push(key.map(|key| key as i32));
+                        }
+                    }
+                }
+            }
+            assert_eq!(found, expected, "{edge}");
+            if edge.count_ones() == 1 {
+                assert_eq!(shell_blocks(edge.trailing_zeros() + 3), expected.len() as u128);
+            }
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! The flame front: the surface on which the field, smoothed by cubic B-splines, equals a value.
+
+mod cells;
+mod measure;
+mod mesh;
+mod spline;
+mod tetrahedra;
+
+pub use measure::{Front, Measure};
+pub use mesh::Mesh;

@@ -1,0 +1,272 @@
+//! From flux at the simulation's steps to sound pressure at audio rate (Chadwick & James 2011, §3, eq. 9-11).
+
+use pyrophone_synthesis::controls::{DriveControls, DriveMode};
+use pyrophone_synthesis::drive::Drive;
+
+use crate::error::{Error, in_range};
+
+/// The corner of the paper's high-pass (§3) in Hz.
+pub const HIGH_PASS_HZ: f64 = 30.0;
+
+/// Where spectral extension takes over in the paper (§4), in Hz.
+pub const CUTOFF_HZ: f64 = 180.0;
+
+/// Longest sound in seconds.
+const MAX_SECONDS: f64 = 3600.0;
+
+/// What a series becomes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kind {
+    /// The flux's derivative, high-passed: a sound.
+    #[default]
+    Pressure,
+    /// The flux's size, smoothed: what drives a sound.
+    Envelope,
+}
+
+/// How a series of flux becomes sound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Steps per second, 1-768,000.
+    pub rate_hz: f64,
+    /// Sample rate of the sound in Hz, 8,000-384,000.
+    pub sample_rate_hz: u32,
+    /// Pressure or envelope.
+    pub kind: Kind,
+    /// Corner of the high-pass in Hz, 0-1000; 0 switches it off. Envelopes have none.
+    pub high_pass_hz: f64,
+    /// Level of the loudest sample in dB of full scale, -100 to 0.
+    pub peak_db: f64,
+}
+
+impl Default for Options {
+    /// The paper's step rate and high-pass; a peak of -6 dB.
+    fn default() -> Self {
+        Self { rate_hz: 360.0, sample_rate_hz: 44_100, kind: Kind::Pressure, high_pass_hz: HIGH_PASS_HZ, peak_db: -6.0 }
+    }
+}
+
+impl Options {
+    /// Fails where one is outside its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        in_range("the step rate in Hz", self.rate_hz, 1.0, 768_000.0)?;
+        in_range("the sample rate in Hz", f64::from(self.sample_rate_hz), 8_000.0, 384_000.0)?;
+        in_range("the high-pass in Hz", self.high_pass_hz, 0.0, 1_000.0)?;
+        in_range("the peak in dB", self.peak_db, -100.0, 0.0)
+    }
+}
+
+/// What a step rate is good for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Advice {
+    /// It holds all that the paper's cutoff leaves to the simulation.
+    Full,
+    /// It ends below the paper's cutoff: spectral extension should take over at the Nyquist frequency.
+    Narrow {
+        /// Half the step rate in Hz.
+        nyquist_hz: f64,
+    },
+    /// It ends below the high-pass: there is no pressure in it, only an envelope.
+    EnvelopeOnly {
+        /// Half the step rate in Hz.
+        nyquist_hz: f64,
+    },
+}
+
+impl Advice {
+    /// On `rate_hz` steps per second.
+    pub fn on(rate_hz: f64) -> Self {
+        match 0.5 * rate_hz {
+            nyquist_hz if nyquist_hz <= HIGH_PASS_HZ => Self::EnvelopeOnly { nyquist_hz },
+            nyquist_hz if nyquist_hz < CUTOFF_HZ => Self::Narrow { nyquist_hz },
+            _ => Self::Full,
+        }
+    }
+}
+
+impl std::fmt::Display for Advice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Full => write!(f, "the steps hold frequencies up to {CUTOFF_HZ} Hz and beyond"),
+            Self::Narrow { nyquist_hz } => write!(
+                f,
+                "the steps hold frequencies up to {nyquist_hz} Hz only; set the cutoff of spectral extension there, or simulate {} steps per second",
+                2.0 * CUTOFF_HZ
+            ),
+            Self::EnvelopeOnly { nyquist_hz } => write!(
+                f,
+                "the steps hold frequencies up to {nyquist_hz} Hz only, below the high-pass at {HIGH_PASS_HZ} Hz: they make an envelope, not a pressure; use the envelope, or simulate {} steps per second",
+                2.0 * CUTOFF_HZ
+            ),
+        }
+    }
+}
+
+/// A rendered series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sound {
+    /// Samples; the first stands at the first step.
+    pub samples: Vec<f32>,
+    /// What the pressure (flux per second) or envelope was multiplied by.
+    pub scale: f64,
+}
+
+/// Renders a series of flux: `values.len() / rate_hz` seconds. A series that does not change is silent as pressure.
+///
+/// Fails where the series is empty, not finite or longer than an hour, and where an option is out of range.
+pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
+    options.validate()?;
+    if values.is_empty() {
+        return Err(Error::NoFrames);
+    }
+    if !values.iter().all(|value| value.is_finite()) {
+        return Err(Error::NotFinite { what: "flux" });
+    }
+    let seconds = values.len() as f64 / options.rate_hz;
+    in_range("the sound's length in seconds", seconds, 0.0, MAX_SECONDS)?;
+    let sample_rate_hz = f64::from(options.sample_rate_hz);
+    let samples = match options.kind {
+        Kind::Pressure => high_passed(&derivative(values, options.rate_hz, sample_rate_hz), options)?,
+        Kind::Envelope => {
+            let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
+            // The kernel's negative lobes may lead below zero, where no envelope goes.
+            smooth(&sizes, options.rate_hz, sample_rate_hz).into_iter().map(|value| value.max(0.0)).collect()
+        }
+    };
+    let peak = samples.iter().fold(0.0f64, |peak, sample| peak.max(sample.abs()));
+    if !peak.is_finite() {
+        return Err(Error::NotFinite { what: "flux" });
+    }
+    // Smaller than this it is rounding, or nothing.
+    let scale = if peak > f64::MIN_POSITIVE { 10f64.powf(options.peak_db / 20.0) / peak } else { 1.0 };
+    Ok(Sound { samples: samples.into_iter().map(|sample| (sample * scale) as f32).collect(), scale })
+}
+
+/// dI/dt at audio rate: the sum over the steps of psi'((t - t_i) / dt) / dt times I(t_i) (eq. 11), psi the cubic of
+/// Mitchell & Netravali with B = C = 1/3. The series goes on with its end values beyond both ends.
+pub fn derivative(values: &[f64], rate_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
+    convolved(values, rate_hz, sample_rate_hz, |taps| {
+        // Where the steps are denser than the samples, the weights' sum wavers round one, and its slope round zero.
+        taps.rate_hz * (taps.slope * taps.weight - taps.value * taps.weight_slope) / (taps.weight * taps.weight)
+    })
+}
+
+/// I(t) at audio rate, the same cubic between the steps.
+fn smooth(values: &[f64], rate_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
+    convolved(values, rate_hz, sample_rate_hz, |taps| taps.nearest + taps.value / taps.weight)
+}
+
+/// Sums over the steps near one time. Values are differences from the nearest step, so that what is constant cancels
+/// exactly.
+struct Taps {
+    nearest: f64,
+    value: f64,
+    slope: f64,
+    weight: f64,
+    weight_slope: f64,
+    /// Kernel widths per second.
+    rate_hz: f64,
+}
+
+fn convolved(values: &[f64], rate_hz: f64, sample_rate_hz: f64, result: impl Fn(&Taps) -> f64) -> Vec<f64> {
+    let Some(last) = values.len().checked_sub(1) else { return vec![] };
+    // Steps denser than the samples are low-passed by a kernel as wide as the samples need.
+    let width_steps = (rate_hz / sample_rate_hz).max(1.0);
+    let value_at = |step: i64| values[step.clamp(0, last as i64) as usize];
+    let count = (values.len() as f64 / rate_hz * sample_rate_hz).round() as usize;
+    (0..count)
+        .map(|sample| {
+            let at = sample as f64 / sample_rate_hz * rate_hz;
+            let nearest = value_at(at.round() as i64);
+            let reach = 2.0 * width_steps;
+            let mut taps = Taps {
+                nearest,
+                value: 0.0,
+                slope: 0.0,
+                weight: 0.0,
+                weight_slope: 0.0,
+                rate_hz: rate_hz / width_steps,
+            };
+            for step in (at - reach).floor() as i64..=(at + reach).ceil() as i64 {
+                let (weight, slope) = mitchell_netravali((at - step as f64) / width_steps);
+                let value = value_at(step) - nearest;
+                taps.value += weight * value;
+                taps.slope += slope * value;
+                taps.weight += weight;
+                taps.weight_slope += slope;
+            }
+            result(&taps)
+        })
+        .collect()
+}
+
+/// The cubic of Mitchell & Netravali (1988) with B = C = 1/3, and its derivative.
+fn mitchell_netravali(x: f64) -> (f64, f64) {
+    let (a, sign) = (x.abs(), x.signum());
+    if a < 1.0 {
+        ((21.0 * a * a * a - 36.0 * a * a + 16.0) / 18.0, sign * (63.0 * a * a - 72.0 * a) / 18.0)
+    } else if a < 2.0 {
+        ((-7.0 * a * a * a + 36.0 * a * a - 60.0 * a + 32.0) / 18.0, sign * (-21.0 * a * a + 72.0 * a - 60.0) / 18.0)
+    } else {
+        (0.0, 0.0)
+    }
+}
+
+/// The plugin's own high-pass, so that both hear the same.
+fn high_passed(pressure: &[f64], options: &Options) -> Result<Vec<f64>, Error> {
+    let rate_hz = f64::from(options.sample_rate_hz);
+    let out_of_range = |_| Error::OutOfRange { what: "the sample rate in Hz", found: rate_hz, low: 8e3, high: 384e3 };
+    let mut drive = Drive::new(rate_hz).map_err(out_of_range)?;
+    let controls = DriveControls {
+        mode: DriveMode::Pressure,
+        gain: 1.0,
+        high_pass_hz: options.high_pass_hz,
+        ..DriveControls::default()
+    };
+    let mut out = vec![0.0; pressure.len()];
+    drive.process(&[pressure], &[], &controls, &mut out);
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The kernel's printed form for any B and C (Mitchell & Netravali 1988, eq. 8).
+    fn printed(x: f64) -> f64 {
+        let (b, c, a) = (1.0 / 3.0, 1.0 / 3.0, x.abs());
+        let cubic = if a < 1.0 {
+            (12.0 - 9.0 * b - 6.0 * c) * a.powi(3) + (-18.0 + 12.0 * b + 6.0 * c) * a.powi(2) + (6.0 - 2.0 * b)
+        } else if a < 2.0 {
+            (-b - 6.0 * c) * a.powi(3)
+                + (6.0 * b + 30.0 * c) * a.powi(2)
+                + (-12.0 * b - 48.0 * c) * a
+                + 8.0 * b
+                + 24.0 * c
+        } else {
+            0.0
+        };
+        cubic / 6.0
+    }
+
+    #[test]
+    fn kernel_is_the_printed_one_and_its_slopes_are_its_own() {
+        for step in -2500..=2500 {
+            let x = f64::from(step) / 1000.0;
+            let (value, slope) = mitchell_netravali(x);
+            assert!((value - printed(x)).abs() < 1e-14, "{x}");
+            let difference = (printed(x + 1e-6) - printed(x - 1e-6)) / 2e-6;
+            assert!((slope - difference).abs() < 1e-5, "{x}: {slope} {difference}");
+        }
+    }
+
+    #[test]
+    fn kernels_add_up_to_one_and_their_slopes_to_nothing() {
+        for step in 0..1000 {
+            let x = f64::from(step) / 1000.0;
+            let sums = (-3..=3).map(|tap| mitchell_netravali(x - f64::from(tap)));
+            let (value, slope) = sums.fold((0.0, 0.0), |sum, tap| (sum.0 + tap.0, sum.1 + tap.1));
+            assert!((value - 1.0).abs() < 1e-14 && slope.abs() < 1e-14, "{x}: {value} {slope}");
+        }
+    }
+}
