@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use pyrophone_flame::scenes::Scene;
 use pyrophone_settings::Id;
 
 /// Turns a low-frequency flame signal into full-band fire.
@@ -30,6 +31,8 @@ pub enum Command {
     Flux(FluxArgs),
     /// Flame signal from the parts that `flux --partial` has written
     FluxMerge(FluxMergeArgs),
+    /// Flame signal of a scene that is simulated here
+    Simulate(SimulateArgs),
 }
 
 /// Options of `pyrophone texture`.
@@ -206,6 +209,9 @@ pub struct FluxArgs {
     /// Of every so many frames one front
     #[arg(long, value_name = "N", default_value_t = 1, requires = "mesh", value_parser = clap::value_parser!(u64).range(1..))]
     pub mesh_every: u64,
+    /// Frames per second of simulated time [default: 360, or what the input says]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub rate: Option<f64>,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
@@ -217,6 +223,9 @@ pub struct FluxMergeArgs {
     /// Parts that flux --partial has written, in any order
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
+    /// Frames per second of simulated time [default: 360, or what the input says]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub rate: Option<f64>,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
@@ -228,9 +237,6 @@ pub struct SoundArgs {
     /// File to write
     #[arg(long, value_name = "OUT.wav")]
     pub output: Option<PathBuf>,
-    /// Frames per second of simulated time [default: 360, or what the input says]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    pub rate: Option<f64>,
     /// Sample rate of the output
     #[arg(long, value_name = "HZ", default_value_t = 44_100, allow_negative_numbers = true)]
     pub sample_rate: u32,
@@ -284,5 +290,81 @@ fn frame_range(text: &str) -> Result<(u64, u64), String> {
     match (number(first)?, number(last)?) {
         (first, last) if first <= last => Ok((first, last)),
         _ => Err("the first frame must not come after the last".into()),
+    }
+}
+
+/// Options of `pyrophone simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// What burns
+    #[arg(value_enum, value_name = "SCENE")]
+    pub scene: SceneName,
+    /// Length of the signal, 0.01-3600
+    #[arg(long, value_name = "S", default_value_t = 5.0, allow_negative_numbers = true)]
+    pub seconds: f64,
+    /// Voxels along the longest side of the box, 8-512 [default: 64]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub resolution: Option<usize>,
+    /// Number of all that is random
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Fuel and its speed, 0-4
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub intensity: f64,
+    /// Wind, and motion of what burns, 0-4
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub wind: f64,
+    /// Turbulence, 0-4
+    #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub turbulence: f64,
+    /// Seconds simulated before the signal begins, 0-60 [default: 0.5; flame_jet and explosion: 0]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub pre_roll: Option<f64>,
+    /// Parts that each voxel's edge is cut into where the front is looked for, 1-16
+    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
+    pub refine: usize,
+    /// Also write every frame, for `pyrophone flux` and other programs: DIR/SCENE_NUMBER.npz
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// What becomes of the flux.
+    #[command(flatten)]
+    pub sound: SoundArgs,
+}
+
+/// Values of SCENE.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum SceneName {
+    /// A small flame blown by a turbulent wind
+    Candle,
+    /// A torch that is swung through the air
+    Torch,
+    /// Fuel let into a closed box in pulses
+    FlameJet,
+    /// A small burning block that moves rapidly
+    BurningBrick,
+    /// A fire-breathing dragon
+    Dragon,
+    /// A wide, randomly perturbed fire
+    Campfire,
+    /// A long jet
+    Flamethrower,
+    /// Bursts, then rising flow
+    Explosion,
+}
+
+impl SceneName {
+    /// The scene of this name.
+    pub fn scene(self) -> Scene {
+        match self {
+            Self::Candle => Scene::Candle,
+            Self::Torch => Scene::Torch,
+            Self::FlameJet => Scene::FlameJet,
+            Self::BurningBrick => Scene::BurningBrick,
+            Self::Dragon => Scene::Dragon,
+            Self::Campfire => Scene::Campfire,
+            Self::Flamethrower => Scene::Flamethrower,
+            Self::Explosion => Scene::Explosion,
+        }
     }
 }

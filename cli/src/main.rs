@@ -12,6 +12,7 @@ mod input;
 mod progress;
 mod render;
 mod report;
+mod simulate;
 mod texture;
 
 use std::process::ExitCode;
@@ -43,6 +44,7 @@ fn run(command: &Command) -> Result<(), Error> {
         Command::Extend(args) => extend::run(args, &work),
         Command::Render(args) => render::run(args, &work),
         Command::Flux(args) => flux::run(args, &work),
+        Command::Simulate(args) => simulate::run(args, &work),
         Command::FluxMerge(args) => flux_merge::run(args, &work),
     }
 }

@@ -36,6 +36,15 @@ pub enum Error {
         /// The largest value allowed.
         high: f64,
     },
+    /// One side of an axis is periodic and the other is not.
+    #[error("one side of the box is periodic and the opposite one is not; make both periodic or neither")]
+    OneSidedPeriod,
+    /// A saved simulation cannot be gone on with.
+    #[error("the saved simulation cannot be used ({reason}); start again without it")]
+    Checkpoint {
+        /// What was found.
+        reason: &'static str,
+    },
     /// The field burns everywhere but where it is stored.
     #[error(
         "the field is {background} far from everything, above the iso value {iso}: such a flame has no bounds; choose another field or a higher iso value"

@@ -13,6 +13,8 @@ pub mod front;
 pub mod grid;
 pub mod import;
 pub mod pressure;
+pub mod scenes;
+pub mod solver;
 pub mod velocity;
 
 pub use error::Error;

@@ -30,16 +30,21 @@ enum Bench {
     Extend,
     /// The texture engine, its search, its dictionary, and the whole effect block by block
     Search,
+    /// The solver and the flame front
+    Flame,
 }
 
 /// Runs the benches.
 pub fn run(args: &Args) -> Result<ExitCode> {
     setup::ensure(&setup::BUILD)?;
-    if args.bench != Some(Bench::Search) {
-        let status = cargo::command().args(["bench", "--quiet", "--package", PACKAGE, "--bench", "extend"]).status()?;
-        ensure!(status.success(), "the bench of the extension failed; see above");
+    let is_wanted = |bench: Bench| args.bench.is_none_or(|only| only == bench);
+    for (bench, package, name) in [(Bench::Extend, PACKAGE, "extend"), (Bench::Flame, "pyrophone-flame", "flame")] {
+        if is_wanted(bench) {
+            let status = cargo::command().args(["bench", "--quiet", "--package", package, "--bench", name]).status()?;
+            ensure!(status.success(), "the bench `{name}` failed; see above");
+        }
     }
-    if args.bench != Some(Bench::Extend) {
+    if is_wanted(Bench::Search) {
         let mut figures =
             printed(cargo::command().args(["bench", "--quiet", "--package", PACKAGE, "--bench", "search"]))?;
         let instructions = instructions()?;

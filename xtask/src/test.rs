@@ -21,6 +21,9 @@ const SANITIZED: [(&str, &str, &str); 3] = [
     ("realtime", "pyrophone-plugin", "realtime"),
 ];
 
+/// What makes tests long.
+const SOAK: [(&str, &str); 1] = [("PYROPHONE_SOAK", "1")];
+
 /// Results of tests so far.
 #[derive(Debug, Default)]
 struct Tally {
@@ -64,8 +67,10 @@ pub fn soak() -> Result<ExitCode> {
     let mut tally = Tally::default();
     if tally.step("bundles and command line", build) {
         let arguments = ["--package", END_TO_END, "--test", "soak"];
-        tally.cargo_test("soak", &[("PYROPHONE_SOAK", "1")], &arguments)?;
+        tally.cargo_test("soak", &SOAK, &arguments)?;
     }
+    let arguments = ["--release", "--package", "pyrophone-flame", "--test", "scenes", "--test", "import_hostile"];
+    tally.cargo_test("soak of flames", &SOAK, &arguments)?;
     Ok(tally.conclude())
 }
 

@@ -59,8 +59,8 @@ pub fn files(args: &SoundArgs) -> impl Iterator<Item = &Path> {
 
 /// Options out of range, and outputs in each other's way, are refused before any file is read. `others` are outputs
 /// beside those of `args`.
-pub fn check(args: &SoundArgs, others: &[&Path]) -> Result<(), Error> {
-    options(args, args.rate.unwrap_or(RATE_HZ)).validate()?;
+pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result<(), Error> {
+    options(args, rate_hz.unwrap_or(RATE_HZ)).validate()?;
     let outputs: Vec<&Path> = files(args).chain(others.iter().copied()).collect();
     if outputs.is_empty() && args.report.is_none() {
         return Err(Error::Conflict("there is nothing to write; add --output OUT.wav".into()));

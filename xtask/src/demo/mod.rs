@@ -2,6 +2,7 @@
 
 mod analysis;
 pub mod comparisons;
+mod flame;
 mod page;
 pub mod plots;
 mod signals;
@@ -20,7 +21,7 @@ use studio::{Beside, Job, Sound, Studio};
 /// Options of `cargo xtask demo`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Low-frequency flame signal, mono or stereo [default: a generated one]
+    /// Low-frequency flame signal, mono or stereo [default: a simulated one]
     #[arg(long, value_name = "IN.wav")]
     input: Option<PathBuf>,
     /// Fire recording that texture draws from [default: a generated one]
@@ -73,11 +74,12 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// One input through every factory preset.
 fn engines(studio: &Studio, args: &Args) -> Result<Section> {
-    let (flame, input_note) = source(studio, args.input.as_deref(), "flame", || vec![signals::flame()])?;
-    let (fire, training_note) = source(studio, args.training.as_deref(), "fire", signals::fire)?;
+    let (flame_path, input_note) =
+        source(studio, args.input.as_deref(), "flame", || Ok(vec![flame::simulate(signals::RATE_HZ)?]))?;
+    let (fire, training_note) = source(studio, args.training.as_deref(), "fire", || Ok(signals::fire()))?;
     let is_generated = args.input.is_none() || args.training.is_none();
 
-    let input = load(&flame, None)?;
+    let input = load(&flame_path, None)?;
     let input_sound = Sound::of(input.channels.clone(), input.sample_rate_hz);
     let training = load(&fire, None)?;
     let training_sound = Sound::of(training.channels, training.sample_rate_hz);
@@ -111,7 +113,7 @@ fn engines(studio: &Studio, args: &Args) -> Result<Section> {
         rows.push(row);
     }
     let intro = if is_generated {
-        "<b class=generated>Generated</b> What is marked so was not recorded anywhere: this project computes a puffing flame and a \
+        "<b class=generated>Generated</b> What is marked so was not recorded anywhere: this project simulates a flame and computes a \
          crackling fire, so that there is something to hear on any machine. Give your own with \
          <code>cargo xtask demo --input flame.wav --training fire.wav</code>."
     } else {
@@ -125,17 +127,17 @@ fn source(
     studio: &Studio,
     given: Option<&Path>,
     name: &str,
-    generate: impl FnOnce() -> Vec<Vec<f32>>,
+    generate: impl FnOnce() -> Result<Vec<Vec<f32>>>,
 ) -> Result<(PathBuf, String)> {
     if let Some(path) = given {
         let shown = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         return Ok((path.to_owned(), format!("{}.", page::escaped(&shown))));
     }
     let path = studio.folder().join(format!("generated-{name}.wav"));
-    write_wav_f32(&path, &generate(), signals::RATE_HZ)?;
+    write_wav_f32(&path, &generate()?, signals::RATE_HZ)?;
     let note = match name {
         "flame" => {
-            "<b class=generated>Generated</b> Pressure of a turbulent flame: pockets of gas that puff at 30–180 Hz, in gusts."
+            "<b class=generated>Simulated</b> Pressure of a fire-breathing dragon's flame, from this project's own solver (<code>pyrophone simulate dragon</code>)."
         }
         _ => "<b class=generated>Generated</b> Roar, hiss and bursts of crackle, in stereo.",
     };

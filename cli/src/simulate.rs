@@ -1,0 +1,194 @@
+//! `pyrophone simulate`: a flame of our own, and its signal.
+
+mod kept;
+
+use std::path::{Path, PathBuf};
+
+use pyrophone_flame::flux::{Flux, Row, Steps};
+use pyrophone_flame::front::Mesh;
+use pyrophone_flame::import::npz::{DenseFrame, write_frame};
+use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Simulation};
+use pyrophone_flame::{Frame, Front};
+use pyrophone_recording::write_file;
+
+use self::kept::Kept;
+use crate::args::SimulateArgs;
+use crate::error::Error;
+use crate::flux::{make_folder, sound};
+use crate::input::in_range;
+use crate::progress::{Stage, Work, note};
+use crate::report::View;
+
+/// Value of the burning field at the flame front.
+const ISO: f64 = 0.5;
+
+/// Pictures of the front in a report.
+const PICTURES: u64 = 12;
+
+/// Steps after which what is done is kept.
+const KEEP_STEPS: u64 = 360;
+
+/// Simulates a scene and writes what was asked for.
+pub fn run(args: &SimulateArgs, work: &Work) -> Result<(), Error> {
+    sound::check(&args.sound, None, &[])?;
+    let plan = Plan::new(args)?;
+    let Some(beside) = sound::files(&args.sound).next().or(args.sound.report.as_deref()) else { return Ok(()) };
+    let mut kept = Kept::open(beside, plan.settings());
+    let (steps, meshes) = match plan.simulate(&mut kept, work) {
+        Ok(simulated) => simulated,
+        Err(error) => return Err(kept.unfinished(error)),
+    };
+    let flux = Flux::from_steps(&steps)?;
+    let signal = sound::Signal::of_flux(&flux, Some(STEP_RATE_HZ));
+    let view = View::of(meshes.iter().map(|(_, mesh)| mesh));
+    let label = |frame: u64| format!("frame {frame} · {:.3} s", frame as f64 / STEP_RATE_HZ);
+    let surfaces = meshes.iter().map(|(frame, mesh)| (label(*frame), view.draw(mesh))).collect();
+    let facts = vec![("Scene".into(), plan.options_text()), ("Box".into(), plan.box_text()?)];
+    sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work)?;
+    kept.remove();
+    Ok(())
+}
+
+/// What is to be simulated.
+struct Plan {
+    options: Options,
+    scene: pyrophone_flame::scenes::Scene,
+    front: Front,
+    refine: usize,
+    /// Steps before the first that is kept, and those that are.
+    pre_roll: u64,
+    count: u64,
+    cache: Option<PathBuf>,
+    /// Whether pictures are asked for.
+    draws: bool,
+}
+
+/// Fronts to be drawn, with their frames.
+type Meshes = Vec<(u64, Mesh)>;
+
+/// What is kept of a step.
+struct Measured {
+    row: Row,
+    /// The front, where it is to be drawn.
+    mesh: Option<Mesh>,
+}
+
+impl Plan {
+    fn new(args: &SimulateArgs) -> Result<Self, Error> {
+        let scene = args.scene.scene();
+        in_range("--seconds", args.seconds, 0.01, 3600.0)?;
+        let pre_roll_s = args.pre_roll.unwrap_or(scene.default_pre_roll_s());
+        in_range("--pre-roll", pre_roll_s, 0.0, 60.0)?;
+        let options = Options {
+            resolution: args.resolution.unwrap_or(scene.default_resolution()),
+            seed: args.seed,
+            intensity: args.intensity,
+            wind: args.wind,
+            turbulence: args.turbulence,
+        };
+        Ok(Self {
+            options,
+            scene,
+            front: Front::new(ISO, args.refine)?,
+            refine: args.refine,
+            pre_roll: (pre_roll_s * STEP_RATE_HZ).round() as u64,
+            count: ((args.seconds * STEP_RATE_HZ).round() as u64).max(1),
+            cache: args.cache.clone(),
+            draws: args.sound.report.is_some(),
+        })
+    }
+
+    fn options_text(&self) -> String {
+        let Options { resolution, seed, intensity, wind, turbulence } = self.options;
+        format!(
+            "{}, resolution {resolution}, seed {seed}, intensity {intensity}, wind {wind}, turbulence {turbulence}, pre-roll {} steps",
+            self.scene.name(),
+            self.pre_roll
+        )
+    }
+
+    /// What a run that goes on must have in common with the one that began. How long it is to be is not in it.
+    fn settings(&self) -> String {
+        let cache = self.cache.as_ref().map(|folder| format!(", cache {}", folder.display())).unwrap_or_default();
+        format!("{}, iso {ISO}, refine {}{cache}", self.options_text(), self.refine).replace(['\n', '\r'], " ")
+    }
+
+    fn box_text(&self) -> Result<String, Error> {
+        let simulation = Simulation::new(self.scene, self.options)?;
+        let domain = simulation.solver().domain();
+        let [x, y, z] = domain.shape();
+        Ok(format!("{x}×{y}×{z} voxels of {:.1} mm", 1000.0 * domain.voxel_size_m()))
+    }
+
+    /// Flux and area of all steps that are kept, and the fronts to be drawn.
+    fn simulate(&self, kept: &mut Kept, work: &Work) -> Result<(Steps, Meshes), Error> {
+        if let Some(folder) = &self.cache {
+            make_folder(folder)?;
+        }
+        let mut simulation = Simulation::new(self.scene, self.options)?;
+        let mut steps = kept.restore(&mut simulation);
+        if simulation.steps() > 0 {
+            note(&format!("{} steps were done by the run before", simulation.steps()));
+            steps.retain(|frame, _| *frame < self.count);
+        }
+        let stage = work.stage("simulating");
+        let mut meshes = vec![];
+        let total = self.pre_roll + self.count;
+        while simulation.steps() < total {
+            let end = (simulation.steps() / KEEP_STEPS + 1) * KEEP_STEPS;
+            for measured in self.stretch(&mut simulation, end.min(total), &stage)? {
+                meshes.extend(measured.mesh.map(|mesh| (measured.row.frame, mesh)));
+                steps.insert(measured.row.frame, Some(measured.row));
+            }
+            kept.keep(&simulation, &steps)?;
+            work.check()?;
+        }
+        Ok((steps, meshes))
+    }
+
+    /// Goes on up to step `end`, or until it is cancelled; the fronts of all steps are measured.
+    fn stretch(&self, simulation: &mut Simulation, end: u64, stage: &Stage<'_>) -> Result<Vec<Measured>, Error> {
+        let total = (self.pre_roll + self.count) as f32;
+        let mut measured = vec![];
+        let mut last: Option<Frame> = None;
+        while simulation.steps() < end && stage.at(simulation.steps() as f32 / total) {
+            // While the gas takes its next step, the front of the last one is measured.
+            let (_, front) = rayon::join(|| simulation.step(), || last.take().map(|frame| self.measure(&frame)));
+            measured.extend(front.transpose()?);
+            last = self.frame(simulation)?;
+        }
+        measured.extend(last.map(|frame| self.measure(&frame)).transpose()?);
+        Ok(measured)
+    }
+
+    fn measure(&self, frame: &Frame) -> Result<Measured, Error> {
+        let row = Row::new(frame.number, &self.front.measure(frame)?);
+        let every = (self.count / PICTURES).max(1);
+        let is_drawn = self.draws && frame.number % every == every / 2;
+        Ok(Measured { row, mesh: is_drawn.then(|| self.front.mesh(&frame.field)).transpose()? })
+    }
+
+    /// The last step, if it is one of those that are kept; numbered from the first of these, and in the cache.
+    fn frame(&self, simulation: &Simulation) -> Result<Option<Frame>, Error> {
+        let Some(number) = simulation.steps().checked_sub(self.pre_roll + 1) else { return Ok(None) };
+        if let Some(folder) = &self.cache {
+            self.write_cache(folder, number, simulation)?;
+        }
+        Ok(Some(Frame { number, ..simulation.frame()? }))
+    }
+
+    fn write_cache(&self, folder: &Path, number: u64, simulation: &Simulation) -> Result<(), Error> {
+        let (flame, velocity) = simulation.solver().centred();
+        let domain = simulation.solver().domain();
+        let frame = DenseFrame {
+            shape: domain.shape(),
+            flame: &flame,
+            velocity: &velocity,
+            voxel_size: domain.voxel_size_m(),
+            origin: simulation.solver().origin_m(),
+            time_s: Some(number as f64 / STEP_RATE_HZ),
+        };
+        let path = folder.join(format!("{}_{number:06}.npz", self.scene.name()));
+        Ok(write_file(&path, |file| write_frame(std::io::BufWriter::new(file), &frame))?)
+    }
+}

@@ -1,0 +1,208 @@
+//! What each scene is made of, and how it moves.
+//!
+//! Lengths are those of the papers where they tell them (a dragon 1.2 m high, a box 1.5 m wide); the rest was chosen so
+//! that the pressure is fire's: bursts, with energy from 30 to 180 Hz.
+
+use std::f64::consts::TAU;
+
+use super::{Options, Scene, Wander};
+use crate::error::Error;
+use crate::solver::{Combustion, Cooling, Domain, Emitter, Parameters, Shape, Side, Surroundings};
+
+/// All that a simulation needs.
+pub(super) struct Setup {
+    pub domain: Domain,
+    pub parameters: Parameters,
+    pub script: Script,
+}
+
+/// What happens in a scene in the course of time.
+#[derive(Debug)]
+pub(super) struct Script {
+    scene: Scene,
+    /// Slow and fast random motion.
+    slow: [Wander; 3],
+    fast: Wander,
+}
+
+/// A box's sides: open all round.
+const OPEN: [[Side; 2]; 3] = [[Side::Open; 2]; 3];
+/// Open, but with a floor.
+const FLOOR: [[Side; 2]; 3] = [[Side::Open; 2], [Side::Open; 2], [Side::Wall, Side::Open]];
+/// No way out.
+const CLOSED: [[Side; 2]; 3] = [[Side::Wall; 2]; 3];
+
+/// Fuel as most scenes burn it.
+const FUEL: Combustion = Combustion::Fuel { ignition: 0.2, rate_hz: 8.0, heat: 1.5, expansion: 2.0 };
+
+pub(super) fn setup(scene: Scene, options: &Options) -> Result<Setup, Error> {
+    let base = Parameters {
+        combustion: Some(FUEL),
+        cooling: Cooling { radiation_hz: 2.0, dissipation_hz: 0.5 },
+        buoyancy_m_s2: 25.0,
+        confinement: 0.35 * options.turbulence,
+        // The air's is far below what the grid adds.
+        viscosity_m2_s: 0.0,
+        turbulence_m_s2: 30.0 * options.turbulence,
+        turbulence_scale_m: 0.3,
+        turbulence_rate_hz: 6.0,
+    };
+    let (size_m, sides, parameters) = match scene {
+        Scene::Candle => {
+            let mut sides = FLOOR;
+            sides[0][0] = Side::Inflow(0.8 * options.wind);
+            let combustion = Some(Combustion::Fuel { ignition: 0.2, rate_hz: 16.0, heat: 1.5, expansion: 2.0 });
+            let parameters = Parameters { combustion, turbulence_scale_m: 0.1, turbulence_rate_hz: 10.0, ..base };
+            ([0.32, 0.16, 0.32], sides, parameters)
+        }
+        Scene::Torch => {
+            let combustion =
+                Some(Combustion::BlueCore { flame_speed_m_s: 0.5, expansion: 4.0, rise_s: 0.02, fall_s: 0.4 });
+            let turbulence_m_s2 = 4.0 * base.turbulence_m_s2;
+            ([1.2, 0.6, 1.2], OPEN, Parameters { combustion, turbulence_m_s2, turbulence_rate_hz: 10.0, ..base })
+        }
+        Scene::FlameJet => {
+            ([1.5, 1.0, 1.0], CLOSED, Parameters { turbulence_m_s2: 2.0 * base.turbulence_m_s2, ..base })
+        }
+        Scene::BurningBrick => ([1.0, 0.5, 0.75], OPEN, base),
+        Scene::Dragon => ([2.4, 1.2, 1.2], OPEN, Parameters { turbulence_m_s2: 2.0 * base.turbulence_m_s2, ..base }),
+        Scene::Campfire => ([1.2, 1.2, 1.8], FLOOR, base),
+        Scene::Flamethrower => {
+            ([2.0, 4.0, 2.0], OPEN, Parameters { turbulence_m_s2: 4.0 * base.turbulence_m_s2, ..base })
+        }
+        Scene::Explosion => {
+            ([2.4, 2.4, 3.6], FLOOR, Parameters { turbulence_m_s2: 4.0 * base.turbulence_m_s2, ..base })
+        }
+    };
+    let (shape, voxel_size_m) = cells(size_m, options.resolution);
+    let script = Script {
+        scene,
+        slow: std::array::from_fn(|index| {
+            Wander::new(options.seed.wrapping_mul(4).wrapping_add(index as u64), 0.15, 1.5)
+        }),
+        fast: Wander::new(options.seed.wrapping_mul(4).wrapping_add(3), 3.0, 15.0),
+    };
+    Ok(Setup { domain: Domain::new(shape, voxel_size_m, sides)?, parameters, script })
+}
+
+/// A box of about `size_m`, with `resolution` cells along its longest side; multiples of 8, or of the next smaller power
+/// of two where that would change the box too much.
+fn cells(size_m: [f64; 3], resolution: usize) -> ([usize; 3], f64) {
+    let longest = size_m.iter().copied().fold(0.0, f64::max);
+    let unit = if resolution >= 32 { 8 } else { 2 };
+    let along = resolution.div_ceil(unit) * unit;
+    let voxel_size_m = longest / along as f64;
+    let shape = size_m.map(|size| ((size / voxel_size_m / unit as f64).round() as usize * unit).max(4));
+    (shape, voxel_size_m)
+}
+
+impl Script {
+    /// What acts on the gas at a time.
+    pub fn at(&self, time_s: f64, options: &Options) -> Surroundings {
+        let (power, wind) = (options.intensity, options.wind);
+        let slow = |index: usize| self.slow[index].at(time_s);
+        let fast = self.fast.at(time_s);
+        let burner = |shape: Shape, centre_m: [f64; 3]| Emitter {
+            shape,
+            centre_m,
+            velocity_m_s: [0.0; 3],
+            drag_hz: 0.0,
+            fuel: power.min(1.0),
+            flicker: 0.0,
+            temperature: 1.0,
+            outflow_hz: 0.0,
+        };
+        let (emitter, gust_m_s, unrest_m_s) = match self.scene {
+            Scene::Candle => {
+                let wick = burner(Shape::Cylinder { radius_m: 0.02, half_height_m: 0.012 }, [-0.08, 0.0, 0.04]);
+                let blown = Emitter { velocity_m_s: [0.0, 0.0, 0.6 * power], drag_hz: 40.0, ..wick };
+                (blown, wind * (0.4 * slow(0) + 0.25 * fast), 0.35 * wind)
+            }
+            Scene::Torch => {
+                // A swing back and forth, faster in the middle, and not always alike.
+                let angle = TAU * 0.8 * wind * time_s + 0.5 * slow(0);
+                let centre_m = [0.38 * angle.sin(), 0.08 * slow(1), 0.3 + 0.1 * (2.0 * angle).cos()];
+                let head = burner(Shape::Ball { radius_m: 0.07 }, centre_m);
+                let flow = 1.2 * power * (1.0 + 0.25 * fast);
+                (Emitter { velocity_m_s: [0.0, 0.0, flow], drag_hz: 60.0, ..head }, 0.0, 0.0)
+            }
+            Scene::FlameJet => {
+                // 0.9 s on, 0.6 s off.
+                let on = time_s % 1.5 < 0.9;
+                let nozzle = burner(Shape::Ball { radius_m: 0.08 }, [-0.62, 0.0, 0.5]);
+                let speed = if on { 9.0 * power * (1.0 + 0.1 * fast) } else { 0.0 };
+                let jet = Emitter {
+                    velocity_m_s: [speed, 0.0, 0.0],
+                    drag_hz: 200.0,
+                    fuel: if on { nozzle.fuel } else { 0.0 },
+                    temperature: if on { 1.0 } else { 0.0 },
+                    ..nozzle
+                };
+                (jet, 0.0, 0.0)
+            }
+            Scene::BurningBrick => {
+                let swing = TAU * 0.9 * wind * time_s;
+                let centre_m = [
+                    0.32 * swing.sin() + 0.04 * slow(0),
+                    0.06 * (1.7 * swing).sin(),
+                    0.28 + 0.09 * (1.3 * swing + 1.0).sin(),
+                ];
+                let brick = burner(Shape::Box { half_m: [0.09, 0.05, 0.05] }, centre_m);
+                (Emitter { flicker: 0.5, velocity_m_s: [0.0, 0.0, 0.5 * power], drag_hz: 30.0, ..brick }, 0.0, 0.0)
+            }
+            Scene::Dragon => {
+                // Breath comes in blasts, with a flutter on top.
+                let breath = (0.55 + 0.6 * slow(0)).clamp(0.0, 1.4) * (1.0 + 0.2 * wind * fast);
+                let mouth =
+                    burner(Shape::Ball { radius_m: 0.09 }, [-1.0, 0.05 * wind * slow(1), 0.6 + 0.05 * wind * slow(2)]);
+                let jet = Emitter {
+                    velocity_m_s: [10.0 * power * breath, 0.0, -1.0],
+                    drag_hz: 150.0,
+                    fuel: if breath > 0.05 { mouth.fuel } else { 0.0 },
+                    ..mouth
+                };
+                (jet, 0.0, 0.0)
+            }
+            Scene::Campfire => {
+                let pit = burner(Shape::Cylinder { radius_m: 0.28, half_height_m: 0.06 }, [0.0, 0.0, 0.1]);
+                let fuel = (power * (0.7 + 0.15 * slow(0))).clamp(0.0, 1.0);
+                (
+                    Emitter {
+                        fuel,
+                        flicker: 0.9,
+                        velocity_m_s: [0.2 * wind * slow(1), 0.2 * wind * slow(2), 0.6],
+                        drag_hz: 10.0,
+                        ..pit
+                    },
+                    0.0,
+                    0.0,
+                )
+            }
+            Scene::Flamethrower => {
+                let nozzle = burner(Shape::Ball { radius_m: 0.22 }, [0.0, -1.7, 1.0]);
+                let speed = 14.0 * power * (1.0 + 0.12 * fast + 0.15 * slow(0));
+                let jet = Emitter {
+                    velocity_m_s: [0.8 * wind * slow(1), speed, 1.0 + 0.5 * wind * slow(2)],
+                    drag_hz: 150.0,
+                    ..nozzle
+                };
+                (jet, 0.0, 0.0)
+            }
+            Scene::Explosion => {
+                // A burst every 2.5 s, the first after a tenth.
+                let since = (time_s - 0.1).rem_euclid(2.5);
+                let bursting = time_s >= 0.1 && since < 0.25;
+                let ball = burner(Shape::Ball { radius_m: 0.35 }, [0.1 * slow(0), 0.1 * slow(1), 0.6]);
+                let burst = Emitter {
+                    fuel: if bursting { ball.fuel } else { 0.0 },
+                    temperature: if bursting { 1.0 } else { 0.0 },
+                    flicker: 0.3,
+                    outflow_hz: if bursting { 45.0 * power * (-since / 0.06).exp() } else { 0.0 },
+                    ..ball
+                };
+                (burst, 0.0, 0.0)
+            }
+        };
+        Surroundings { emitters: vec![emitter], gust_m_s, unrest_m_s }
+    }
+}

@@ -1,0 +1,33 @@
+//! Slow random motion: gusts of wind, breath, a hand that is not still.
+
+use crate::solver::Random;
+
+/// Waves that one motion is made of.
+const WAVES: usize = 12;
+
+/// A random function of time, of mean 0 and 1 rms, with frequencies in one band.
+#[derive(Debug, Clone)]
+pub struct Wander {
+    /// Angular frequency in 1/s and phase.
+    waves: [(f64, f64); WAVES],
+}
+
+impl Wander {
+    /// Motion number `seed` between two frequencies.
+    pub fn new(seed: u64, low_hz: f64, high_hz: f64) -> Self {
+        let mut random = Random::new(seed);
+        let waves = std::array::from_fn(|wave| {
+            // One in each equal part of the band's logarithm, so that no part is left out.
+            let share = (wave as f64 + random.uniform()) / WAVES as f64;
+            let frequency_hz = low_hz * (high_hz / low_hz).powf(share);
+            (std::f64::consts::TAU * frequency_hz, std::f64::consts::TAU * random.uniform())
+        });
+        Self { waves }
+    }
+
+    /// Its value at a time.
+    pub fn at(&self, time_s: f64) -> f64 {
+        let sum: f64 = self.waves.iter().map(|(rate, phase)| (rate * time_s + phase).sin()).sum();
+        sum * (2.0 / WAVES as f64).sqrt()
+    }
+}

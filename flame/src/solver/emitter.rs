@@ -1,0 +1,82 @@
+//! Where gas, fuel and heat come from.
+
+/// Shape of an emitter, about its centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A ball.
+    Ball {
+        /// Radius in m.
+        radius_m: f64,
+    },
+    /// A box along the axes.
+    Box {
+        /// Half its edges in m.
+        half_m: [f64; 3],
+    },
+    /// An upright cylinder.
+    Cylinder {
+        /// Radius in m.
+        radius_m: f64,
+        /// Half its height in m.
+        half_height_m: f64,
+    },
+}
+
+impl Shape {
+    /// Distance from the surface in m, negative inside, of a place relative to the centre.
+    pub fn distance_m(&self, place_m: [f64; 3]) -> f64 {
+        match *self {
+            Self::Ball { radius_m } => length(&place_m) - radius_m,
+            Self::Box { half_m } => {
+                let beyond: [f64; 3] = std::array::from_fn(|axis| place_m[axis].abs() - half_m[axis]);
+                length(&beyond.map(|d| d.max(0.0))) + beyond.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)).min(0.0)
+            }
+            Self::Cylinder { radius_m, half_height_m } => {
+                let beyond = [length(&place_m[..2]) - radius_m, place_m[2].abs() - half_height_m];
+                length(&beyond.map(|d| d.max(0.0))) + beyond[0].max(beyond[1]).min(0.0)
+            }
+        }
+    }
+
+    /// Half the edges of a box around it, in m.
+    pub fn reach_m(&self) -> [f64; 3] {
+        match *self {
+            Self::Ball { radius_m } => [radius_m; 3],
+            Self::Box { half_m } => half_m,
+            Self::Cylinder { radius_m, half_height_m } => [radius_m, radius_m, half_height_m],
+        }
+    }
+}
+
+/// Something that burns, or lets gas out, at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Emitter {
+    /// Its shape.
+    pub shape: Shape,
+    /// Its centre in m.
+    pub centre_m: [f64; 3],
+    /// Velocity of the gas within it, in m/s.
+    pub velocity_m_s: [f64; 3],
+    /// How fast the gas within it takes that velocity on, in 1/s.
+    pub drag_hz: f64,
+    /// Fuel within it, 0-1; in a blue core, gas flows out while this is above a half.
+    pub fuel: f64,
+    /// How much the fuel varies from place to place and time to time, 0-1.
+    pub flicker: f64,
+    /// Least temperature within it, 0-1.
+    pub temperature: f64,
+    /// Volume that comes out of every volume within it, per second: a burst.
+    pub outflow_hz: f64,
+}
+
+impl Emitter {
+    /// How much of the cell at a place is covered, 0-1.
+    pub fn cover(&self, place_m: [f64; 3], voxel_size_m: f64) -> f64 {
+        let relative = std::array::from_fn(|axis| place_m[axis] - self.centre_m[axis]);
+        (0.5 - self.shape.distance_m(relative) / voxel_size_m).clamp(0.0, 1.0)
+    }
+}
+
+fn length(vector: &[f64]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

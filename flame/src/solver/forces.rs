@@ -1,0 +1,128 @@
+//! What accelerates the gas: buoyancy, vorticity confinement, turbulence.
+
+use rayon::prelude::*;
+
+use super::parallel::{planes, rows, wide};
+
+use super::Parameters;
+use super::combustion::{Combustion, SMOKE, TEMPERATURE};
+use super::domain::{Domain, at};
+use super::turbulence::Turbulence;
+
+/// Room for the vorticity.
+#[derive(Debug, Default)]
+pub(crate) struct Forces {
+    /// Vorticity in 1/s, and its magnitude.
+    vorticity: Vec<[f32; 4]>,
+}
+
+/// What the forces depend on, at the cells' centres.
+pub(crate) struct Gas<'a> {
+    pub velocity: &'a [[f32; 4]],
+    pub scalars: &'a [[f32; 4]],
+    pub turbulence: &'a Turbulence,
+    pub time_s: f64,
+}
+
+impl Forces {
+    /// Acceleration in m/s² at every centre, into `acceleration`.
+    pub fn evaluate(&mut self, domain: &Domain, parameters: &Parameters, gas: &Gas, acceleration: &mut [[f32; 4]]) {
+        let shape = domain.shape();
+        let [_, ny, nz] = shape;
+        let voxel_size = domain.voxel_size_m() as f32;
+        let confinement = parameters.confinement as f32;
+        self.vorticity.resize(domain.cells(), [0.0; 4]);
+        if confinement != 0.0 {
+            self.curl(domain, gas.velocity);
+        }
+        let buoyancy = parameters.buoyancy_m_s2 as f32;
+        // A blue core is wrinkled from within, where it is cold yet.
+        let stirred_by = match parameters.combustion {
+            Some(Combustion::BlueCore { .. }) => SMOKE,
+            _ => TEMPERATURE,
+        };
+        let stirring = parameters.turbulence_m_s2 as f32;
+        let eddies = (1.0 / parameters.turbulence_scale_m) as f32;
+        let turnovers = (gas.time_s * parameters.turbulence_rate_hz) as f32;
+        let vorticity = self.vorticity.as_slice();
+        planes(acceleration, ny * nz).enumerate().for_each(|(i, plane)| {
+            wide(|| {
+                for ([j, k], out) in rows(plane, nz) {
+                    let temperature = gas.scalars[at(shape, i, j, k)][TEMPERATURE];
+                    let mut sum = [0.0, 0.0, buoyancy * temperature, 0.0];
+                    if confinement != 0.0 {
+                        let force = confine(vorticity, domain, [i, j, k]);
+                        for axis in 0..3 {
+                            sum[axis] += confinement * voxel_size * force[axis];
+                        }
+                    }
+                    let stirred = stirring * gas.scalars[at(shape, i, j, k)][stirred_by].clamp(0.0, 1.0);
+                    if stirred > 1e-3 * stirring {
+                        let place = [i, j, k].map(|cell| cell as f32 * voxel_size * eddies);
+                        let noise = gas.turbulence.at(place, turnovers);
+                        for axis in 0..3 {
+                            sum[axis] += stirred * noise[axis];
+                        }
+                    }
+                    *out = sum;
+                }
+            })
+        });
+    }
+
+    fn curl(&mut self, domain: &Domain, velocity: &[[f32; 4]]) {
+        let shape = domain.shape();
+        let [_, ny, nz] = shape;
+        let scale = (0.5 / domain.voxel_size_m()) as f32;
+        planes(&mut self.vorticity, ny * nz).enumerate().for_each(|(i, plane)| {
+            wide(|| {
+                for ([j, k], out) in rows(plane, nz) {
+                    let place = [i, j, k];
+                    let slope = |axis: usize| {
+                        let (before, after) = neighbours(domain, place, axis);
+                        let (before, after) = (velocity[before], velocity[after]);
+                        [0, 1, 2].map(|n: usize| (after[n] - before[n]) * scale)
+                    };
+                    let [dx, dy, dz] = [slope(0), slope(1), slope(2)];
+                    let curl = [dy[2] - dz[1], dz[0] - dx[2], dx[1] - dy[0]];
+                    let magnitude = (curl[0] * curl[0] + curl[1] * curl[1] + curl[2] * curl[2]).sqrt();
+                    *out = [curl[0], curl[1], curl[2], magnitude];
+                }
+            })
+        });
+    }
+}
+
+/// N × w, N the direction in which vorticity w grows (Fedkiw, Stam & Jensen 2001, eq. 10-11).
+fn confine(vorticity: &[[f32; 4]], domain: &Domain, place: [usize; 3]) -> [f32; 3] {
+    let slope: [f32; 3] = std::array::from_fn(|axis| {
+        let (before, after) = neighbours(domain, place, axis);
+        vorticity[after][3] - vorticity[before][3]
+    });
+    let steepness = (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]).sqrt();
+    let w = vorticity[at(domain.shape(), place[0], place[1], place[2])];
+    // Where nothing turns there is no direction to divide by.
+    if steepness < 1e-6 {
+        return [0.0; 3];
+    }
+    let n = slope.map(|s| s / steepness);
+    [n[1] * w[2] - n[2] * w[1], n[2] * w[0] - n[0] * w[2], n[0] * w[1] - n[1] * w[0]]
+}
+
+/// Indices of the cells before and after a place; at an end of the box its own stands for what is missing.
+#[inline(always)]
+fn neighbours(domain: &Domain, place: [usize; 3], axis: usize) -> (usize, usize) {
+    let shape = domain.shape();
+    let last = shape[axis] - 1;
+    let (mut before, mut after) = (place, place);
+    before[axis] = match place[axis] {
+        0 if domain.is_periodic(axis) => last,
+        position => position.saturating_sub(1),
+    };
+    after[axis] = match place[axis] {
+        position if position < last => position + 1,
+        _ if domain.is_periodic(axis) => 0,
+        _ => last,
+    };
+    (at(shape, before[0], before[1], before[2]), at(shape, after[0], after[1], after[2]))
+}

@@ -1,0 +1,114 @@
+//! The front of a blue core: a level set that moves against the unburnt gas and stays a distance.
+
+use rayon::prelude::*;
+
+use super::parallel::{planes, rows, wide};
+
+use super::combustion::FUEL;
+use super::domain::{Domain, at};
+
+/// Cells from the front beyond which distances are cut off.
+pub(crate) const BAND_CELLS: f32 = 6.0;
+
+/// Steps towards a distance field after each step of time; half a cell each, so they keep the front's surroundings right.
+const REDISTANCING_STEPS: usize = 3;
+
+/// Room to work.
+#[derive(Debug, Default)]
+pub(crate) struct LevelSet {
+    before: Vec<f32>,
+    sign: Vec<f32>,
+}
+
+impl LevelSet {
+    /// The front eats `flame_speed_m_s` times `dt_s` into the unburnt gas (Nguyen, Fedkiw & Jensen 2002, eq. 4; the flow's
+    /// part is advection), then distances are mended (Sussman, Smereka & Osher 1994).
+    pub fn advance(&mut self, domain: &Domain, flame_speed_m_s: f64, dt_s: f64, scalars: &mut [[f32; 4]]) {
+        let voxel_size = domain.voxel_size_m() as f32;
+        let most = BAND_CELLS * voxel_size;
+        let eaten = (flame_speed_m_s * dt_s) as f32;
+        self.store(scalars);
+        let before = self.before.as_slice();
+        each(domain, scalars, |place, index| {
+            let distance = before[index];
+            (distance + eaten * slope(before, domain, place, 1.0)).clamp(-most, most)
+        });
+        self.sign.clear();
+        self.sign.extend(scalars.iter().map(|scalar| {
+            let distance = scalar[FUEL];
+            distance / (distance * distance + voxel_size * voxel_size).sqrt()
+        }));
+        for _ in 0..REDISTANCING_STEPS {
+            self.store(scalars);
+            let (before, sign) = (self.before.as_slice(), self.sign.as_slice());
+            each(domain, scalars, |place, index| {
+                // Beside the front it would shift the front itself.
+                if is_beside_front(before, domain, place) {
+                    return before[index];
+                }
+                let excess = slope(before, domain, place, sign[index]) - 1.0;
+                (before[index] - 0.5 * voxel_size * sign[index] * excess).clamp(-most, most)
+            });
+        }
+    }
+
+    fn store(&mut self, scalars: &[[f32; 4]]) {
+        self.before.clear();
+        self.before.extend(scalars.iter().map(|scalar| scalar[FUEL]));
+    }
+}
+
+/// Sets every cell's level set.
+fn each(domain: &Domain, scalars: &mut [[f32; 4]], value: impl Fn([usize; 3], usize) -> f32 + Sync) {
+    let [_, ny, nz] = domain.shape();
+    planes(scalars, ny * nz).enumerate().for_each(|(i, plane)| {
+        wide(|| {
+            for ([j, k], scalar) in rows(plane, nz) {
+                scalar[FUEL] = value([i, j, k], (i * ny + j) * nz + k);
+            }
+        })
+    });
+}
+
+/// Whether the front lies between a cell and one of its neighbours.
+fn is_beside_front(distance: &[f32], domain: &Domain, place: [usize; 3]) -> bool {
+    let shape = domain.shape();
+    let index = at(shape, place[0], place[1], place[2]);
+    let unburnt = distance[index] < 0.0;
+    let strides = [shape[1] * shape[2], shape[2], 1];
+    (0..3).any(|axis| {
+        let before = place[axis] > 0 && (distance[index - strides[axis]] < 0.0) != unburnt;
+        before || (place[axis] + 1 < shape[axis] && (distance[index + strides[axis]] < 0.0) != unburnt)
+    })
+}
+
+/// Magnitude of the gradient, taken from the side that the front comes from (Godunov) where it moves towards growing
+/// (`direction` positive) or falling distance.
+#[inline(always)]
+fn slope(distance: &[f32], domain: &Domain, place: [usize; 3], direction: f32) -> f32 {
+    let shape = domain.shape();
+    let scale = (1.0 / domain.voxel_size_m()) as f32;
+    let index = at(shape, place[0], place[1], place[2]);
+    let here = distance[index];
+    let strides = [shape[1] * shape[2], shape[2], 1];
+    let mut square = 0.0;
+    for axis in 0..3 {
+        let (position, last, stride) = (place[axis], shape[axis] - 1, strides[axis]);
+        let periodic = domain.is_periodic(axis);
+        let before = match position {
+            0 if periodic => distance[index + last * stride],
+            0 => here,
+            _ => distance[index - stride],
+        };
+        let after = match position {
+            _ if position < last => distance[index + stride],
+            _ if periodic => distance[index - last * stride],
+            _ => here,
+        };
+        let (rising, falling) = ((here - before) * scale, (after - here) * scale);
+        let (a, b) =
+            if direction > 0.0 { (rising.max(0.0), falling.min(0.0)) } else { (rising.min(0.0), falling.max(0.0)) };
+        square += (a * a).max(b * b);
+    }
+    square.sqrt()
+}

@@ -1,0 +1,386 @@
+//! A flame of our own: flow, fire and heat in a box.
+//!
+//! Three-dimensional incompressible flow with a source of volume where it burns (Chadwick & James 2011, eq. 1) on a
+//! staggered grid; one [`Solver::step`] is
+//!
+//! ```text
+//! emitters ─ advection ─ burning ─ forces ─ sides ─ pressure
+//!            (advect)   (combustion, (forces) (faces) (pressure)
+//!                        level_set)
+//! ```
+//!
+//! The result is the same for any number of threads, and for any cutting of a run by [`Solver::save`] and
+//! [`Solver::load`].
+
+mod advect;
+mod checkpoint;
+mod combustion;
+mod domain;
+mod emitter;
+mod faces;
+mod forces;
+mod lattice;
+mod level_set;
+mod parallel;
+mod parameters;
+mod pressure;
+mod random;
+mod sources;
+mod turbulence;
+
+use rayon::prelude::*;
+
+pub use combustion::{Combustion, Cooling};
+pub use domain::{Domain, Side};
+pub use emitter::{Emitter, Shape};
+pub use parameters::Parameters;
+pub use pressure::Poisson;
+pub use random::Random;
+pub use turbulence::Turbulence;
+
+use advect::{Entering, Paths, Stand, advect};
+use combustion::TEMPERATURE;
+use domain::at;
+use faces::Faces;
+use forces::{Forces, Gas};
+use lattice::Lattice;
+use level_set::{BAND_CELLS, LevelSet};
+use parallel::{planes, rows};
+
+use crate::error::Error;
+use crate::frame::Frame;
+use crate::grid::{Grid, Transform};
+use crate::velocity::{Placement, Velocity};
+
+/// Cells that gas may cross in one substep; more would lose detail.
+const CELLS_PER_SUBSTEP: f32 = 2.5;
+
+/// Substeps of a step at most.
+const MOST_SUBSTEPS: f32 = 4.0;
+
+/// Cells that gas may cross in one step: faster gas is slowed down to it. No flame of sense gets there.
+const FASTEST_CELLS: f32 = 16.0;
+
+/// Divergence left over, as a part of the largest speed per voxel.
+const TOLERANCE: f64 = 4e-5;
+
+/// What acts on the box from outside during one step.
+#[derive(Debug, Clone, Default)]
+pub struct Surroundings {
+    /// What burns.
+    pub emitters: Vec<Emitter>,
+    /// Speed that all inflows have beyond their mean, in m/s.
+    pub gust_m_s: f64,
+    /// Random part of the inflows, rms in m/s.
+    pub unrest_m_s: f64,
+}
+
+/// What a step did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Largest speed of any component in m/s.
+    pub fastest_m_s: f64,
+    /// Largest divergence left over, source subtracted, in 1/s.
+    pub divergence_hz: f64,
+    /// Parts that the step was cut into.
+    pub substeps: usize,
+}
+
+/// The gas in its box.
+#[derive(Debug)]
+pub struct Solver {
+    domain: Domain,
+    parameters: Parameters,
+    seed: u64,
+    velocity: Faces,
+    /// Fuel (or level set), temperature, smoke, age at the cells' centres.
+    scalars: Vec<[f32; 4]>,
+    /// Pressure over density, times the time step: where the next solve starts.
+    pressure: Vec<f32>,
+    source: Vec<f32>,
+    front: Vec<f32>,
+    time_s: f64,
+    turbulence: Turbulence,
+    poisson: Poisson,
+    level_set: LevelSet,
+    forces: Forces,
+    scratch: Scratch,
+}
+
+/// Room for a step; nothing in it outlives one.
+#[derive(Debug, Default)]
+struct Scratch {
+    centres: Vec<[f32; 4]>,
+    acceleration: Vec<[f32; 4]>,
+    paths: Paths,
+    scalars: advect::Scratch<4>,
+    faces: advect::Scratch<1>,
+    component: Vec<f32>,
+}
+
+impl Solver {
+    /// Gas at rest, nothing burning. `seed` numbers all that is random.
+    ///
+    /// Fails where a parameter is out of range, or viscosity too high for the step that the flow needs.
+    pub fn new(domain: Domain, parameters: Parameters, seed: u64) -> Result<Self, Error> {
+        parameters.validate()?;
+        let cells = domain.cells();
+        let mut solver = Self {
+            velocity: Faces::new(&domain),
+            scalars: vec![[0.0; 4]; cells],
+            pressure: vec![0.0; cells],
+            source: vec![0.0; cells],
+            front: vec![0.0; cells],
+            time_s: 0.0,
+            turbulence: Turbulence::new(seed),
+            poisson: Poisson::new(&domain),
+            level_set: LevelSet::default(),
+            forces: Forces::default(),
+            scratch: Scratch::default(),
+            domain,
+            parameters,
+            seed,
+        };
+        solver.reset();
+        Ok(solver)
+    }
+
+    /// Back to gas at rest.
+    pub fn reset(&mut self) {
+        let ambient = self.ambient();
+        self.velocity = Faces::new(&self.domain);
+        self.scalars.fill(ambient);
+        self.pressure.fill(0.0);
+        self.source.fill(0.0);
+        self.front.fill(0.0);
+        self.time_s = 0.0;
+    }
+
+    /// The box.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Seconds since the gas was at rest.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Velocity components in m/s on the faces across their axes, shaped as [`Domain::face_shape`] says, z fastest.
+    pub fn face_velocities(&self) -> [&[f32]; 3] {
+        self.velocity.components.each_ref().map(Vec::as_slice)
+    }
+
+    /// Sets the flow. `velocity` gives the component along an axis, in m/s, at a place in m (the box's lower corner is
+    /// at 0).
+    pub fn set_velocity(&mut self, velocity: impl Fn(usize, [f64; 3]) -> f64) {
+        let h = self.domain.voxel_size_m();
+        for axis in 0..3 {
+            let shape = self.domain.face_shape(axis);
+            for (index, value) in self.velocity.components[axis].iter_mut().enumerate() {
+                let position = [index / (shape[1] * shape[2]), index / shape[2] % shape[1], index % shape[2]];
+                let place = std::array::from_fn(|a| {
+                    let offset = if a == axis { 0.0 } else { 0.5 };
+                    (position[a] as f64 + offset) * h
+                });
+                *value = velocity(axis, place) as f32;
+            }
+        }
+    }
+
+    /// Temperatures at the cells' centres, 1 = that of a hot flame; z fastest.
+    pub fn temperatures(&self) -> impl Iterator<Item = f32> + '_ {
+        self.scalars.iter().map(|scalar| scalar[TEMPERATURE])
+    }
+
+    /// Whether every number in the box is finite.
+    pub fn is_finite(&self) -> bool {
+        let faces = self.velocity.components.iter().flatten();
+        let cells = self.scalars.iter().flatten().chain(&self.front).chain(&self.pressure);
+        faces.chain(cells).all(|value| value.is_finite())
+    }
+
+    /// Lets `dt_s` (1e-6 to 1 s) pass.
+    pub fn step(&mut self, dt_s: f64, surroundings: &Surroundings) -> Step {
+        // From within the pool, so that a part of the work does not wait for a thread to wake up.
+        rayon::scope(|_| self.step_in_pool(dt_s, surroundings))
+    }
+
+    fn step_in_pool(&mut self, dt_s: f64, surroundings: &Surroundings) -> Step {
+        let dt_s = if dt_s.is_finite() { dt_s.clamp(1e-6, 1.0) } else { 1e-6 };
+        let cells_per_step = (dt_s / self.domain.voxel_size_m()) as f32;
+        self.velocity.limit(FASTEST_CELLS / cells_per_step);
+        let crossed = self.velocity.fastest() * cells_per_step;
+        let substeps = (crossed / CELLS_PER_SUBSTEP).ceil().clamp(1.0, MOST_SUBSTEPS);
+        let mut result = Step { fastest_m_s: 0.0, divergence_hz: 0.0, substeps: substeps as usize };
+        for _ in 0..substeps as usize {
+            let part = self.substep(dt_s / f64::from(substeps), surroundings);
+            result.fastest_m_s = part.fastest_m_s;
+            result.divergence_hz = part.divergence_hz;
+        }
+        result
+    }
+
+    fn substep(&mut self, dt_s: f64, surroundings: &Surroundings) -> Step {
+        self.emit(dt_s, surroundings);
+        self.carry(dt_s);
+        self.burn(dt_s);
+        self.swell(dt_s, surroundings);
+        self.push(dt_s);
+        self.rub(dt_s);
+        self.time_s += dt_s;
+        self.blow_in(surroundings);
+        let step = self.project();
+        Step { substeps: 1, ..step }
+    }
+
+    /// The front and the flow, as files and the flux have them: at the cells' centres.
+    pub fn frame(&self, number: u64) -> Result<Frame, Error> {
+        let (front, velocity) = self.centred();
+        let transform = self.transform()?;
+        let shape = self.domain.shape();
+        Ok(Frame {
+            number,
+            field: Grid::dense(shape, &front, transform)?,
+            velocity: Velocity::Vectors(Grid::dense(shape, &velocity, transform)?, Placement::Collocated),
+        })
+    }
+
+    /// The front's field and the velocity in m/s at the cells' centres, z fastest.
+    pub fn centred(&self) -> (Vec<[f32; 1]>, Vec<[f32; 3]>) {
+        let mut centres = vec![[0.0; 4]; self.domain.cells()];
+        self.velocity.to_centres(&self.domain, &mut centres);
+        let velocity = centres.iter().map(|[u, v, w, _]| [*u, *v, *w]).collect();
+        (self.front.iter().map(|value| [*value]).collect(), velocity)
+    }
+
+    /// Where the cells lie: the box stands on z = 0, its axis at x = y = 0.
+    pub fn origin_m(&self) -> [f64; 3] {
+        let h = self.domain.voxel_size_m();
+        let [nx, ny, _] = self.domain.shape().map(|size| size as f64);
+        [0.5 * h * (1.0 - nx), 0.5 * h * (1.0 - ny), 0.5 * h]
+    }
+
+    fn transform(&self) -> Result<Transform, Error> {
+        Transform::uniform(self.domain.voxel_size_m(), self.origin_m())
+    }
+
+    /// What surrounds the box.
+    fn ambient(&self) -> [f32; 4] {
+        match self.parameters.combustion {
+            Some(Combustion::BlueCore { .. }) => {
+                // Far from the front, and burnt so long ago that it is cold.
+                [BAND_CELLS * self.domain.voxel_size_m() as f32, 0.0, 0.0, 1e3]
+            }
+            _ => [0.0; 4],
+        }
+    }
+
+    /// Advection of everything by the flow.
+    fn carry(&mut self, dt_s: f64) {
+        let ambient = self.ambient();
+        let Scratch { centres, paths, scalars, faces, .. } = &mut self.scratch;
+        centres.resize(self.domain.cells(), [0.0; 4]);
+        self.velocity.to_centres(&self.domain, centres);
+        paths.trace(&self.domain, centres, (dt_s / self.domain.voxel_size_m()) as f32);
+        let entering = Entering::from_sides(&self.domain, ambient, |side| matches!(side, Side::Open | Side::Inflow(_)));
+        advect(&mut self.scalars, &self.domain, Stand::Centres, paths, &entering, scalars);
+        // The air outside is at rest; what an inflow brings is prescribed.
+        let still = Entering::from_sides(&self.domain, [0.0], |side| side == Side::Open);
+        for axis in 0..3 {
+            let component = self.velocity.components[axis].as_chunks_mut::<1>().0;
+            advect(component, &self.domain, Stand::Faces(axis), paths, &still, faces);
+        }
+    }
+
+    fn burn(&mut self, dt_s: f64) {
+        let Some(combustion) = self.parameters.combustion else { return };
+        if let Combustion::BlueCore { flame_speed_m_s, .. } = combustion {
+            self.level_set.advance(&self.domain, flame_speed_m_s, dt_s, &mut self.scalars);
+        }
+        let h = self.domain.voxel_size_m();
+        combustion::burn(
+            &combustion,
+            &self.parameters.cooling,
+            h,
+            dt_s,
+            &mut self.scalars,
+            &mut self.source,
+            &mut self.front,
+        );
+    }
+
+    /// Forces, from the flow as it is now.
+    fn push(&mut self, dt_s: f64) {
+        let Scratch { centres, acceleration, .. } = &mut self.scratch;
+        acceleration.resize(self.domain.cells(), [0.0; 4]);
+        self.velocity.to_centres(&self.domain, centres);
+        let gas = Gas { velocity: centres, scalars: &self.scalars, turbulence: &self.turbulence, time_s: self.time_s };
+        self.forces.evaluate(&self.domain, &self.parameters, &gas, acceleration);
+        self.velocity.accelerate(&self.domain, acceleration, dt_s as f32);
+    }
+
+    /// Viscosity, in as many explicit parts as it needs to be stable.
+    fn rub(&mut self, dt_s: f64) {
+        let h = self.domain.voxel_size_m();
+        let spread = self.parameters.viscosity_m2_s * dt_s / (h * h);
+        let parts = (spread / 0.1).ceil().clamp(0.0, 32.0);
+        for _ in 0..parts as usize {
+            let share = ((spread / parts).min(0.15)) as f32;
+            for axis in 0..3 {
+                let lattice = Lattice::faces(&self.domain, axis);
+                let component = &mut self.velocity.components[axis];
+                self.scratch.component.clone_from(component);
+                diffuse(&lattice, &self.scratch.component, component, share);
+            }
+        }
+    }
+
+    /// What walls and inflows prescribe.
+    fn blow_in(&mut self, surroundings: &Surroundings) {
+        let h = self.domain.voxel_size_m();
+        let eddies = self.parameters.turbulence_scale_m;
+        let turnovers = (self.time_s * self.parameters.turbulence_rate_hz) as f32;
+        let (gust, unrest) = (surroundings.gust_m_s as f32, surroundings.unrest_m_s as f32);
+        let turbulence = &self.turbulence;
+        self.velocity.apply_sides(&self.domain, |axis, end, position| {
+            let sign = if end == 0 { 1.0 } else { -1.0 };
+            let noise = if unrest == 0.0 {
+                0.0
+            } else {
+                let place = position.map(|cell| (cell as f64 * h / eddies) as f32);
+                turbulence.at(place, turnovers)[axis]
+            };
+            sign * gust + unrest * noise
+        });
+    }
+
+    /// Makes the flow's divergence what burning asks for.
+    fn project(&mut self) -> Step {
+        let fastest = f64::from(self.velocity.fastest());
+        let divergence = &mut self.scratch.component;
+        divergence.resize(self.domain.cells(), 0.0);
+        self.velocity.divergence(&self.domain, &self.source, divergence);
+        let tolerance = TOLERANCE * fastest / self.domain.voxel_size_m();
+        let worst = self.poisson.solve(divergence, &mut self.pressure, tolerance);
+        self.velocity.subtract_gradient(&self.domain, &self.pressure);
+        Step { fastest_m_s: f64::from(self.velocity.fastest()), divergence_hz: worst, substeps: 1 }
+    }
+}
+
+/// One explicit step of diffusion; ends have no gradient.
+fn diffuse(lattice: &Lattice, before: &[f32], after: &mut [f32], share: f32) {
+    let [_, ny, nz] = lattice.shape;
+    planes(after, ny * nz).enumerate().for_each(|(i, plane)| {
+        for ([j, k], value) in rows(plane, nz) {
+            let here = before[at(lattice.shape, i, j, k)];
+            let next = |axis: usize, upper: bool| {
+                let mut place = [i, j, k];
+                place[axis] = lattice.beside(axis, place[axis], upper);
+                before[at(lattice.shape, place[0], place[1], place[2])] - here
+            };
+            let sum: f32 = (0..3).map(|axis| next(axis, false) + next(axis, true)).sum();
+            *value = here + share * sum;
+        }
+    });
+}

@@ -1,0 +1,68 @@
+//! What the gas is like.
+
+use super::combustion::{Combustion, Cooling};
+use crate::error::{Error, in_range};
+
+/// What the gas is like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// How it burns; none: it flows only.
+    pub combustion: Option<Combustion>,
+    /// How it cools and clears.
+    pub cooling: Cooling,
+    /// Upward acceleration at temperature 1, in m/s²; 0-1000.
+    pub buoyancy_m_s2: f64,
+    /// Vorticity confinement, 0-10: speeds of eddies of a voxel's size that are given back per second.
+    pub confinement: f64,
+    /// Kinematic viscosity in m²/s, 0-1; what the grid itself adds is not in it.
+    pub viscosity_m2_s: f64,
+    /// Stirring where it is hot: rms acceleration per component in m/s², 0-10,000.
+    pub turbulence_m_s2: f64,
+    /// Size of the largest eddies that are stirred in, in m.
+    pub turbulence_scale_m: f64,
+    /// How fast they change, in 1/s.
+    pub turbulence_rate_hz: f64,
+}
+
+impl Parameters {
+    /// Gas that neither burns, rises nor rubs.
+    pub fn still() -> Self {
+        Self {
+            combustion: None,
+            cooling: Cooling { radiation_hz: 0.0, dissipation_hz: 0.0 },
+            buoyancy_m_s2: 0.0,
+            confinement: 0.0,
+            viscosity_m2_s: 0.0,
+            turbulence_m_s2: 0.0,
+            turbulence_scale_m: 1.0,
+            turbulence_rate_hz: 0.0,
+        }
+    }
+
+    /// Fails where a number is out of range.
+    pub fn validate(&self) -> Result<(), Error> {
+        in_range("buoyancy in m/s²", self.buoyancy_m_s2, 0.0, 1000.0)?;
+        in_range("vorticity confinement", self.confinement, 0.0, 10.0)?;
+        in_range("viscosity in m²/s", self.viscosity_m2_s, 0.0, 1.0)?;
+        in_range("turbulence in m/s²", self.turbulence_m_s2, 0.0, 10_000.0)?;
+        in_range("scale of turbulence in m", self.turbulence_scale_m, 1e-4, 1e4)?;
+        in_range("rate of turbulence in Hz", self.turbulence_rate_hz, 0.0, 1e4)?;
+        in_range("radiation in Hz", self.cooling.radiation_hz, 0.0, 1e4)?;
+        in_range("dissipation in Hz", self.cooling.dissipation_hz, 0.0, 1e4)?;
+        match self.combustion {
+            None => Ok(()),
+            Some(Combustion::Fuel { ignition, rate_hz, heat, expansion }) => {
+                in_range("ignition temperature", ignition, 0.0, 2.0)?;
+                in_range("burn rate in Hz", rate_hz, 0.0, 1e4)?;
+                in_range("heat", heat, 0.0, 100.0)?;
+                in_range("expansion", expansion, 0.0, 100.0)
+            }
+            Some(Combustion::BlueCore { flame_speed_m_s, expansion, rise_s, fall_s }) => {
+                in_range("flame speed in m/s", flame_speed_m_s, 0.0, 100.0)?;
+                in_range("expansion", expansion, 0.0, 100.0)?;
+                in_range("rise in s", rise_s, 0.0, 100.0)?;
+                in_range("fall in s", fall_s, 0.0, 100.0)
+            }
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! One level of the multigrid: the operator and its smoother.
+
+use rayon::prelude::*;
+
+use crate::solver::parallel::{elements, planes, wide};
+
+use crate::solver::domain::at;
+
+/// What the pressure does beyond one end of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ends {
+    /// Zero on the face.
+    Zero,
+    /// No gradient across the face.
+    Flat,
+    /// Goes on at the other end.
+    Wrapped,
+}
+
+/// Smoothing steps before and after the coarser level.
+const STEPS: usize = 3;
+
+/// Smoothing steps instead of a solution on the coarsest level.
+const STEPS_ON_COARSEST: usize = 60;
+
+/// Part of the operator's spectrum (scaled by its diagonal, at most 2) that smoothing is to damp: in three dimensions what
+/// a coarser level cannot see begins at a third.
+const DAMPED: std::ops::RangeInclusive<f64> = 1.0 / 3.0..=2.0;
+
+/// Lower end of what the coarsest level damps.
+const DAMPED_ON_COARSEST: f64 = 0.01;
+
+/// Negative Laplacian of second order on a box of cells.
+#[derive(Debug)]
+pub(super) struct Level {
+    shape: [usize; 3],
+    voxel_size_m: f64,
+    ends: [[Ends; 2]; 3],
+    /// 1 / h².
+    scale: f32,
+}
+
+impl Level {
+    pub fn new(shape: [usize; 3], voxel_size_m: f64, ends: [[Ends; 2]; 3]) -> Self {
+        Self { shape, voxel_size_m, ends, scale: (1.0 / (voxel_size_m * voxel_size_m)) as f32 }
+    }
+
+    pub fn shape(&self) -> [usize; 3] {
+        self.shape
+    }
+
+    pub fn voxel_size_m(&self) -> f64 {
+        self.voxel_size_m
+    }
+
+    pub fn cells(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// `image` = negative Laplacian of `field`.
+    pub fn apply(&self, field: &[f32], image: &mut [f32]) {
+        let scale = self.scale;
+        self.visit(field, image, |_, sum, _, image| *image = sum * scale);
+    }
+
+    /// Smooths `solution`, which starts from zero; `step` and `image` are room to work.
+    pub fn smooth_from_zero(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
+        solution.fill(0.0);
+        self.chebyshev(right, solution, step, image, STEPS, *DAMPED.start());
+    }
+
+    /// Smooths `solution` from what it holds.
+    pub fn smooth(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
+        self.chebyshev(right, solution, step, image, STEPS, *DAMPED.start());
+    }
+
+    /// Solves well enough where nothing coarser is there.
+    pub fn solve_small(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
+        solution.fill(0.0);
+        self.chebyshev(right, solution, step, image, STEPS_ON_COARSEST, DAMPED_ON_COARSEST);
+    }
+
+    /// Chebyshev's iteration on the operator scaled by its diagonal (Saad, *Iterative Methods for Sparse Linear Systems*,
+    /// algorithm 12.1). A polynomial in the operator, so it is symmetric, as conjugate gradients ask for.
+    fn chebyshev(
+        &self,
+        right: &[f32],
+        solution: &mut [f32],
+        step: &mut [f32],
+        image: &mut [f32],
+        steps: usize,
+        lowest: f64,
+    ) {
+        let (middle, half) = (0.5 * (DAMPED.end() + lowest), 0.5 * (DAMPED.end() - lowest));
+        let ratio = middle / half;
+        let mut rho = 1.0 / ratio;
+        for index in 0..steps {
+            let (keep, add) = if index == 0 {
+                (0.0, 1.0 / middle)
+            } else {
+                let next = 1.0 / (2.0 * ratio - rho);
+                let factors = (next * rho, 2.0 * next / half);
+                rho = next;
+                factors
+            };
+            let (keep, add, scale) = (keep as f32, add as f32, self.scale);
+            // image = the new step; it is written apart from the solution that is read.
+            self.visit(solution, image, |index, sum, diagonal, image| {
+                *image = keep * step[index] + add * (right[index] - sum * scale) / (diagonal * scale);
+            });
+            step.copy_from_slice(image);
+            elements(solution).zip(&*step).for_each(|(solution, step)| *solution += *step);
+        }
+    }
+
+    /// Calls `each` for every cell with its index, the sum of its value's differences to its neighbours, the
+    /// operator's diagonal (both still without 1/h²) and the cell's place in `image`.
+    fn visit(&self, field: &[f32], image: &mut [f32], each: impl Fn(usize, f32, f32, &mut f32) + Sync) {
+        let [nx, ny, nz] = self.shape;
+        let plane = ny * nz;
+        planes(image, plane).enumerate().for_each(|(i, image)| {
+            wide(|| {
+                for j in 0..ny {
+                    let row = at(self.shape, i, j, 0);
+                    let centre = &field[row..row + nz];
+                    // What the four neighbouring rows add: a row and its weight, and this cell's own weight.
+                    let mut own = 0.0f32;
+                    let mut rows: [&[f32]; 4] = [centre; 4];
+                    let mut weights = [0.0f32; 4];
+                    for (slot, axis, upper) in [(0, 0, false), (1, 0, true), (2, 1, false), (3, 1, true)] {
+                        let (position, size) = if axis == 0 { (i, nx) } else { (j, ny) };
+                        match neighbour(position, size, upper, self.ends[axis]) {
+                            Ok(other) => {
+                                let start =
+                                    if axis == 0 { at(self.shape, other, j, 0) } else { at(self.shape, i, other, 0) };
+                                rows[slot] = &field[start..start + nz];
+                                weights[slot] = 1.0;
+                                own += 1.0;
+                            }
+                            Err(extra) => own += extra,
+                        }
+                    }
+                    let out = &mut image[j * nz..(j + 1) * nz];
+                    let across = |k: usize| {
+                        weights[0] * rows[0][k]
+                            + weights[1] * rows[1][k]
+                            + weights[2] * rows[2][k]
+                            + weights[3] * rows[3][k]
+                    };
+                    let edge = |k: usize| {
+                        let (mut diagonal, mut sum) = (own, across(k));
+                        for upper in [false, true] {
+                            match neighbour(k, nz, upper, self.ends[2]) {
+                                Ok(other) => {
+                                    diagonal += 1.0;
+                                    sum += centre[other];
+                                }
+                                Err(extra) => diagonal += extra,
+                            }
+                        }
+                        (diagonal * centre[k] - sum, diagonal)
+                    };
+                    for k in [0, nz - 1] {
+                        let (sum, diagonal) = edge(k);
+                        each(row + k, sum, diagonal, &mut out[k]);
+                    }
+                    let diagonal = own + 2.0;
+                    for k in 1..nz - 1 {
+                        let sum = diagonal * centre[k] - (across(k) + centre[k - 1] + centre[k + 1]);
+                        each(row + k, sum, diagonal, &mut out[k]);
+                    }
+                }
+            })
+        });
+    }
+}
+
+/// The neighbour's position, or, where there is none, what the end adds to the diagonal.
+fn neighbour(position: usize, size: usize, upper: bool, ends: [Ends; 2]) -> Result<usize, f32> {
+    match (upper, position) {
+        (false, 1..) => Ok(position - 1),
+        (true, _) if position + 1 < size => Ok(position + 1),
+        _ => match ends[usize::from(upper)] {
+            Ends::Zero => Err(2.0),
+            Ends::Flat => Err(0.0),
+            Ends::Wrapped => Ok(if upper { 0 } else { size - 1 }),
+        },
+    }
+}

@@ -1,0 +1,74 @@
+//! Eddies that are too small, or come from too far away, to be simulated: a field of noise that is put in.
+
+use super::lattice::Lattice;
+use super::random::Random;
+
+/// Samples along an edge of the tile.
+const SIZE: usize = 32;
+
+/// Waves that the tile is made of.
+const WAVES: usize = 64;
+
+/// Highest wave number, in waves per tile.
+const HIGHEST: i32 = 7;
+
+/// How far the two copies of the tile drift in a second of the largest eddies' turnover, in tiles.
+const DRIFTS: [[f32; 3]; 2] = [[0.37, 0.23, 0.71], [-0.29, 0.31, -0.53]];
+
+/// Velocities without divergence whose spectrum falls as Kolmogorov's (Bridson et al. 2007 and Kim et al. 2008 put the
+/// like into flames), repeating in space, never in time.
+#[derive(Debug, Clone)]
+pub struct Turbulence {
+    tile: Vec<[f32; 4]>,
+}
+
+impl Turbulence {
+    /// Noise number `seed`, of 1 rms per component.
+    pub fn new(seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let mut tile = vec![[0.0f32; 4]; SIZE * SIZE * SIZE];
+        for _ in 0..WAVES {
+            let (wave, magnitude) = loop {
+                let wave: [i32; 3] = std::array::from_fn(|_| random.below(2 * HIGHEST as u64 + 1) as i32 - HIGHEST);
+                let square: i32 = wave.iter().map(|k| k * k).sum();
+                if square > 0 && square <= HIGHEST * HIGHEST {
+                    break (wave, f64::from(square).sqrt());
+                }
+            };
+            let axis: [f64; 3] = std::array::from_fn(|_| random.normal());
+            let direction = crate::grid::cross(wave.map(f64::from), axis);
+            let norm = crate::grid::length(direction).max(1e-9);
+            // Energy per wave number falls as k^(-5/3); a shell holds k² waves, so a wave's amplitude as k^(-11/6). Waves
+            // are drawn evenly over the ball.
+            let amplitude = magnitude.powf(-11.0 / 6.0) / norm;
+            let phase = std::f64::consts::TAU * random.uniform();
+            for (index, value) in tile.iter_mut().enumerate() {
+                let position = [index / (SIZE * SIZE), index / SIZE % SIZE, index % SIZE];
+                let turns: f64 = (0..3).map(|a| f64::from(wave[a]) * position[a] as f64 / SIZE as f64).sum();
+                let wave = amplitude * (std::f64::consts::TAU * turns + phase).cos();
+                for a in 0..3 {
+                    value[a] += (wave * direction[a]) as f32;
+                }
+            }
+        }
+        let power: f64 = tile.iter().flat_map(|value| &value[..3]).map(|v| f64::from(*v).powi(2)).sum();
+        let rms = (power / (3 * tile.len()) as f64).sqrt().max(1e-30) as f32;
+        tile.iter_mut().flatten().for_each(|value| *value /= rms);
+        Self { tile }
+    }
+
+    /// The noise at a place, in units of the largest eddies' size, and a time, in units of their turnover.
+    #[inline(always)]
+    pub fn at(&self, place: [f32; 3], time: f32) -> [f32; 3] {
+        let lattice = Lattice::repeating(SIZE);
+        let mut sum = [0.0; 3];
+        for drift in DRIFTS {
+            let position = std::array::from_fn(|axis| (place[axis] + drift[axis] * time) * SIZE as f32);
+            let value = lattice.sample(&self.tile, position);
+            for (sum, value) in sum.iter_mut().zip(value) {
+                *sum += std::f32::consts::FRAC_1_SQRT_2 * value;
+            }
+        }
+        sum
+    }
+}
