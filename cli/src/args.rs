@@ -203,15 +203,21 @@ pub struct FluxArgs {
     /// Interpolate frames that are missing or cannot be read, instead of giving up
     #[arg(long)]
     pub skip_bad: bool,
-    /// Also write the flame fronts as .ply
+    /// Also write the flame fronts: DIR/front_NUMBER.ply
     #[arg(long, value_name = "DIR")]
     pub mesh: Option<PathBuf>,
     /// Of every so many frames one front
     #[arg(long, value_name = "N", default_value_t = 1, requires = "mesh", value_parser = clap::value_parser!(u64).range(1..))]
     pub mesh_every: u64,
+    /// Kind of those files
+    #[arg(long, value_enum, value_name = "KIND", default_value_t = MeshKind::Ply, requires = "mesh")]
+    pub mesh_kind: MeshKind,
     /// Frames per second of simulated time [default: 360, or what the input says]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
+    /// Number of the frame at which the timeline starts, instead of --time-reference
+    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference")]
+    pub start_frame: Option<u64>,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
@@ -223,9 +229,12 @@ pub struct FluxMergeArgs {
     /// Parts that flux --partial has written, in any order
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
-    /// Frames per second of simulated time [default: 360, or what the input says]
+    /// Frames per second of simulated time [default: 360]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
+    /// Number of the frame at which the timeline starts, instead of --time-reference
+    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference")]
+    pub start_frame: Option<u64>,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
@@ -250,11 +259,8 @@ pub struct SoundArgs {
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true)]
     pub high_pass: f64,
     /// Place of the first sample on the timeline, for the file's BWF time stamp
-    #[arg(long, value_name = "SAMPLES", conflicts_with = "start_frame")]
+    #[arg(long, value_name = "SAMPLES")]
     pub time_reference: Option<u64>,
-    /// The same by the number of the frame at which the timeline starts
-    #[arg(long, value_name = "FRAME")]
-    pub start_frame: Option<u64>,
     /// Also write flux and area of every frame: frame,flux,area
     #[arg(long, value_name = "FILE.csv")]
     pub flux_csv: Option<PathBuf>,
@@ -293,6 +299,25 @@ fn frame_range(text: &str) -> Result<(u64, u64), String> {
     }
 }
 
+/// Values of `--mesh-kind`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MeshKind {
+    /// Stanford PLY, binary
+    Ply,
+    /// Wavefront OBJ, text
+    Obj,
+}
+
+impl MeshKind {
+    /// How the names of such files end.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Ply => "ply",
+            Self::Obj => "obj",
+        }
+    }
+}
+
 /// Options of `pyrophone simulate`.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
@@ -302,7 +327,7 @@ pub struct SimulateArgs {
     /// Length of the signal, 0.01-3600
     #[arg(long, value_name = "S", default_value_t = 5.0, allow_negative_numbers = true)]
     pub seconds: f64,
-    /// Voxels along the longest side of the box, 8-512 [default: 64]
+    /// Voxels along the longest side of the box, 8-512, taken to a multiple of 8 (below 32, of 2) [default: 64]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub resolution: Option<usize>,
     /// Number of all that is random

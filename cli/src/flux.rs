@@ -6,7 +6,7 @@ pub mod sound;
 
 use std::path::Path;
 
-use pyrophone_flame::flux::{Flux, Partial};
+use pyrophone_flame::flux::{Flux, Partial, Steps};
 use pyrophone_flame::import::{Series, Timing};
 use pyrophone_recording::{check_not_among, write_file};
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ pub use self::measuring::make_folder;
 const PICTURES: usize = 12;
 
 /// Tables of flux; other files are sounds or simulations.
-const TABLES: [&str; 4] = ["csv", "txt", "tsv", "npy"];
+const TABLES: [&str; 3] = ["csv", "txt", "npy"];
 
 /// Sounds whose samples are flux.
 const SOUNDS: [&str; 9] = ["wav", "wave", "aif", "aiff", "aifc", "caf", "flac", "ogg", "mp3"];
@@ -79,18 +79,33 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<(), Error> {
         Signal::of_series(series.values, first, args.rate.or(series.rate_hz))
     };
     let facts = vec![("Series".into(), shown.to_string())];
-    sound::write(&args.sound, &signal, None, facts, vec![], work)
+    sound::write(&args.sound, &signal.on_timeline(args.start_frame), None, facts, vec![], work)
 }
 
 fn simulation(args: &FluxArgs, work: &Work) -> Result<(), Error> {
     let plan = Plan::new(args, work)?;
+    if let (Some(start), Some(first)) = (args.start_frame, plan.first_frame()) {
+        sound::frames_since(start, first)?;
+    }
     let outputs: Vec<&Path> = sound::files(&args.sound).chain(args.partial.as_deref()).collect();
-    let inputs: Vec<&Path> = plan.indices.iter().map(|index| plan.sequence.path_of(*index)).collect();
+    let inputs = plan.simulation_files();
+    let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
     for output in &outputs {
         check_not_among(output, &inputs)?;
     }
     let Some(beside) = outputs.first().copied().or(args.sound.report.as_deref()) else { return Ok(()) };
-    let steps = plan.measure(beside, work)?;
+    let (steps, kept) = plan.measure(beside, work)?;
+    match write(args, &plan, steps, work) {
+        Ok(()) => {
+            kept.remove();
+            Ok(())
+        }
+        Err(error) => Err(kept.unfinished(error)),
+    }
+}
+
+/// Everything that was asked for, from the steps.
+fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<(), Error> {
     if let Some(path) = &args.partial {
         let part = Partial { settings: plan.settings.clone(), steps: steps.clone() };
         write_file(path, |file| part.write(file))?;
@@ -100,8 +115,8 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<(), Error> {
     }
     let flux = Flux::from_steps(&steps)?;
     sound::note_interpolated(&flux.interpolated);
-    let signal = Signal::of_flux(&flux, args.rate);
-    let surfaces = if args.sound.report.is_some() { surfaces(&plan, signal.rate_hz, work)? } else { vec![] };
+    let signal = Signal::of_flux(&flux, args.rate).on_timeline(args.start_frame);
+    let surfaces = if args.sound.report.is_some() { surfaces(plan, signal.rate_hz, work)? } else { vec![] };
     let facts = vec![
         ("Simulation".into(), args.input.display().to_string()),
         ("Measured with".into(), plan.settings.clone()),

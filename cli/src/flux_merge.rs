@@ -25,7 +25,7 @@ pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<(), Error> {
     let merged = Partial::merge(&parts)?;
     let flux = Flux::from_steps(&merged.steps)?;
     sound::note_interpolated(&flux.interpolated);
-    let signal = Signal::of_flux(&flux, args.rate);
+    let signal = Signal::of_flux(&flux, args.rate).on_timeline(args.start_frame);
     let facts =
         vec![("Measured with".into(), merged.settings), ("Merged from".into(), format!("{} parts", parts.len()))];
     sound::write(&args.sound, &signal, Some(&flux), facts, vec![], work)

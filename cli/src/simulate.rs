@@ -44,9 +44,13 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<(), Error> {
     let label = |frame: u64| format!("frame {frame} · {:.3} s", frame as f64 / STEP_RATE_HZ);
     let surfaces = meshes.iter().map(|(frame, mesh)| (label(*frame), view.draw(mesh))).collect();
     let facts = vec![("Scene".into(), plan.options_text()), ("Box".into(), plan.box_text()?)];
-    sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work)?;
-    kept.remove();
-    Ok(())
+    match sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work) {
+        Ok(()) => {
+            kept.remove();
+            Ok(())
+        }
+        Err(error) => Err(kept.unfinished(error)),
+    }
 }
 
 /// What is to be simulated.
@@ -124,9 +128,16 @@ impl Plan {
     fn simulate(&self, kept: &mut Kept, work: &Work) -> Result<(Steps, Meshes), Error> {
         if let Some(folder) = &self.cache {
             make_folder(folder)?;
+            self.check_cache(folder)?;
         }
         let mut simulation = Simulation::new(self.scene, self.options)?;
         let mut steps = kept.restore(&mut simulation);
+        let is_kept = |frame: &u64| self.cache_path(*frame).is_none_or(|path| path.is_file());
+        if simulation.steps() != self.done_at(steps.len() as u64, &simulation) || !steps.keys().all(is_kept) {
+            note("what the run before has left is not complete; starting anew");
+            simulation.reset();
+            steps.clear();
+        }
         if simulation.steps() > 0 {
             note(&format!("{} steps were done by the run before", simulation.steps()));
             steps.retain(|frame, _| *frame < self.count);
@@ -163,7 +174,7 @@ impl Plan {
 
     fn measure(&self, frame: &Frame) -> Result<Measured, Error> {
         let row = Row::new(frame.number, &self.front.measure(frame)?);
-        let every = (self.count / PICTURES).max(1);
+        let every = self.count.div_ceil(PICTURES);
         let is_drawn = self.draws && frame.number % every == every / 2;
         Ok(Measured { row, mesh: is_drawn.then(|| self.front.mesh(&frame.field)).transpose()? })
     }
@@ -171,13 +182,37 @@ impl Plan {
     /// The last step, if it is one of those that are kept; numbered from the first of these, and in the cache.
     fn frame(&self, simulation: &Simulation) -> Result<Option<Frame>, Error> {
         let Some(number) = simulation.steps().checked_sub(self.pre_roll + 1) else { return Ok(None) };
-        if let Some(folder) = &self.cache {
-            self.write_cache(folder, number, simulation)?;
+        if let Some(path) = self.cache_path(number) {
+            self.write_cache(&path, number, simulation)?;
         }
         Ok(Some(Frame { number, ..simulation.frame()? }))
     }
 
-    fn write_cache(&self, folder: &Path, number: u64, simulation: &Simulation) -> Result<(), Error> {
+    fn cache_path(&self, frame: u64) -> Option<PathBuf> {
+        self.cache.as_ref().map(|folder| folder.join(format!("{}_{frame:06}.npz", self.scene.name())))
+    }
+
+    /// Frames that this run will not write would be mixed up with its own.
+    fn check_cache(&self, folder: &Path) -> Result<(), Error> {
+        let own = |name: &str| {
+            let number = name.strip_prefix(self.scene.name()).and_then(|rest| rest.strip_prefix('_'));
+            number.and_then(|rest| rest.strip_suffix(".npz")?.parse().ok()).is_some_and(|frame: u64| frame < self.count)
+        };
+        let others = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
+        let foreign =
+            others.map(|name| name.to_string_lossy().into_owned()).find(|name| name.ends_with(".npz") && !own(name));
+        foreign.map_or(Ok(()), |name| {
+            let shown = folder.display();
+            Err(Error::Conflict(format!("{shown}: it holds {name} of another run; choose or make another folder")))
+        })
+    }
+
+    /// Steps that a run has taken when it has kept `frames` frames.
+    fn done_at(&self, frames: u64, simulation: &Simulation) -> u64 {
+        if frames > 0 { self.pre_roll + frames } else { simulation.steps().min(self.pre_roll) }
+    }
+
+    fn write_cache(&self, path: &Path, number: u64, simulation: &Simulation) -> Result<(), Error> {
         let (flame, velocity) = simulation.solver().centred();
         let domain = simulation.solver().domain();
         let frame = DenseFrame {
@@ -188,7 +223,6 @@ impl Plan {
             origin: simulation.solver().origin_m(),
             time_s: Some(number as f64 / STEP_RATE_HZ),
         };
-        let path = folder.join(format!("{}_{number:06}.npz", self.scene.name()));
-        Ok(write_file(&path, |file| write_frame(std::io::BufWriter::new(file), &frame))?)
+        Ok(write_file(path, |file| write_frame(std::io::BufWriter::new(file), &frame))?)
     }
 }

@@ -249,6 +249,9 @@ fn fronts_and_reports_are_written() {
     fronts.sort();
     assert_eq!(fronts, ["front_0003.ply", "front_0008.ply", "front_0013.ply", "front_0018.ply"]);
     assert!(bytes(at, "fronts/front_0003.ply").starts_with(b"ply\n"));
+    succeeds(at, "flux --input flame --output p.wav --mesh texts --mesh-every 10 --mesh-kind obj");
+    let text = String::from_utf8(bytes(at, "texts/front_0013.obj")).unwrap();
+    assert!(text.lines().any(|line| line.starts_with("v ")) && text.lines().any(|line| line.starts_with("f ")));
     let page = std::fs::read_to_string(at.join("told/index.html")).unwrap();
     for part in
         ["Flame front", "frame 22", "Velocity flux", "Area", "Spectrum", "iso 0.5", "Crest factor", "voxel 0.1 x"]
@@ -279,7 +282,9 @@ fn bad_options_are_refused() {
         ("--output x.wav --flux-csv x.wav", &["x.wav", "two outputs"]),
         ("--partial x.csv --flux-csv x.csv", &["x.csv", "two outputs"]),
         ("--output flame/flame_0004.npz", &["flame_0004.npz", "overwrite"]),
-        ("--output no/folder/x.wav", &["cannot be written"]),
+        ("--output no/folder/x.wav", &["no folder no/folder"]),
+        ("--output flame", &["flame", "a folder"]),
+        ("--frames 3-5 --output flame/flame_0009.npz", &["flame_0009.npz", "overwrite"]),
         ("", &["nothing to write", "--output"]),
     ] {
         refuses(at, &format!("flux --input flame {options}"), 1, says);

@@ -93,6 +93,29 @@ fn progress_of_another_run_is_not_gone_on_with() {
     }
 }
 
+/// Frames of two runs in one folder would be measured as one.
+#[test]
+fn a_cache_is_not_mixed_with_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = "simulate candle --resolution 16 --pre-roll 0 --cache frames --output fire.wav";
+    succeeds(folder.path(), &format!("{run} --seconds 0.05"));
+    succeeds(folder.path(), &format!("{run} --seconds 0.05 --seed 2"));
+    refuses(folder.path(), &format!("{run} --seconds 0.03"), 1, &["frames", "candle_0000", "another run"]);
+    let other = run.replace("candle", "torch");
+    refuses(folder.path(), &format!("{other} --seconds 0.05"), 1, &["frames", "candle_0000", "another run"]);
+}
+
+/// Less fuel makes a smaller sound, not none, until there is none.
+#[test]
+fn a_weak_torch_burns() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = "simulate torch --resolution 16 --seconds 0.1 --output fire.wav";
+    succeeds(folder.path(), &format!("{run} --intensity 0.3"));
+    assert!(read(&folder.path().join("fire.wav")).channels[0].iter().any(|sample| *sample != 0.0));
+    let output = common::pyrophone(folder.path(), &format!("{run} --intensity 0"));
+    assert!(output.status.success() && String::from_utf8(output.stderr).unwrap().contains("silent"));
+}
+
 #[test]
 fn senseless_options_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -105,7 +128,7 @@ fn senseless_options_are_refused() {
     refused("--output a.wav --wind nan", &["wind", "0", "4"]);
     refused("--output a.wav --pre-roll -1", &["--pre-roll"]);
     refused("--output a.wav --refine 0", &["refinement"]);
-    refused("--output nowhere/a.wav", &["nowhere/a.wav"]);
+    refused("--output nowhere/a.wav", &["no folder nowhere"]);
     refuses(folder.path(), "simulate candle --seconds 0 --output a.wav", 1, &["--seconds"]);
     let output = common::pyrophone(folder.path(), "simulate bonfire --output a.wav");
     assert_eq!(output.status.code(), Some(2));

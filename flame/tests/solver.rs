@@ -204,6 +204,10 @@ fn a_blue_core_shrinks_at_the_flame_speed() {
     }
     let eaten = first - radius(&solver);
     let expected = speed * f64::from(steps) / 360.0;
+    for _ in 0..150 {
+        solver.step(1.0 / 360.0, &Surroundings::default());
+    }
+    assert!(radius(&solver) == 0.0, "a wisp of {} m burns for ever", radius(&solver));
     assert!((eaten / expected - 1.0).abs() < 0.1, "{eaten} m eaten instead of {expected}");
 }
 

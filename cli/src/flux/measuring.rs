@@ -11,7 +11,7 @@ use pyrophone_recording::{content_hash, write_file};
 use rayon::prelude::*;
 
 use super::kept::Kept;
-use crate::args::{FluxArgs, Placement};
+use crate::args::{FluxArgs, MeshKind, Placement};
 use crate::error::Error;
 use crate::progress::{Work, note};
 
@@ -40,6 +40,7 @@ pub struct Plan {
     skip_bad: bool,
     /// Where fronts are written: of every so many frames one, from this number on.
     mesh: Option<(PathBuf, u64, u64)>,
+    mesh_kind: MeshKind,
 }
 
 impl Plan {
@@ -92,20 +93,28 @@ impl Plan {
             args.refine
         );
         let mesh = args.mesh.clone().map(|folder| (folder, args.mesh_every, first));
-        Ok(Self { sequence, selection, front, indices, missing, voxel_edges, settings, skip_bad: args.skip_bad, mesh })
+        Ok(Self {
+            sequence,
+            selection,
+            front,
+            indices,
+            missing,
+            voxel_edges,
+            settings,
+            skip_bad: args.skip_bad,
+            mesh,
+            mesh_kind: args.mesh_kind,
+        })
     }
 
     /// Every frame's numbers; none for those skipped. What is done is kept beside `output` until all is.
-    pub fn measure(&self, output: &Path, work: &Work) -> Result<Steps, Error> {
+    pub fn measure(&self, output: &Path, work: &Work) -> Result<(Steps, Kept), Error> {
         if let Some((folder, ..)) = &self.mesh {
             make_folder(folder)?;
         }
         let mut kept = Kept::open(output, format!("{}, files {}", self.settings, self.files()));
         match self.go_on(&mut kept, work) {
-            Ok(steps) => {
-                kept.remove();
-                Ok(steps)
-            }
+            Ok(steps) => Ok((steps, kept)),
             Err(error) => Err(kept.unfinished(error)),
         }
     }
@@ -159,7 +168,11 @@ impl Plan {
             let mesh = self.front.mesh(&frame.field).map_err(|source| self.of_frame(index, source))?;
             write_file(&path, |file| {
                 let mut file = std::io::BufWriter::new(file);
-                mesh.write_ply(&mut file).and_then(|()| std::io::Write::flush(&mut file))
+                match self.mesh_kind {
+                    MeshKind::Ply => mesh.write_ply(&mut file)?,
+                    MeshKind::Obj => mesh.write_obj(&mut file)?,
+                }
+                std::io::Write::flush(&mut file)
             })?;
         }
         Ok(Row::new(frame.number, &measure))
@@ -185,9 +198,28 @@ impl Plan {
         Error::Frame { path: self.sequence.path_of(index).display().to_string(), source: Box::new(source) }
     }
 
+    /// Number of the first frame that is asked for, missing ones included.
+    pub fn first_frame(&self) -> Option<u64> {
+        let found = self.indices.first().and_then(|index| self.sequence.numbers().nth(*index));
+        found.into_iter().chain(self.missing.iter().copied()).min()
+    }
+
+    /// All files of the simulation, whether or not they are asked for.
+    pub fn simulation_files(&self) -> Vec<PathBuf> {
+        let mut files: Vec<PathBuf> =
+            (0..self.sequence.len()).map(|index| self.sequence.path_of(index).into()).collect();
+        if let Some(folder) = files.first().and_then(|path| path.parent()) {
+            let beside = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
+            let is_array = |path: &PathBuf| path.extension().is_some_and(|end| end.eq_ignore_ascii_case("npy"));
+            files.extend(beside.filter(is_array));
+        }
+        files
+    }
+
     fn mesh_path(&self, number: u64) -> Option<PathBuf> {
         let (folder, every, first) = self.mesh.as_ref()?;
-        number.saturating_sub(*first).is_multiple_of(*every).then(|| folder.join(format!("front_{number:04}.ply")))
+        let name = format!("front_{number:04}.{}", self.mesh_kind.extension());
+        number.saturating_sub(*first).is_multiple_of(*every).then(|| folder.join(name))
     }
 
     /// A number for the files as they are now: names, sizes and times of change.

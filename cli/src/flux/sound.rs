@@ -33,6 +33,8 @@ pub struct Signal {
     pub first_frame: u64,
     /// Steps per second.
     pub rate_hz: f64,
+    /// Number of the step at which the timeline starts, where that is asked for.
+    pub start_frame: Option<u64>,
 }
 
 impl Signal {
@@ -43,12 +45,18 @@ impl Signal {
             area: flux.rows.iter().map(|row| row.area).collect(),
             first_frame: flux.rows.first().map_or(0, |row| row.frame),
             rate_hz: rate_hz.unwrap_or(RATE_HZ),
+            start_frame: None,
         }
     }
 
     /// Of a series whose file may know its rate.
     pub fn of_series(flux: Vec<f64>, first_frame: u64, rate_hz: Option<f64>) -> Self {
-        Self { flux, area: vec![], first_frame, rate_hz: rate_hz.unwrap_or(RATE_HZ) }
+        Self { flux, area: vec![], first_frame, rate_hz: rate_hz.unwrap_or(RATE_HZ), start_frame: None }
+    }
+
+    /// The same on a timeline that starts at a step.
+    pub fn on_timeline(self, start_frame: Option<u64>) -> Self {
+        Self { start_frame, ..self }
     }
 }
 
@@ -66,6 +74,14 @@ pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result
         return Err(Error::Conflict("there is nothing to write; add --output OUT.wav".into()));
     }
     for (index, output) in outputs.iter().enumerate() {
+        let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            let message = format!("{}: there is no folder {}; make it first", output.display(), folder.display());
+            return Err(Error::Conflict(message));
+        }
+        if output.is_dir() {
+            return Err(Error::Conflict(format!("{}: this is a folder; name a file in it", output.display())));
+        }
         if outputs[..index].contains(output) {
             let message = format!("{}: two outputs have this name; choose another for one of them", output.display());
             return Err(Error::Conflict(message));
@@ -100,7 +116,7 @@ fn note_start(samples: &[f32], sample_rate_hz: u32) {
     if rest > 0.0 && first > START_RATIO * rest {
         let above_db = 20.0 * (first / rest).log10();
         note(&format!(
-            "the first {START_S} s are {above_db:.0} dB louder than all that follows: the simulation starts from rest; --frames can leave its start out"
+            "the first {START_S} s are {above_db:.0} dB louder than all that follows, to which they set the scale: a simulation that starts from rest is better heard from later on"
         ));
     }
 }
@@ -159,7 +175,11 @@ pub fn write(
         let result = check_finite(path, &channels)
             .and_then(|()| write_broadcast_wav_f32(path, &channels, args.sample_rate, &broadcast));
         result.inspect_err(|_| remove(&written))?;
-        note(&format!("scaled by {:.6e} to a peak of {} dB", sound.scale, args.peak_db));
+        if channels[0].iter().all(|sample| *sample == 0.0) {
+            note("the output is silent: the flux does not change; is there a flame front at this iso value?");
+        } else {
+            note(&format!("scaled by {:.6e} to a peak of {} dB", sound.scale, args.peak_db));
+        }
     }
     Ok(())
 }
@@ -173,12 +193,15 @@ fn remove(written: &[&Path]) {
 
 /// Where the first sample stands on the timeline.
 fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
-    let Some(start) = args.start_frame else { return Ok(args.time_reference.unwrap_or(0)) };
-    let Some(frames) = signal.first_frame.checked_sub(start) else {
-        return Err(Error::Conflict(format!(
-            "--start-frame is {start}, but the first frame is {}; the timeline must start there or before",
-            signal.first_frame
-        )));
-    };
+    let Some(start) = signal.start_frame else { return Ok(args.time_reference.unwrap_or(0)) };
+    let frames = frames_since(start, signal.first_frame)?;
     Ok((frames as f64 / signal.rate_hz * f64::from(args.sample_rate)).round() as u64)
+}
+
+/// Frames from the start of the timeline to the first one.
+pub fn frames_since(start: u64, first: u64) -> Result<u64, Error> {
+    first.checked_sub(start).ok_or_else(|| {
+        let what = format!("--start-frame is {start}, but the first frame is {first}");
+        Error::Conflict(format!("{what}; the timeline must start there or before"))
+    })
 }

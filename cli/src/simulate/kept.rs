@@ -23,9 +23,9 @@ pub struct Kept {
 impl Kept {
     /// Beside `output`; `settings` say what a run must have in common with one that goes on with it.
     pub fn open(output: &Path, settings: String) -> Self {
-        let mut name = output.as_os_str().to_owned();
+        let mut name = output.file_name().unwrap_or_default().to_os_string();
         name.push(".simulation-progress");
-        Self { path: name.into(), settings, done: 0 }
+        Self { path: output.with_file_name(name), settings, done: 0 }
     }
 
     /// Brings `simulation` to where the run before was stopped, if it was one of the same settings; answers what was

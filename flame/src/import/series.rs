@@ -37,6 +37,12 @@ pub struct Series {
     pub rate_hz: Option<f64>,
 }
 
+/// Columns that hold seconds.
+const TIME_NAMES: [&str; 4] = ["time_s", "time", "t", "seconds"];
+
+/// Columns that hold the flux, or what is as good.
+const FLUX_NAMES: [&str; 4] = ["flux", "heat_release", "heat_release_rate", "hrr"];
+
 impl Series {
     /// Reads a `.npy` array of one axis, or else a table: columns `flux` and `frame` or `time_s` under a header in any
     /// order (others are left out), or one column with or without a header.
@@ -160,10 +166,11 @@ impl<'a> Table<'a> {
     }
 
     fn header(&self, cells: &[&str]) -> Result<Columns, Error> {
-        let find = |name: &str| cells.iter().position(|cell| cell.eq_ignore_ascii_case(name));
-        let frame = find("frame").map(|column| (Clock::Frame, column));
-        let time = find("time_s").map(|column| (Clock::Time, column));
-        match (find("flux"), cells) {
+        let find =
+            |names: &[&str]| cells.iter().position(|cell| names.iter().any(|name| cell.eq_ignore_ascii_case(name)));
+        let frame = find(&["frame"]).map(|column| (Clock::Frame, column));
+        let time = find(&TIME_NAMES).map(|column| (Clock::Time, column));
+        match (find(&FLUX_NAMES), cells) {
             (Some(flux), _) => Ok(Columns { flux, clock: frame.or(time) }),
             // A single column may be called anything.
             (None, [_]) => Ok(Columns { flux: 0, clock: None }),

@@ -83,8 +83,8 @@ impl Scene {
 /// How a scene is to be played.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Cells along the longest side of the box: 8-512, taken to the next multiple of 8, in which the pressure solve is
-    /// fast. The flamethrower's 20 (a box of 10×20×10, as in Dobashi et al.) is taken as it is.
+    /// Cells along the longest side of the box: 8-512, taken to the next multiple of 8 (below 32, of 2), in which the
+    /// pressure solve is fast.
     pub resolution: usize,
     /// Number of all that is random.
     pub seed: u64,

@@ -85,8 +85,7 @@ pub(super) fn setup(scene: Scene, options: &Options) -> Result<Setup, Error> {
     Ok(Setup { domain: Domain::new(shape, voxel_size_m, sides)?, parameters, script })
 }
 
-/// A box of about `size_m`, with `resolution` cells along its longest side; multiples of 8, or of the next smaller power
-/// of two where that would change the box too much.
+/// A box of about `size_m`, with `resolution` cells along its longest side: multiples of 8, below 32 of 2.
 fn cells(size_m: [f64; 3], resolution: usize) -> ([usize; 3], f64) {
     let longest = size_m.iter().copied().fold(0.0, f64::max);
     let unit = if resolution >= 32 { 8 } else { 2 };
@@ -124,7 +123,8 @@ impl Script {
                 let centre_m = [0.38 * angle.sin(), 0.08 * slow(1), 0.3 + 0.1 * (2.0 * angle).cos()];
                 let head = burner(Shape::Ball { radius_m: 0.07 }, centre_m);
                 let flow = 1.2 * power * (1.0 + 0.25 * fast);
-                (Emitter { velocity_m_s: [0.0, 0.0, flow], drag_hz: 60.0, ..head }, 0.0, 0.0)
+                let fuel = if power > 0.0 { 1.0 } else { 0.0 };
+                (Emitter { velocity_m_s: [0.0, 0.0, flow], drag_hz: 60.0, fuel, ..head }, 0.0, 0.0)
             }
             Scene::FlameJet => {
                 // 0.9 s on, 0.6 s off.

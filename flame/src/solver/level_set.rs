@@ -31,7 +31,11 @@ impl LevelSet {
         let before = self.before.as_slice();
         each(domain, scalars, |place, index| {
             let distance = before[index];
-            (distance + eaten * slope(before, domain, place, 1.0)).clamp(-most, most)
+            // Within the gas the steeper side counts: at the middle of what is left of it one of them is flat, and a wisp
+            // would burn for ever.
+            let outer = slope(before, domain, place, 1.0);
+            let steepness = if distance < 0.0 { outer.max(slope(before, domain, place, -1.0)) } else { outer };
+            (distance + eaten * steepness).clamp(-most, most)
         });
         self.sign.clear();
         self.sign.extend(scalars.iter().map(|scalar| {

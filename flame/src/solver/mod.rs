@@ -121,7 +121,7 @@ struct Scratch {
 impl Solver {
     /// Gas at rest, nothing burning. `seed` numbers all that is random.
     ///
-    /// Fails where a parameter is out of range, or viscosity too high for the step that the flow needs.
+    /// Fails where a parameter is out of range.
     pub fn new(domain: Domain, parameters: Parameters, seed: u64) -> Result<Self, Error> {
         parameters.validate()?;
         let cells = domain.cells();
@@ -320,7 +320,7 @@ impl Solver {
         self.velocity.accelerate(&self.domain, acceleration, dt_s as f32);
     }
 
-    /// Viscosity, in as many explicit parts as it needs to be stable.
+    /// Viscosity, in as many explicit parts as it needs to be stable, up to 32; there it is held.
     fn rub(&mut self, dt_s: f64) {
         let h = self.domain.voxel_size_m();
         let spread = self.parameters.viscosity_m2_s * dt_s / (h * h);

@@ -54,7 +54,8 @@ impl Solver {
                     scalar[TEMPERATURE] = scalar[TEMPERATURE].max(cover * emitter.temperature as f32);
                 }
                 if cover > 0.0 && hold > 0.0 {
-                    let share = cover * hold as f32;
+                    // A face between two covered cells is pulled by both.
+                    let share = 1.0 - (1.0 - cover * hold as f32).max(0.0).sqrt();
                     for axis in 0..3 {
                         let mut face = [i, j, k];
                         for _ in 0..2 {
