@@ -216,7 +216,7 @@ pub struct FluxArgs {
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
     /// Number of the frame at which the timeline starts, instead of --time-reference
-    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference")]
+    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
     pub start_frame: Option<u64>,
     /// What becomes of the flux.
     #[command(flatten)]
@@ -233,7 +233,7 @@ pub struct FluxMergeArgs {
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
     /// Number of the frame at which the timeline starts, instead of --time-reference
-    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference")]
+    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
     pub start_frame: Option<u64>,
     /// What becomes of the flux.
     #[command(flatten)]
@@ -331,7 +331,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub resolution: Option<usize>,
     /// Number of all that is random
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// Fuel and its speed, 0-4
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]

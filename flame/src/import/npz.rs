@@ -91,6 +91,9 @@ impl<R: Read + Seek> Npz<R> {
                 }
             }
         }
+        if voxel_size <= 0.0 {
+            return damaged(format!("{VOXEL_SIZE} is {voxel_size}, but must be above 0"));
+        }
         self.transform = Transform::uniform(voxel_size, origin)?;
         for info in &mut self.infos {
             info.voxel_edges = Some(self.transform.voxel_edges());

@@ -6,6 +6,7 @@ use super::parallel::{planes, rows, wide};
 
 use super::combustion::FUEL;
 use super::domain::{Domain, at};
+use super::lattice::Lattice;
 
 /// Cells from the front beyond which distances are cut off.
 pub(crate) const BAND_CELLS: f32 = 6.0;
@@ -26,6 +27,7 @@ impl LevelSet {
     pub fn advance(&mut self, domain: &Domain, flame_speed_m_s: f64, dt_s: f64, scalars: &mut [[f32; 4]]) {
         let voxel_size = domain.voxel_size_m() as f32;
         let most = BAND_CELLS * voxel_size;
+        let lattice = Lattice::centres(domain);
         let eaten = (flame_speed_m_s * dt_s) as f32;
         self.store(scalars);
         let before = self.before.as_slice();
@@ -47,7 +49,7 @@ impl LevelSet {
             let (before, sign) = (self.before.as_slice(), self.sign.as_slice());
             each(domain, scalars, |place, index| {
                 // Beside the front it would shift the front itself.
-                if is_beside_front(before, domain, place) {
+                if is_beside_front(before, &lattice, place) {
                     return before[index];
                 }
                 let excess = slope(before, domain, place, sign[index]) - 1.0;
@@ -75,14 +77,15 @@ fn each(domain: &Domain, scalars: &mut [[f32; 4]], value: impl Fn([usize; 3], us
 }
 
 /// Whether the front lies between a cell and one of its neighbours.
-fn is_beside_front(distance: &[f32], domain: &Domain, place: [usize; 3]) -> bool {
-    let shape = domain.shape();
-    let index = at(shape, place[0], place[1], place[2]);
-    let unburnt = distance[index] < 0.0;
-    let strides = [shape[1] * shape[2], shape[2], 1];
+fn is_beside_front(distance: &[f32], lattice: &Lattice, place: [usize; 3]) -> bool {
+    let is_unburnt = |[i, j, k]: [usize; 3]| distance[at(lattice.shape, i, j, k)] < 0.0;
+    let here = is_unburnt(place);
     (0..3).any(|axis| {
-        let before = place[axis] > 0 && (distance[index - strides[axis]] < 0.0) != unburnt;
-        before || (place[axis] + 1 < shape[axis] && (distance[index + strides[axis]] < 0.0) != unburnt)
+        [false, true].into_iter().any(|upper| {
+            let mut beside = place;
+            beside[axis] = lattice.beside(axis, place[axis], upper);
+            is_unburnt(beside) != here
+        })
     })
 }
 
