@@ -1,8 +1,8 @@
 //! The reference cache: 180 frames of a simulated flame.
 
-mod import_common;
+mod common;
 
-use import_common::cache_dir;
+use common::flame_cache;
 use pyrophone_flame::grid::Grid;
 use pyrophone_flame::import::{Error, PlacementChoice, Selection, Sequence, Series, Timing};
 use pyrophone_flame::velocity::{Placement, Velocity};
@@ -56,7 +56,7 @@ fn vectors(velocity: &Velocity) -> &Grid<3> {
 
 #[test]
 fn check_sums_of_three_frames() {
-    let Some(folder) = cache_dir() else { return };
+    let Some(folder) = flame_cache() else { return };
     let cache = Sequence::open(&folder).unwrap();
     let read = |number: u64| {
         let index = cache.numbers().position(|found| found == number).unwrap();
@@ -81,7 +81,7 @@ fn check_sums_of_three_frames() {
 
 #[test]
 fn every_frame_is_read() {
-    let Some(folder) = cache_dir() else { return };
+    let Some(folder) = flame_cache() else { return };
     let cache = Sequence::open(&folder).unwrap();
     assert_eq!(cache.numbers().collect::<Vec<_>>(), (1..=180).collect::<Vec<_>>());
     assert_eq!((cache.len(), cache.missing().len(), cache.left_out()), (180, 0, 0));
@@ -98,7 +98,7 @@ fn every_frame_is_read() {
 
 #[test]
 fn what_a_frame_holds() {
-    let Some(folder) = cache_dir() else { return };
+    let Some(folder) = flame_cache() else { return };
     let cache = Sequence::open(&folder.join("fluid_data_0001.vdb")).unwrap();
     assert_eq!((cache.len(), cache.numbers().next()), (1, Some(1)));
     let description = cache.describe(0).unwrap();
@@ -121,7 +121,7 @@ fn what_a_frame_holds() {
 
 #[test]
 fn the_flux_beside_it() {
-    let Some(folder) = cache_dir() else { return };
+    let Some(folder) = flame_cache() else { return };
     let series = Series::read(&folder.join("flux_reference.csv")).unwrap();
     assert_eq!((series.timing, series.values.len(), series.rate_hz), (Timing::Frames(1), 180, None));
     assert_eq!(series.values[..2], [0.190082283, 0.70969322]);

@@ -3,13 +3,15 @@
 //! Each test mutates files for ten seconds, or with `PYROPHONE_SOAK=1` for ten minutes, always in the same order from
 //! the seed it prints.
 
+mod common;
 mod import_common;
 
 use std::io::Cursor;
 use std::time::{Duration, Instant};
 
+use common::flame_cache;
+use import_common::Random;
 use import_common::vdb::{ACTIVE_MASK, BLOSC, Form, Plan, VdbFile, ZIP, write};
-use import_common::{Random, cache_dir};
 use pyrophone_flame::import::npy::Npy;
 use pyrophone_flame::import::npz::{DenseFrame, Npz, write_frame};
 use pyrophone_flame::import::vdb::Vdb;
@@ -157,7 +159,7 @@ fn vdb() {
             originals.push(files.min_by_key(tiles).unwrap().bytes);
         }
     }
-    if let Some(folder) = cache_dir() {
+    if let Some(folder) = flame_cache() {
         originals.push(std::fs::read(folder.join("fluid_data_0001.vdb")).unwrap());
     }
     hostile("vdb", 101, &originals, read_vdb);

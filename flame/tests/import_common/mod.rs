@@ -4,21 +4,6 @@
 pub mod trees;
 pub mod vdb;
 
-use std::path::{Path, PathBuf};
-
-/// The reference cache's folder; where there is none, says so (and fails under `CI=true`).
-pub fn cache_dir() -> Option<PathBuf> {
-    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference");
-    let folder = std::env::var_os("PYROPHONE_REFERENCE").map_or_else(default, PathBuf::from).join("flame_cache");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    let missing = format!("no reference data at {}: set PYROPHONE_REFERENCE", folder.display());
-    assert!(std::env::var("CI").as_deref() != Ok("true"), "{missing}");
-    eprintln!("skipped: {missing}");
-    None
-}
-
 /// SplitMix64: the same numbers everywhere.
 pub struct Random(pub u64);
 
