@@ -14,15 +14,15 @@ pub const SCENE: Scene = Scene::Dragon;
 const RESOLUTION: usize = 32;
 const REFINE: usize = 2;
 
-/// Length of the signal in seconds.
-const SECONDS: f64 = 8.0;
+/// Length of the demo's signal in seconds.
+pub const SECONDS: f64 = 8.0;
 
-/// Pressure of a simulated flame, mono.
-pub fn simulate(sample_rate_hz: u32) -> Result<Vec<f32>> {
+/// Pressure of a simulated flame over `seconds`, mono.
+pub fn simulate(sample_rate_hz: u32, seconds: f64) -> Result<Vec<f32>> {
     let mut simulation = Simulation::new(SCENE, Options { resolution: RESOLUTION, ..Options::new(SCENE) })?;
     let front = Front::new(0.5, REFINE)?;
     let pre_roll = (SCENE.default_pre_roll_s() * STEP_RATE_HZ) as u64;
-    let total = pre_roll + (SECONDS * STEP_RATE_HZ) as u64;
+    let total = pre_roll + (seconds * STEP_RATE_HZ) as u64;
     let shown = std::io::stderr().is_terminal();
     let mut flux = vec![];
     while simulation.steps() < total {
@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn the_flame_is_low_and_bursty() {
-        let flame = simulate(48_000).unwrap();
+        let flame = simulate(48_000, 2.0).unwrap();
         let spectrum = Spectrum::of(std::slice::from_ref(&flame), 48_000);
         let share = spectrum.power(30.0, 180.0) / spectrum.power(1.0, 24_000.0);
         assert!(share > 0.7, "{share} of the power is at 30-180 Hz");

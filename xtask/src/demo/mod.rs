@@ -74,8 +74,9 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// One input through every factory preset.
 fn engines(studio: &Studio, args: &Args) -> Result<Section> {
-    let (flame_path, input_note) =
-        source(studio, args.input.as_deref(), "flame", || Ok(vec![flame::simulate(signals::RATE_HZ)?]))?;
+    let (flame_path, input_note) = source(studio, args.input.as_deref(), "flame", || {
+        Ok(vec![flame::simulate(signals::RATE_HZ, flame::SECONDS)?])
+    })?;
     let (fire, training_note) = source(studio, args.training.as_deref(), "fire", || Ok(signals::fire()))?;
     let is_generated = args.input.is_none() || args.training.is_none();
 
