@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pyrophone_flame::scenes::Scene;
 use pyrophone_settings::Id;
@@ -212,12 +213,9 @@ pub struct FluxArgs {
     /// Kind of those files
     #[arg(long, value_enum, value_name = "KIND", default_value_t = MeshKind::Ply, requires = "mesh")]
     pub mesh_kind: MeshKind,
-    /// Frames per second of simulated time [default: 360, or what the input says]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    pub rate: Option<f64>,
-    /// Number of the frame at which the timeline starts, instead of --time-reference
-    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
-    pub start_frame: Option<u64>,
+    /// When its steps are.
+    #[command(flatten)]
+    pub timeline: TimelineArgs,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
@@ -229,12 +227,9 @@ pub struct FluxMergeArgs {
     /// Parts that flux --partial has written, in any order
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
-    /// Frames per second of simulated time [default: 360]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    pub rate: Option<f64>,
-    /// Number of the frame at which the timeline starts, instead of --time-reference
-    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
-    pub start_frame: Option<u64>,
+    /// When its steps are.
+    #[command(flatten)]
+    pub timeline: TimelineArgs,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
@@ -299,6 +294,17 @@ fn frame_range(text: &str) -> Result<(u64, u64), String> {
     }
 }
 
+/// When the steps of a flux are.
+#[derive(Debug, Args)]
+pub struct TimelineArgs {
+    /// Frames per second of simulated time [default: 360, or what a series says]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub rate: Option<f64>,
+    /// Number of the frame at which the timeline starts, instead of --time-reference
+    #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
+    pub start_frame: Option<u64>,
+}
+
 /// Values of `--mesh-kind`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MeshKind {
@@ -322,8 +328,8 @@ impl MeshKind {
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
     /// What burns
-    #[arg(value_enum, value_name = "SCENE")]
-    pub scene: SceneName,
+    #[arg(value_name = "SCENE", value_parser = scenes())]
+    pub scene: Scene,
     /// Length of the signal, 0.01-3600
     #[arg(long, value_name = "S", default_value_t = 5.0, allow_negative_numbers = true)]
     pub seconds: f64,
@@ -356,40 +362,8 @@ pub struct SimulateArgs {
     pub sound: SoundArgs,
 }
 
-/// Values of SCENE.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum SceneName {
-    /// A small flame blown by a turbulent wind
-    Candle,
-    /// A torch that is swung through the air
-    Torch,
-    /// Fuel let into a closed box in pulses
-    FlameJet,
-    /// A small burning block that moves rapidly
-    BurningBrick,
-    /// A fire-breathing dragon
-    Dragon,
-    /// A wide, randomly perturbed fire
-    Campfire,
-    /// A long jet
-    Flamethrower,
-    /// Bursts, then rising flow
-    Explosion,
-}
-
-impl SceneName {
-    /// The scene of this name.
-    pub fn scene(self) -> Scene {
-        match self {
-            Self::Candle => Scene::Candle,
-            Self::Torch => Scene::Torch,
-            Self::FlameJet => Scene::FlameJet,
-            Self::BurningBrick => Scene::BurningBrick,
-            Self::Dragon => Scene::Dragon,
-            Self::Campfire => Scene::Campfire,
-            Self::Flamethrower => Scene::Flamethrower,
-            Self::Explosion => Scene::Explosion,
-        }
-    }
+/// The scenes by their names.
+fn scenes() -> impl TypedValueParser<Value = Scene> {
+    let named = Scene::ALL.map(|scene| PossibleValue::new(scene.name()).help(scene.summary()));
+    PossibleValuesParser::new(named).try_map(|name| Scene::from_name(&name).ok_or("there is no such scene"))
 }

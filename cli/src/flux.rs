@@ -33,7 +33,7 @@ const SOUNDS: [&str; 9] = ["wav", "wave", "aif", "aiff", "aifc", "caf", "flac", 
 /// Measures the frames of `input`, or takes its series, and writes what was asked for.
 pub fn run(args: &FluxArgs, work: &Work) -> Result<(), Error> {
     let partial: Vec<&Path> = args.partial.iter().map(|path| path.as_path()).collect();
-    sound::check(&args.sound, args.rate, &partial)?;
+    sound::check(&args.sound, args.timeline.rate, &partial)?;
     pyrophone_flame::Front::new(args.iso.unwrap_or(0.0), args.refine)?;
     let extension = args.input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let is_series = TABLES.contains(&extension.as_str()) || SOUNDS.contains(&extension.as_str());
@@ -52,7 +52,7 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<(), Error> {
         ("--partial", args.partial.is_some()),
         ("--mesh", args.mesh.is_some()),
         ("--flux-csv", args.sound.flux_csv.is_some()),
-        ("--rate", is_sound && args.rate.is_some()),
+        ("--rate", is_sound && args.timeline.rate.is_some()),
     ];
     let shown = args.input.display();
     if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
@@ -76,15 +76,15 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<(), Error> {
             }
             Timing::Times(_) => 0,
         };
-        Signal::of_series(series.values, first, args.rate.or(series.rate_hz))
+        Signal::of_series(series.values, first, args.timeline.rate.or(series.rate_hz))
     };
     let facts = vec![("Series".into(), shown.to_string())];
-    sound::write(&args.sound, &signal.on_timeline(args.start_frame), None, facts, vec![], work)
+    sound::write(&args.sound, &signal.on_timeline(args.timeline.start_frame), None, facts, vec![], work)
 }
 
 fn simulation(args: &FluxArgs, work: &Work) -> Result<(), Error> {
     let plan = Plan::new(args, work)?;
-    if let (Some(start), Some(first)) = (args.start_frame, plan.first_frame()) {
+    if let (Some(start), Some(first)) = (args.timeline.start_frame, plan.first_frame()) {
         sound::frames_since(start, first)?;
     }
     let outputs: Vec<&Path> = sound::files(&args.sound).chain(args.partial.as_deref()).collect();
@@ -115,7 +115,7 @@ fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<(), 
     }
     let flux = Flux::from_steps(&steps)?;
     sound::note_interpolated(&flux.interpolated);
-    let signal = Signal::of_flux(&flux, args.rate).on_timeline(args.start_frame);
+    let signal = Signal::of_flux(&flux, args.timeline.rate).on_timeline(args.timeline.start_frame);
     let surfaces = if args.sound.report.is_some() { surfaces(plan, signal.rate_hz, work)? } else { vec![] };
     let facts = vec![
         ("Simulation".into(), args.input.display().to_string()),

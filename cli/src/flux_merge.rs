@@ -11,7 +11,7 @@ use crate::progress::Work;
 
 /// Writes what one run over all frames would have written, bit for bit.
 pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<(), Error> {
-    sound::check(&args.sound, args.rate, &[])?;
+    sound::check(&args.sound, args.timeline.rate, &[])?;
     let shards: Vec<_> = args.shards.iter().map(|path| path.as_path()).collect();
     for output in sound::files(&args.sound) {
         check_not_among(output, &shards)?;
@@ -25,7 +25,7 @@ pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<(), Error> {
     let merged = Partial::merge(&parts)?;
     let flux = Flux::from_steps(&merged.steps)?;
     sound::note_interpolated(&flux.interpolated);
-    let signal = Signal::of_flux(&flux, args.rate).on_timeline(args.start_frame);
+    let signal = Signal::of_flux(&flux, args.timeline.rate).on_timeline(args.timeline.start_frame);
     let facts =
         vec![("Measured with".into(), merged.settings), ("Merged from".into(), format!("{} parts", parts.len()))];
     sound::write(&args.sound, &signal, Some(&flux), facts, vec![], work)

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use pyrophone_flame::flux::{Flux, Row, Steps};
 use pyrophone_flame::front::Mesh;
 use pyrophone_flame::import::npz::{DenseFrame, write_frame};
-use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Simulation};
+use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
 use pyrophone_flame::{Frame, Front};
 use pyrophone_recording::write_file;
 
@@ -56,7 +56,7 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<(), Error> {
 /// What is to be simulated.
 struct Plan {
     options: Options,
-    scene: pyrophone_flame::scenes::Scene,
+    scene: Scene,
     front: Front,
     refine: usize,
     /// Steps before the first that is kept, and those that are.
@@ -79,12 +79,12 @@ struct Measured {
 
 impl Plan {
     fn new(args: &SimulateArgs) -> Result<Self, Error> {
-        let scene = args.scene.scene();
+        let scene = args.scene;
         in_range("--seconds", args.seconds, 0.01, 3600.0)?;
         let pre_roll_s = args.pre_roll.unwrap_or(scene.default_pre_roll_s());
         in_range("--pre-roll", pre_roll_s, 0.0, 60.0)?;
         let options = Options {
-            resolution: args.resolution.unwrap_or(scene.default_resolution()),
+            resolution: args.resolution.unwrap_or(Options::default().resolution),
             seed: args.seed,
             intensity: args.intensity,
             wind: args.wind,
@@ -133,7 +133,8 @@ impl Plan {
         let mut simulation = Simulation::new(self.scene, self.options)?;
         let mut steps = kept.restore(&mut simulation);
         let is_kept = |frame: &u64| self.cache_path(*frame).is_none_or(|path| path.is_file());
-        if simulation.steps() != self.done_at(steps.len() as u64, &simulation) || !steps.keys().all(is_kept) {
+        let frames = simulation.steps().saturating_sub(self.pre_roll);
+        if steps.len() as u64 != frames || !steps.keys().all(is_kept) {
             note("what the run before has left is not complete; starting anew");
             simulation.reset();
             steps.clear();
@@ -205,11 +206,6 @@ impl Plan {
             let shown = folder.display();
             Err(Error::Conflict(format!("{shown}: it holds {name} of another run; choose or make another folder")))
         })
-    }
-
-    /// Steps that a run has taken when it has kept `frames` frames.
-    fn done_at(&self, frames: u64, simulation: &Simulation) -> u64 {
-        if frames > 0 { self.pre_roll + frames } else { simulation.steps().min(self.pre_roll) }
     }
 
     fn write_cache(&self, path: &Path, number: u64, simulation: &Simulation) -> Result<(), Error> {

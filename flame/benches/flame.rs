@@ -18,7 +18,7 @@ fn main() {
     let (resolution, steps) = (number(1, 96), number(2, 36));
     println!("{:<14}{:>14}{:>16}{:>16}{:>16}", "scene", "box", "s per second", "ms per step", "ms per front");
     for scene in named.map_or(vec![Scene::Campfire], |scene| vec![scene]) {
-        let options = Options { resolution, ..Options::new(scene) };
+        let options = Options { resolution, ..Options::default() };
         let mut simulation = Simulation::new(scene, options).expect("the options are the scene's own");
         let front = Front::new(0.5, 3).expect("the usual refinement");
         for _ in 0..WARM_UP_STEPS {

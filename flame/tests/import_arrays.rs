@@ -263,7 +263,7 @@ proptest! {
 
     #[test]
     fn what_is_written_is_read(shape in [1usize..20, 1usize..20, 1usize..20], seed: u64, sparse: bool) {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         let mut value = || match random.below(8) {
             0 => -0.0,
             1 => f32::MIN_POSITIVE / 8.0,

@@ -112,7 +112,7 @@ fn hostile(name: &str, seed: u64, originals: &[Vec<u8>], read: impl Fn(&[u8]) ->
     for (index, original) in originals.iter().enumerate() {
         assert!(read(original), "{name} {index} must be readable before it is damaged");
     }
-    let (mut random, end) = (Random(seed), end());
+    let (mut random, end) = (Random::new(seed), end());
     let (mut rounds, mut refused, mut most_bytes) = (0u64, 0u64, 0);
     while Instant::now() < end {
         let original = &originals[random.below(originals.len())];
@@ -140,7 +140,7 @@ fn read_vdb(bytes: &[u8]) -> bool {
 
 #[test]
 fn vdb() {
-    let mut random = Random(100);
+    let mut random = Random::new(100);
     let mut originals = vec![];
     for version in [220, 222, 224] {
         let codecs: &[u32] =
@@ -166,7 +166,7 @@ fn vdb() {
 }
 
 fn frame_bytes() -> Vec<u8> {
-    let mut random = Random(200);
+    let mut random = Random::new(200);
     let flame: Vec<[f32; 1]> = (0..60).map(|_| [random.below(9) as f32]).collect();
     let velocity: Vec<[f32; 3]> = (0..60).map(|_| [random.below(9) as f32; 3]).collect();
     let frame = DenseFrame {

@@ -57,7 +57,7 @@ fn forms() -> impl Iterator<Item = Form> {
 
 #[test]
 fn every_version_codec_and_type() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let (mut flags, mut leaves, mut tiles) = ([0; 7], 0, [0; 3]);
     for form in forms() {
         let mut kinds = vec!["float", "vec3s", "double", "vec3d", "int32", "bool"];
@@ -84,7 +84,7 @@ fn every_version_codec_and_type() {
 
 #[test]
 fn values_by_index() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let form = Form { version: 224, compression: BLOSC | ACTIVE_MASK, half: true, offsets: true };
     let VdbFile { bytes, written } = write(form, &[Plan::new("flame", "float")], &mut random);
     let written = written[0].as_ref().unwrap();
@@ -107,7 +107,7 @@ fn values_by_index() {
 
 #[test]
 fn instances_share_a_tree_and_have_a_place_of_their_own() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for offsets in [true, false] {
         let form = Form { version: 223, compression: ZIP, half: false, offsets };
         let plans = [
@@ -132,7 +132,7 @@ fn instances_share_a_tree_and_have_a_place_of_their_own() {
 
 #[test]
 fn maps_of_every_kind() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let rest = [0.0; 12];
     let scale = |edges: [f64; 3]| [&edges[..], &rest].concat();
     let moved = |edges: [f64; 3]| [&[10.0, 20.0, 30.0], &edges[..], &rest].concat();
@@ -167,7 +167,7 @@ fn maps_of_every_kind() {
 
 #[test]
 fn a_frustum_is_passed_over_and_refused() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     for version in [220, 221, 224] {
         let form = Form { version, compression: ZIP, half: false, offsets: false };
         let inner = |name: &str| {
@@ -188,7 +188,7 @@ fn a_frustum_is_passed_over_and_refused() {
 
 #[test]
 fn grids_of_other_types_are_passed_over_by_their_offsets() {
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let points = |kind| Plan { tree: Some((vec![9; 50], vec![7; 50])), ..Plan::new("points", kind) };
     for offsets in [true, false] {
         let form = Form { version: 224, compression: BLOSC, half: false, offsets };
@@ -207,9 +207,9 @@ fn grids_of_other_types_are_passed_over_by_their_offsets() {
 
 #[test]
 fn half_is_what_the_metadata_say() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
-    let tree = |half| import_common::trees::random_tree(Form { half, ..form }, "float", &mut Random(8));
+    let tree = |half| import_common::trees::random_tree(Form { half, ..form }, "float", &mut Random::new(8));
     let (topology, leaves, written) = tree(true);
     // The type says full, the metadata half.
     let plan = Plan { tree: Some((topology, leaves)), ..Plan::new("flame", "float") };
@@ -226,7 +226,7 @@ fn in_folder(name: &str, bytes: &[u8]) -> (tempfile::TempDir, Sequence) {
 
 #[test]
 fn classes_are_told_and_heeded() {
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
     let plans = [
         Plan::new("flame", "float").with("class", "string", b" Level Set"),
@@ -263,7 +263,7 @@ fn classes_are_told_and_heeded() {
 
 #[test]
 fn split_velocities() {
-    let mut random = Random(10);
+    let mut random = Random::new(10);
     let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
     let component = |name| Plan::new(name, "float").placed("TranslationMap", &[10.0, 20.0, 30.0]);
     let plans = [component("vel.x"), component("vel.y"), component("vel.z"), Plan::new("flame", "float")];
@@ -304,7 +304,7 @@ fn what_is_not_finite_is_refused_where_it_is_used() {
     for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3.0] {
         let grid = |name| Plan { tree: Some(leaf(value)), ..Plan::new(name, "float") };
         let plans = [grid("density"), Plan::new("flame", "float"), Plan::new("velocity", "vec3s")];
-        let VdbFile { bytes, .. } = write(form, &plans, &mut Random(11));
+        let VdbFile { bytes, .. } = write(form, &plans, &mut Random::new(11));
         let (_folder, sequence) = in_folder("a_0001.vdb", &bytes);
         assert!(sequence.read(0, &Selection::default()).is_ok());
         let density = Selection { field: "density".into(), ..Selection::default() };
@@ -339,7 +339,7 @@ fn a_tree_larger_than_its_file_allows_is_refused() {
         topology.extend(&packed);
     }
     let plan = Plan { tree: Some((topology, vec![])), ..Plan::new("flame", "float") };
-    let VdbFile { bytes, .. } = write(form, &[plan], &mut Random(12));
+    let VdbFile { bytes, .. } = write(form, &[plan], &mut Random::new(12));
     let seen = allocation_counter::measure(|| {
         let mut vdb = Vdb::open(&bytes).unwrap();
         assert!(matches!(vdb.scalar(0), Err(Fault::TooLarge { .. })));

@@ -2,8 +2,8 @@
 
 use pyrophone_flame::scenes::{Options, Scene, Simulation};
 
-fn options(scene: Scene, resolution: usize) -> Options {
-    Options { resolution, ..Options::new(scene) }
+fn options(resolution: usize) -> Options {
+    Options { resolution, ..Options::default() }
 }
 
 /// Seconds that each scene is run for.
@@ -15,7 +15,7 @@ fn seconds() -> f64 {
 fn no_extreme_makes_a_scene_lose_its_numbers() {
     for scene in Scene::ALL {
         for (intensity, wind, turbulence) in [(1.0, 1.0, 1.0), (4.0, 4.0, 4.0), (0.0, 4.0, 0.0), (4.0, 0.0, 4.0)] {
-            let options = Options { intensity, wind, turbulence, ..options(scene, 16) };
+            let options = Options { intensity, wind, turbulence, ..options(16) };
             let mut simulation = Simulation::new(scene, options).unwrap();
             for _ in 0..(360.0 * seconds()) as usize {
                 simulation.step();
@@ -34,7 +34,7 @@ fn no_extreme_makes_a_scene_lose_its_numbers() {
 fn every_scene_burns_and_repeats_by_seed() {
     for scene in Scene::ALL {
         let run = |seed: u64| {
-            let mut simulation = Simulation::new(scene, Options { seed, ..options(scene, 16) }).unwrap();
+            let mut simulation = Simulation::new(scene, Options { seed, ..options(16) }).unwrap();
             for _ in 0..60 {
                 simulation.step();
             }
@@ -50,8 +50,8 @@ fn every_scene_burns_and_repeats_by_seed() {
 #[test]
 fn a_saved_scene_goes_on_as_if_nothing_had_been() {
     let scene = Scene::Torch;
-    let mut whole = Simulation::new(scene, options(scene, 16)).unwrap();
-    let mut first = Simulation::new(scene, options(scene, 16)).unwrap();
+    let mut whole = Simulation::new(scene, options(16)).unwrap();
+    let mut first = Simulation::new(scene, options(16)).unwrap();
     let mut saved = vec![];
     for step in 0..20 {
         whole.step();
@@ -60,7 +60,7 @@ fn a_saved_scene_goes_on_as_if_nothing_had_been() {
         }
     }
     first.save(&mut saved).unwrap();
-    let mut second = Simulation::new(scene, options(scene, 16)).unwrap();
+    let mut second = Simulation::new(scene, options(16)).unwrap();
     second.load(saved.as_slice()).unwrap();
     assert_eq!(second.steps(), 8);
     for _ in 8..20 {
@@ -77,13 +77,13 @@ fn names_lead_to_their_scenes() {
         assert_eq!(Scene::from_name(scene.name()), Some(scene));
     }
     assert_eq!(Scene::from_name("bonfire"), None);
-    assert!(Simulation::new(Scene::Candle, options(Scene::Candle, 7)).is_err());
-    assert!(Simulation::new(Scene::Candle, Options { wind: f64::NAN, ..options(Scene::Candle, 16) }).is_err());
+    assert!(Simulation::new(Scene::Candle, options(7)).is_err());
+    assert!(Simulation::new(Scene::Candle, Options { wind: f64::NAN, ..options(16) }).is_err());
 }
 
 /// Dobashi's flamethrower is as small as the paper's.
 #[test]
 fn the_smallest_flamethrower_is_ten_by_twenty_by_ten() {
-    let simulation = Simulation::new(Scene::Flamethrower, options(Scene::Flamethrower, 20)).unwrap();
+    let simulation = Simulation::new(Scene::Flamethrower, options(20)).unwrap();
     assert_eq!(simulation.solver().domain().shape(), [10, 20, 10]);
 }

@@ -208,11 +208,7 @@ impl Plan {
     pub fn simulation_files(&self) -> Vec<PathBuf> {
         let mut files: Vec<PathBuf> =
             (0..self.sequence.len()).map(|index| self.sequence.path_of(index).into()).collect();
-        if let Some(folder) = files.first().and_then(|path| path.parent()) {
-            let beside = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
-            let is_array = |path: &PathBuf| path.extension().is_some_and(|end| end.eq_ignore_ascii_case("npy"));
-            files.extend(beside.filter(is_array));
-        }
+        files.extend(files.first().map(|path| arrays_beside(path)).unwrap_or_default());
         files
     }
 
@@ -225,12 +221,9 @@ impl Plan {
     /// A number for the files as they are now: names, sizes and times of change.
     fn files(&self) -> String {
         let mut paths: Vec<PathBuf> = self.indices.iter().map(|index| self.sequence.path_of(*index).into()).collect();
-        // A frame of arrays has several files, of which only the first is known by name.
-        let is_array = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy"));
-        if let Some(folder) = paths.first().filter(|path| is_array(path)).and_then(|path| path.parent()) {
-            let entries = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.path());
-            paths = entries.filter(|path| is_array(path)).collect();
-            paths.sort_unstable();
+        let arrays = paths.first().map(|path| arrays_beside(path)).unwrap_or_default();
+        if !arrays.is_empty() {
+            paths = arrays;
         }
         let mut list = String::new();
         for path in paths {
@@ -242,6 +235,17 @@ impl Plan {
         }
         content_hash(list.as_bytes()).chars().take(16).collect()
     }
+}
+
+/// All arrays in the folder of one, in order: a frame of arrays has several files, of which a sequence names the first.
+/// None where `path` is no array.
+fn arrays_beside(path: &Path) -> Vec<PathBuf> {
+    let is_array = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy"));
+    let folder = path.parent().filter(|_| is_array(path));
+    let entries = folder.and_then(|folder| folder.read_dir().ok()).into_iter().flatten().flatten();
+    let mut arrays: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| is_array(path)).collect();
+    arrays.sort_unstable();
+    arrays
 }
 
 /// Makes a folder and those above it.

@@ -60,14 +60,23 @@ impl Scene {
         }
     }
 
+    /// What burns in it, in a few words.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Candle => "A small flame blown by a turbulent wind",
+            Self::Torch => "A torch that is swung through the air",
+            Self::FlameJet => "Fuel let into a closed box in pulses",
+            Self::BurningBrick => "A small burning block that moves rapidly",
+            Self::Dragon => "A fire-breathing dragon",
+            Self::Campfire => "A wide, randomly perturbed fire",
+            Self::Flamethrower => "A long jet",
+            Self::Explosion => "Bursts, then rising flow",
+        }
+    }
+
     /// The scene of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|scene| scene.name() == name)
-    }
-
-    /// Cells along the longest side of the box, unless told otherwise.
-    pub fn default_resolution(self) -> usize {
-        64
     }
 
     /// Seconds that are simulated before the first that is kept, unless told otherwise: a flame that is always there
@@ -96,12 +105,14 @@ pub struct Options {
     pub turbulence: f64,
 }
 
-impl Options {
-    /// A scene as designed.
-    pub fn new(scene: Scene) -> Self {
-        Self { resolution: scene.default_resolution(), seed: 1, intensity: 1.0, wind: 1.0, turbulence: 1.0 }
+impl Default for Options {
+    /// As designed; 64 cells.
+    fn default() -> Self {
+        Self { resolution: 64, seed: 1, intensity: 1.0, wind: 1.0, turbulence: 1.0 }
     }
+}
 
+impl Options {
     fn validate(&self) -> Result<(), Error> {
         in_range("resolution", self.resolution as f64, 8.0, 512.0)?;
         in_range("intensity", self.intensity, 0.0, 4.0)?;

@@ -7,6 +7,7 @@ use super::parallel::{planes, rows, wide};
 use super::Parameters;
 use super::combustion::{Combustion, SMOKE, TEMPERATURE};
 use super::domain::{Domain, at};
+use super::lattice::Lattice;
 use super::turbulence::Turbulence;
 
 /// Room for the vorticity.
@@ -45,13 +46,14 @@ impl Forces {
         let eddies = (1.0 / parameters.turbulence_scale_m) as f32;
         let turnovers = (gas.time_s * parameters.turbulence_rate_hz) as f32;
         let vorticity = self.vorticity.as_slice();
+        let lattice = Lattice::centres(domain);
         planes(acceleration, ny * nz).enumerate().for_each(|(i, plane)| {
             wide(|| {
                 for ([j, k], out) in rows(plane, nz) {
                     let temperature = gas.scalars[at(shape, i, j, k)][TEMPERATURE];
                     let mut sum = [0.0, 0.0, buoyancy * temperature, 0.0];
                     if confinement != 0.0 {
-                        let force = confine(vorticity, domain, [i, j, k]);
+                        let force = confine(vorticity, &lattice, [i, j, k]);
                         for axis in 0..3 {
                             sum[axis] += confinement * voxel_size * force[axis];
                         }
@@ -71,15 +73,15 @@ impl Forces {
     }
 
     fn curl(&mut self, domain: &Domain, velocity: &[[f32; 4]]) {
-        let shape = domain.shape();
-        let [_, ny, nz] = shape;
+        let lattice = &Lattice::centres(domain);
+        let [_, ny, nz] = lattice.shape;
         let scale = (0.5 / domain.voxel_size_m()) as f32;
         planes(&mut self.vorticity, ny * nz).enumerate().for_each(|(i, plane)| {
             wide(|| {
                 for ([j, k], out) in rows(plane, nz) {
                     let place = [i, j, k];
                     let slope = |axis: usize| {
-                        let (before, after) = neighbours(domain, place, axis);
+                        let (before, after) = neighbours(lattice, place, axis);
                         let (before, after) = (velocity[before], velocity[after]);
                         [0, 1, 2].map(|n: usize| (after[n] - before[n]) * scale)
                     };
@@ -94,13 +96,13 @@ impl Forces {
 }
 
 /// N × w, N the direction in which vorticity w grows (Fedkiw, Stam & Jensen 2001, eq. 10-11).
-fn confine(vorticity: &[[f32; 4]], domain: &Domain, place: [usize; 3]) -> [f32; 3] {
+fn confine(vorticity: &[[f32; 4]], lattice: &Lattice, place: [usize; 3]) -> [f32; 3] {
     let slope: [f32; 3] = std::array::from_fn(|axis| {
-        let (before, after) = neighbours(domain, place, axis);
+        let (before, after) = neighbours(lattice, place, axis);
         vorticity[after][3] - vorticity[before][3]
     });
     let steepness = (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]).sqrt();
-    let w = vorticity[at(domain.shape(), place[0], place[1], place[2])];
+    let w = vorticity[at(lattice.shape, place[0], place[1], place[2])];
     // Where nothing turns there is no direction to divide by.
     if steepness < 1e-6 {
         return [0.0; 3];
@@ -111,18 +113,11 @@ fn confine(vorticity: &[[f32; 4]], domain: &Domain, place: [usize; 3]) -> [f32; 
 
 /// Indices of the cells before and after a place; at an end of the box its own stands for what is missing.
 #[inline(always)]
-fn neighbours(domain: &Domain, place: [usize; 3], axis: usize) -> (usize, usize) {
-    let shape = domain.shape();
-    let last = shape[axis] - 1;
-    let (mut before, mut after) = (place, place);
-    before[axis] = match place[axis] {
-        0 if domain.is_periodic(axis) => last,
-        position => position.saturating_sub(1),
+fn neighbours(lattice: &Lattice, place: [usize; 3], axis: usize) -> (usize, usize) {
+    let beside = |upper: bool| {
+        let mut beside = place;
+        beside[axis] = lattice.beside(axis, place[axis], upper);
+        at(lattice.shape, beside[0], beside[1], beside[2])
     };
-    after[axis] = match place[axis] {
-        position if position < last => position + 1,
-        _ if domain.is_periodic(axis) => 0,
-        _ => last,
-    };
-    (at(shape, before[0], before[1], before[2]), at(shape, after[0], after[1], after[2]))
+    (beside(false), beside(true))
 }

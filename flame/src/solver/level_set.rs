@@ -35,8 +35,9 @@ impl LevelSet {
             let distance = before[index];
             // Within the gas the steeper side counts: at the middle of what is left of it one of them is flat, and a wisp
             // would burn for ever.
-            let outer = slope(before, domain, place, 1.0);
-            let steepness = if distance < 0.0 { outer.max(slope(before, domain, place, -1.0)) } else { outer };
+            let outer = slope(before, &lattice, voxel_size, place, 1.0);
+            let steepness =
+                if distance < 0.0 { outer.max(slope(before, &lattice, voxel_size, place, -1.0)) } else { outer };
             (distance + eaten * steepness).clamp(-most, most)
         });
         self.sign.clear();
@@ -52,7 +53,7 @@ impl LevelSet {
                 if is_beside_front(before, &lattice, place) {
                     return before[index];
                 }
-                let excess = slope(before, domain, place, sign[index]) - 1.0;
+                let excess = slope(before, &lattice, voxel_size, place, sign[index]) - 1.0;
                 (before[index] - 0.5 * voxel_size * sign[index] * excess).clamp(-most, most)
             });
         }
@@ -92,30 +93,20 @@ fn is_beside_front(distance: &[f32], lattice: &Lattice, place: [usize; 3]) -> bo
 /// Magnitude of the gradient, taken from the side that the front comes from (Godunov) where it moves towards growing
 /// (`direction` positive) or falling distance.
 #[inline(always)]
-fn slope(distance: &[f32], domain: &Domain, place: [usize; 3], direction: f32) -> f32 {
-    let shape = domain.shape();
-    let scale = (1.0 / domain.voxel_size_m()) as f32;
-    let index = at(shape, place[0], place[1], place[2]);
-    let here = distance[index];
-    let strides = [shape[1] * shape[2], shape[2], 1];
+fn slope(distance: &[f32], lattice: &Lattice, voxel_size: f32, place: [usize; 3], direction: f32) -> f32 {
+    let value = |[i, j, k]: [usize; 3]| distance[at(lattice.shape, i, j, k)];
+    let here = value(place);
     let mut square = 0.0;
     for axis in 0..3 {
-        let (position, last, stride) = (place[axis], shape[axis] - 1, strides[axis]);
-        let periodic = domain.is_periodic(axis);
-        let before = match position {
-            0 if periodic => distance[index + last * stride],
-            0 => here,
-            _ => distance[index - stride],
+        let beside = |upper: bool| {
+            let mut beside = place;
+            beside[axis] = lattice.beside(axis, place[axis], upper);
+            value(beside)
         };
-        let after = match position {
-            _ if position < last => distance[index + stride],
-            _ if periodic => distance[index - last * stride],
-            _ => here,
-        };
-        let (rising, falling) = ((here - before) * scale, (after - here) * scale);
+        let (rising, falling) = (here - beside(false), beside(true) - here);
         let (a, b) =
             if direction > 0.0 { (rising.max(0.0), falling.min(0.0)) } else { (rising.min(0.0), falling.max(0.0)) };
         square += (a * a).max(b * b);
     }
-    square.sqrt()
+    square.sqrt() / voxel_size
 }

@@ -214,14 +214,14 @@ impl Solver {
         let substeps = (crossed / CELLS_PER_SUBSTEP).ceil().clamp(1.0, MOST_SUBSTEPS);
         let mut result = Step { fastest_m_s: 0.0, divergence_hz: 0.0, substeps: substeps as usize };
         for _ in 0..substeps as usize {
-            let part = self.substep(dt_s / f64::from(substeps), surroundings);
-            result.fastest_m_s = part.fastest_m_s;
-            result.divergence_hz = part.divergence_hz;
+            result.divergence_hz = self.substep(dt_s / f64::from(substeps), surroundings);
         }
+        result.fastest_m_s = f64::from(self.velocity.fastest());
         result
     }
 
-    fn substep(&mut self, dt_s: f64, surroundings: &Surroundings) -> Step {
+    /// Answers the largest divergence left over, in 1/s.
+    fn substep(&mut self, dt_s: f64, surroundings: &Surroundings) -> f64 {
         self.emit(dt_s, surroundings);
         self.carry(dt_s);
         self.burn(dt_s);
@@ -230,8 +230,7 @@ impl Solver {
         self.rub(dt_s);
         self.time_s += dt_s;
         self.blow_in(surroundings);
-        let step = self.project();
-        Step { substeps: 1, ..step }
+        self.project()
     }
 
     /// The front and the flow, as files and the flux have them: at the cells' centres.
@@ -294,7 +293,10 @@ impl Solver {
     }
 
     fn burn(&mut self, dt_s: f64) {
-        let Some(combustion) = self.parameters.combustion else { return };
+        let Some(combustion) = self.parameters.combustion else {
+            self.source.fill(0.0);
+            return;
+        };
         if let Combustion::BlueCore { flame_speed_m_s, .. } = combustion {
             self.level_set.advance(&self.domain, flame_speed_m_s, dt_s, &mut self.scalars);
         }
@@ -355,8 +357,8 @@ impl Solver {
         });
     }
 
-    /// Makes the flow's divergence what burning asks for.
-    fn project(&mut self) -> Step {
+    /// Makes the flow's divergence what burning asks for; answers by how much it is off at most, in 1/s.
+    fn project(&mut self) -> f64 {
         let fastest = f64::from(self.velocity.fastest());
         let divergence = &mut self.scratch.component;
         divergence.resize(self.domain.cells(), 0.0);
@@ -364,7 +366,7 @@ impl Solver {
         let tolerance = TOLERANCE * fastest / self.domain.voxel_size_m();
         let worst = self.poisson.solve(divergence, &mut self.pressure, tolerance);
         self.velocity.subtract_gradient(&self.domain, &self.pressure);
-        Step { fastest_m_s: f64::from(self.velocity.fastest()), divergence_hz: worst, substeps: 1 }
+        worst
     }
 }
 

@@ -72,9 +72,6 @@ impl Solver {
 
     /// What the emitters add to the gas's volume; no cell gains more than the grid can carry away.
     pub(super) fn swell(&mut self, dt_s: f64, surroundings: &Surroundings) {
-        if self.parameters.combustion.is_none() {
-            self.source.fill(0.0);
-        }
         for emitter in surroundings.emitters.iter().filter(|emitter| emitter.outflow_hz != 0.0) {
             for ([i, j, k], place) in self.covered(emitter) {
                 let cover = emitter.cover(place, self.domain.voxel_size_m());

@@ -16,6 +16,7 @@
 //! |---|---|
 //! | [`frames`] | loudness in frames, with look-ahead |
 //! | [`level`] | the drive's loudness on the whole |
+//! | [`loudnesses`] | what is learned of a drive beforehand |
 //! | [`profile`] | the recording's side |
 //! | [`calibrate`] | its level and equaliser, found by a trial run |
 //! | [`bands`] | spectra in third octaves |
@@ -26,11 +27,12 @@ pub mod bands;
 pub mod calibrate;
 pub mod equalizer;
 pub mod frames;
+mod learn;
 pub mod level;
 pub mod low_end;
 pub mod profile;
+mod ramp;
 
-use crate::Error;
 use crate::chain::delay::Delay;
 use crate::controls::{CompandingControls, DynamicRange, TextureControls};
 use crate::error::within;
@@ -41,9 +43,11 @@ use crate::texture::Distribution;
 use crate::timeline::Timeline;
 use equalizer::Equalizer;
 use frames::{Kernel, Track, frame_samples};
+pub use learn::loudnesses;
 use level::{NOMINAL, RunningLevel};
 use low_end::LowEnd;
 pub use profile::Profile;
+use ramp::Ramp;
 
 /// How much of both loudnesses is taken out before matching.
 pub const MATCH_EXPONENT: f64 = 0.6;
@@ -74,29 +78,6 @@ const LEAST_MATCH: f64 = 0.01;
 const MOST_MATCH: f64 = 100.0;
 /// Time constant in seconds of all levels.
 const SMOOTHING_S: f64 = 0.02;
-
-/// Something told by frames, read between their middles.
-#[derive(Debug, Clone, Copy, Default)]
-struct Ramp {
-    frame: Option<i64>,
-    from: f64,
-    to: f64,
-}
-
-impl Ramp {
-    /// The value at `place`; `tell` is asked once for every frame.
-    #[inline]
-    fn at(&mut self, place: (i64, f64), mut tell: impl FnMut(i64) -> f64) -> f64 {
-        let (frame, part) = place;
-        if self.frame != Some(frame) {
-            let goes_on = self.frame.is_some_and(|before| before + 1 == frame);
-            self.from = if goes_on { self.to } else { tell(frame) };
-            self.to = tell(frame + 1);
-            self.frame = Some(frame);
-        }
-        self.from + part * (self.to - self.from)
-    }
-}
 
 /// What surrounds texture synthesis in the companded mode.
 #[derive(Debug)]
@@ -427,27 +408,6 @@ impl Companding {
         (gain, low_gain_ramp.at(place, |frame| below / levels.frame(frame)))
     }
 }
-
-/// The loudnesses of a whole drive, for learning them. Fails where it is shorter than a frame.
-pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Result<Vec<f64>, Error> {
-    let least = frame_samples(sample_rate_hz);
-    if drive.len() < least {
-        let remedy = "the running estimate";
-        return Err(Error::TooShort { what: "the sound to learn from", found: drive.len(), least, remedy });
-    }
-    let mut companding = Companding::new(sample_rate_hz, 0, 0, 0, LEARN_BLOCK);
-    let mut all = Vec::new();
-    let (mut flat, mut loudness) = (vec![0.0; LEARN_BLOCK], vec![0.0; LEARN_BLOCK]);
-    for drive in drive.chunks(LEARN_BLOCK) {
-        let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
-        companding.flatten(drive, &TextureControls::default(), None, flat, loudness);
-        all.extend_from_slice(companding.told());
-    }
-    Ok(all)
-}
-
-/// Samples learned at once.
-const LEARN_BLOCK: usize = 4096;
 
 /// Fades a loudness out towards the gate's threshold: 1 far above, 0 below.
 fn audible(loudness: f64, threshold: f64) -> f64 {

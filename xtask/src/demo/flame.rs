@@ -19,7 +19,7 @@ pub const SECONDS: f64 = 8.0;
 
 /// Pressure of a simulated flame over `seconds`, mono.
 pub fn simulate(sample_rate_hz: u32, seconds: f64) -> Result<Vec<f32>> {
-    let mut simulation = Simulation::new(SCENE, Options { resolution: RESOLUTION, ..Options::new(SCENE) })?;
+    let mut simulation = Simulation::new(SCENE, Options { resolution: RESOLUTION, ..Options::default() })?;
     let front = Front::new(0.5, REFINE)?;
     let pre_roll = (SCENE.default_pre_roll_s() * STEP_RATE_HZ) as u64;
     let total = pre_roll + (seconds * STEP_RATE_HZ) as u64;

@@ -1,0 +1,27 @@
+//! What a whole drive sounds like, learned before it is played.
+
+use super::Companding;
+use super::frames::frame_samples;
+use crate::Error;
+use crate::controls::TextureControls;
+
+/// Samples learned at once.
+const LEARN_BLOCK: usize = 4096;
+
+/// The loudnesses of a whole drive, for learning them. Fails where it is shorter than a frame.
+pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Result<Vec<f64>, Error> {
+    let least = frame_samples(sample_rate_hz);
+    if drive.len() < least {
+        let remedy = "the running estimate";
+        return Err(Error::TooShort { what: "the sound to learn from", found: drive.len(), least, remedy });
+    }
+    let mut companding = Companding::new(sample_rate_hz, 0, 0, 0, LEARN_BLOCK);
+    let mut all = Vec::new();
+    let (mut flat, mut loudness) = (vec![0.0; LEARN_BLOCK], vec![0.0; LEARN_BLOCK]);
+    for drive in drive.chunks(LEARN_BLOCK) {
+        let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
+        companding.flatten(drive, &TextureControls::default(), None, flat, loudness);
+        all.extend_from_slice(companding.told());
+    }
+    Ok(all)
+}

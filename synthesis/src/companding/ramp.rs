@@ -1,0 +1,24 @@
+//! Gains told by frames, applied sample by sample.
+
+/// Something told by frames, read between their middles.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Ramp {
+    frame: Option<i64>,
+    from: f64,
+    to: f64,
+}
+
+impl Ramp {
+    /// The value at `place`; `tell` is asked once for every frame.
+    #[inline]
+    pub fn at(&mut self, place: (i64, f64), mut tell: impl FnMut(i64) -> f64) -> f64 {
+        let (frame, part) = place;
+        if self.frame != Some(frame) {
+            let goes_on = self.frame.is_some_and(|before| before + 1 == frame);
+            self.from = if goes_on { self.to } else { tell(frame) };
+            self.to = tell(frame + 1);
+            self.frame = Some(frame);
+        }
+        self.from + part * (self.to - self.from)
+    }
+}
