@@ -52,6 +52,20 @@ pub enum Error {
         /// The length of channel 0 in samples.
         expected: usize,
     },
+    /// A flame that comes with the engines cannot be read: the build is damaged.
+    #[error("the factory drive `{scene}` cannot be read: {reason}; write it anew with `cargo xtask drives`")]
+    FactoryDrive {
+        /// The scene.
+        scene: &'static str,
+        /// What is wrong with its file.
+        reason: String,
+    },
+    /// A vortex-sound texture cannot be used.
+    #[error("the vortex texture cannot be used: {reason}; write it anew with `pyrophone vortex-texture`")]
+    VortexTexture {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Work was called off by its progress callback.
     #[error("cancelled")]
     Cancelled,

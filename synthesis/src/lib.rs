@@ -4,9 +4,10 @@
 //!
 //! | module | does | source |
 //! |---|---|---|
-//! | [`drive`] | what the engines feed on: pressure, flux or a sidechain's envelope, then the 30 Hz high-pass | Chadwick & James 2011, §3-4 |
+//! | [`drive`] | what the engines feed on: pressure, flux, a sidechain's envelope or a simulated flame, then the 30 Hz high-pass | Chadwick & James 2011, §3-4 |
 //! | [`extend`] | spectral bandwidth extension | Chadwick & James 2011, §4 |
 //! | [`texture`] | synchronized texture synthesis | Chadwick & James 2011, §5 |
+//! | [`vortex`] | the whoosh of turbulent flow | Dobashi, Yamamoto & Nishita 2004 |
 //! | [`companding`] | texture in a world without slow loudness, the drive's put back | this project |
 //! | [`mix`] | layer levels, width, output level | |
 //! | [`chain`] | all of these, aligned, with transport and automation: the whole effect | |
@@ -30,6 +31,7 @@ mod smoothed;
 pub mod structure;
 pub mod texture;
 pub mod timeline;
+pub mod vortex;
 
 pub use controls::Controls;
 pub use error::Error;
