@@ -14,6 +14,7 @@ pub mod grid;
 pub mod import;
 pub mod pressure;
 pub mod scenes;
+pub mod seam;
 pub mod solver;
 pub mod velocity;
 

@@ -48,6 +48,7 @@ const _: () = assert!(MIGRATIONS.len() as i64 == VERSION - 1, "each version need
 pub const FACTORY: &[(&str, &str)] = &[
     ("default", include_str!("../../presets/default.toml")),
     ("extend", include_str!("../../presets/extend.toml")),
+    ("flame", include_str!("../../presets/flame.toml")),
     ("texture", include_str!("../../presets/texture.toml")),
     ("texture-paper", include_str!("../../presets/texture-paper.toml")),
 ];

@@ -44,6 +44,10 @@ pub enum Id {
     DriveMatch,
     LowEnd,
     SpectrumMatch,
+    FlameScene,
+    FlameIntensity,
+    FlameWind,
+    FlameOffset,
 }
 
 /// Names of the values of `dynamic_range`.
@@ -53,7 +57,9 @@ pub const QUALITIES: &[&str] = &["draft", "normal", "high", "exact"];
 /// Names of the values of `dynamics_mode`.
 pub const DYNAMICS_MODES: &[&str] = &["paper", "companded"];
 /// Names of the values of `drive_mode`.
-pub const DRIVE_MODES: &[&str] = &["pressure", "flux", "envelope", "input envelope"];
+pub const DRIVE_MODES: &[&str] = &["pressure", "flux", "envelope", "input envelope", "flame"];
+/// Names of the values of `flame_scene`.
+pub const FLAME_SCENES: &[&str] = pyrophone_synthesis::drive::SCENES;
 
 const fn float(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> Kind {
     Kind::Float { low, high, default, skew, decimals, off_at_low: false }
@@ -236,7 +242,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: DRIVE_MODES, default: 0 },
         Some(0.0),
-        "What the input is: the flame's pressure, its flux, or a sound whose envelope drives a rumble (envelope: the sidechain's).",
+        "What the input is: the flame's pressure, its flux, a sound whose envelope drives a rumble (envelope: the sidechain's); flame burns without any.",
     ),
     control(
         "drive_gain",
@@ -375,6 +381,42 @@ pub const PARAMETERS: &[Parameter] = &[
         float(0.0, 1.0, 1.0, 1.0, 3),
         Some(0.0),
         "Companded mode: how far the output's spectrum is brought to the recording's.",
+    ),
+    control(
+        "flame_scene",
+        "Scene",
+        "Flame",
+        "",
+        Kind::Choice { names: FLAME_SCENES, default: 5 },
+        None,
+        "Drive flame: what burns, simulated, over and over without a seam.",
+    ),
+    control(
+        "flame_intensity",
+        "Intensity",
+        "Flame",
+        "",
+        float(0.0, 2.0, 1.0, 1.0, 3),
+        None,
+        "Drive flame: how much burns; 0 is out, 2 twice as much as designed.",
+    ),
+    control(
+        "flame_wind",
+        "Wind",
+        "Flame",
+        "",
+        float(0.0, 1.0, 0.0, 1.0, 3),
+        None,
+        "Drive flame: wind, turbulence and motion of what burns, beyond what it has by itself; 1 is twice as much.",
+    ),
+    control(
+        "flame_offset",
+        "Offset",
+        "Flame",
+        "s",
+        float(0.0, 10.0, 0.0, 1.0, 3),
+        None,
+        "Drive flame: the moment of the scene at the timeline's start; two flames side by side need different ones.",
     ),
 ];
 

@@ -2,8 +2,8 @@
 
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::{
-    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality,
-    TextureControls,
+    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, FlameControls, MixControls,
+    Quality, TextureControls,
 };
 
 use pyrophone_synthesis::structure::Dynamics;
@@ -79,7 +79,8 @@ impl Values {
                     0 => DriveMode::Pressure,
                     1 => DriveMode::Flux,
                     2 => DriveMode::Envelope,
-                    _ => DriveMode::InputEnvelope,
+                    3 => DriveMode::InputEnvelope,
+                    _ => DriveMode::Flame,
                 },
                 gain: self.factor(Id::DriveGain),
                 attack_s: self.get(Id::Attack) / 1000.0,
@@ -87,6 +88,12 @@ impl Values {
                 threshold: self.factor(Id::Threshold),
                 high_pass_hz: self.get(Id::HighPass),
                 seed,
+                flame: FlameControls {
+                    scene: self.get(Id::FlameScene) as usize,
+                    intensity: self.get(Id::FlameIntensity),
+                    wind: self.get(Id::FlameWind),
+                    offset_s: self.get(Id::FlameOffset),
+                },
             },
             extend: ExtendControls {
                 alpha: self.get(Id::Alpha),

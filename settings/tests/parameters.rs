@@ -63,6 +63,10 @@ fn every_id_is_at_its_place() {
         (Id::DriveMatch, "drive_match"),
         (Id::LowEnd, "low_end"),
         (Id::SpectrumMatch, "spectrum_match"),
+        (Id::FlameScene, "flame_scene"),
+        (Id::FlameIntensity, "flame_intensity"),
+        (Id::FlameWind, "flame_wind"),
+        (Id::FlameOffset, "flame_offset"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {
@@ -143,6 +147,7 @@ fn choices_reach_the_engines() {
         ("flux", DriveMode::Flux),
         ("envelope", DriveMode::Envelope),
         ("input envelope", DriveMode::InputEnvelope),
+        ("flame", DriveMode::Flame),
     ] {
         values.set_text("drive_mode", text).unwrap();
         assert_eq!(values.controls().drive.mode, mode);

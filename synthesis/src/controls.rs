@@ -30,6 +30,28 @@ pub enum DriveMode {
     /// The envelope of the main input does: hosts that offer a sidechain bus which nothing is
     /// connected to cannot be told from a silent one.
     InputEnvelope,
+    /// A simulated flame; the input is of no account.
+    Flame,
+}
+
+/// Which flame burns where there is no input, and how.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlameControls {
+    /// Place in [`crate::drive::SCENES`]; beyond its end the last.
+    pub scene: usize,
+    /// Amount of fuel, to which the flux is proportional, 0-2; 1 as designed.
+    pub intensity: f64,
+    /// Wind, motion and turbulence beyond what the scene was designed with, 0-1; 1 is twice as much.
+    pub wind: f64,
+    /// The moment, in seconds, of the scene's period that stands at the timeline's start; 0-3600.
+    pub offset_s: f64,
+}
+
+impl Default for FlameControls {
+    /// A campfire.
+    fn default() -> Self {
+        Self { scene: 5, intensity: 1.0, wind: 0.0, offset_s: 0.0 }
+    }
 }
 
 /// Controls of [`crate::drive`].
@@ -49,6 +71,8 @@ pub struct DriveControls {
     pub high_pass_hz: f64,
     /// Seed of the rumble.
     pub seed: u32,
+    /// The flame that burns without an input.
+    pub flame: FlameControls,
 }
 
 impl Default for DriveControls {
@@ -61,6 +85,7 @@ impl Default for DriveControls {
             threshold: 0.001,
             high_pass_hz: 30.0,
             seed: 42,
+            flame: FlameControls::default(),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use pyrophone_synthesis::controls::{DriveControls, DriveMode};
-use pyrophone_synthesis::drive::Drive;
+use pyrophone_synthesis::controls::{DriveControls, DriveMode, FlameControls};
+use pyrophone_synthesis::drive::{Drive, SCENES};
 use pyrophone_synthesis::noise::White;
 
 const RATES_HZ: [f64; 3] = [44_100.0, 48_000.0, 96_000.0];
@@ -121,10 +121,16 @@ fn blocks_do_not_matter_and_reset_is_fresh() {
     let (left, right, side) = (white(0, 40_000), white(1, 40_000), white(2, 40_000));
     // Cuts at every change of the controls: every 1000 samples.
     let controls = |at: usize| DriveControls {
-        mode: [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope][at / 4000 % 3],
+        mode: [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope, DriveMode::Flame][at / 4000 % 4],
         gain: 1.0 + (at / 1000 % 2) as f64,
         high_pass_hz: [30.0, 0.0, 50.0][at / 3000 % 3],
         seed: (at / 9000) as u32,
+        flame: FlameControls {
+            scene: at / 1000 % 9,
+            intensity: (at / 1000 % 3) as f64,
+            wind: (at / 2000 % 3) as f64 * 0.5,
+            offset_s: (at / 3000) as f64,
+        },
         ..DriveControls::default()
     };
     let run = |engine: &mut Drive, block: usize| {
@@ -157,5 +163,85 @@ fn silence_gives_exact_silence() {
         assert!(out[..10_000].iter().any(|x| *x != 0.0));
         assert!(out[150_000..].iter().all(|x| *x == 0.0), "{mode:?}");
         assert!(drive(&[&input[10_000..]], &[], &controls, 44_100.0).iter().all(|x| *x == 0.0), "{mode:?}");
+    }
+}
+
+fn burning(flame: FlameControls) -> DriveControls {
+    DriveControls { flame, ..off(DriveMode::Flame) }
+}
+
+/// A flame from `position` on, its controls changed at samples of the run.
+fn burn(rate_hz: f64, position: i64, samples: usize, changes: &[(usize, FlameControls)]) -> Vec<f64> {
+    let mut engine = Drive::new(rate_hz).expect("drive");
+    engine.reset(position);
+    let mut out = vec![0.0; samples];
+    let ends = changes.iter().skip(1).map(|(at, _)| *at).chain([samples]);
+    for ((start, flame), end) in changes.iter().zip(ends) {
+        engine.process(&[], &[], &burning(*flame), &mut out[*start..end]);
+    }
+    out
+}
+
+/// Every scene, at three rates.
+fn scenes() -> impl Iterator<Item = (f64, FlameControls)> {
+    let flames = (0..SCENES.len()).map(|scene| FlameControls { scene, ..FlameControls::default() });
+    flames.flat_map(|flame| RATES_HZ.map(|rate_hz| (rate_hz, flame)))
+}
+
+#[test]
+fn a_flame_depends_on_its_place_on_the_timeline_alone() {
+    for (rate_hz, flame) in scenes() {
+        let second = rate_hz as usize;
+        let from_start = burn(rate_hz, 0, 2 * second, &[(0, flame)]);
+        let late = burn(rate_hz, second as i64, second, &[(0, flame)]);
+        assert!(from_start[second..] == late, "{} at {rate_hz} Hz", SCENES[flame.scene]);
+        let shifted = burn(rate_hz, 0, second, &[(0, FlameControls { offset_s: 1.0, ..flame })]);
+        let largest = late.iter().zip(&shifted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(largest < 1e-9, "{} at {rate_hz} Hz: off by {largest}", SCENES[flame.scene]);
+        // Ages ago too.
+        let past = burn(rate_hz, -((1i64 << 40) + 7), 3 * second, &[(0, flame)]);
+        assert!(past.iter().all(|x| x.is_finite()) && rms(&past) > 1e-3, "{}", SCENES[flame.scene]);
+    }
+}
+
+#[test]
+fn a_flame_hears_no_input() {
+    let input = white(0, 20_000);
+    let controls = burning(FlameControls::default());
+    let alone = burn(44_100.0, 0, 20_000, &[(0, FlameControls::default())]);
+    assert_eq!(drive(&[&input, &input], &[&input], &controls, 44_100.0), alone);
+}
+
+#[test]
+fn pressure_is_proportional_to_a_flames_intensity() {
+    for (rate_hz, flame) in scenes() {
+        let with = |intensity: f64| FlameControls { intensity, ..flame };
+        let seconds = |count: f64| (count * rate_hz) as usize;
+        let level = |intensity: f64| rms(&burn(rate_hz, 0, seconds(9.0), &[(0, with(intensity))]));
+        let (half, whole, double) = (level(0.5), level(1.0), level(2.0));
+        assert!((half / whole - 0.5).abs() < 1e-9 && (double / whole - 2.0).abs() < 1e-9, "{}", SCENES[flame.scene]);
+        let out = burn(rate_hz, 0, seconds(2.0), &[(0, flame), (seconds(1.0), with(0.0))]);
+        assert!(out[seconds(1.5)..].iter().all(|x| *x == 0.0), "{}", SCENES[flame.scene]);
+    }
+}
+
+#[test]
+fn changes_of_a_flame_do_not_click() {
+    let rate_hz = 48_000.0;
+    let calm = FlameControls { intensity: 0.3, ..FlameControls::default() };
+    let bend = |signal: &[f64]| signal.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).fold(0.0, f64::max);
+    let changed = |flame: FlameControls| burn(rate_hz, 0, 48_000, &[(0, calm), (20_000, flame)]);
+    for (what, flame) in [
+        ("intensity", FlameControls { intensity: 2.0, ..calm }),
+        ("wind", FlameControls { wind: 1.0, ..calm }),
+        ("offset", FlameControls { offset_s: 5.0, ..calm }),
+        ("scene", FlameControls { scene: 4, ..calm }),
+    ] {
+        let straight = [calm, flame].map(|flame| bend(&burn(rate_hz, 0, 48_000, &[(0, flame)])));
+        let bent = bend(&changed(flame));
+        assert!(bent < 3.0 * straight[0].max(straight[1]), "{what}: {bent} beside {straight:?}");
+        // And it ends in what it was changed to.
+        let after = burn(rate_hz, 0, 48_000, &[(0, flame)]);
+        assert_eq!(changed(flame)[40_000..], after[40_000..], "{what}");
     }
 }

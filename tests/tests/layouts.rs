@@ -181,6 +181,28 @@ fn after_the_tail_comes_silence() {
 }
 
 #[test]
+fn a_flame_burns_over_silence_without_end() {
+    let studio = Studio::new();
+    for format in Format::ALL {
+        for (name, intensity) in [("flame", "1"), ("extend", "1"), ("flame", "0")] {
+            let context = format!("{format}, {name}, intensity {intensity}");
+            let changes = [("drive_mode", "flame"), ("flame_intensity", intensity)];
+            let mut live = Live::start(studio.instance(format, name, &changes, STEREO), RATE_HZ, STEREO);
+            let silence = vec![vec![0.0; 480_000]; 2];
+            let output = live.play(&silence, Clock::Playing(0), 512);
+            if intensity == "0" {
+                assert!(output.iter().all(|channel| peak(channel) == 0.0), "{context}");
+            } else {
+                assert_sounds(&part(&output, 5000..480_000), 20_000, &context);
+            }
+            // A flame that is out may be lit at any time.
+            assert_eq!(live.tail(), Tail::Infinite, "{context}");
+            drop(live.stop());
+        }
+    }
+}
+
+#[test]
 fn input_that_is_no_sound_stays_outside() {
     let studio = Studio::new();
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN_POSITIVE / 2.0, -0.0];

@@ -41,6 +41,9 @@ enum Command {
     /// Build everything, make fire and write a page to hear and see it; see `demo --help`
     #[command(disable_help_flag = true)]
     Demo(Forwarded),
+    /// Simulate anew the flames that burn in the plugin without any input; see `drives --help`
+    #[command(disable_help_flag = true)]
+    Drives(Forwarded),
     /// Score results against their recordings and write docs/sound.md; see `score --help`
     #[command(disable_help_flag = true)]
     Score(Forwarded),
@@ -85,25 +88,31 @@ fn run(command: Command) -> Result<ExitCode> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Install(args) => install::run(&args).map(|()| ExitCode::SUCCESS),
-        Command::Bounce(forwarded) => sound("bounce", &forwarded),
+        Command::Bounce(forwarded) => with_bundles("bounce", &forwarded),
         Command::Demo(forwarded) => {
             if !forwarded.asks_for_help() {
                 setup::ensure(&setup::BUILD)?;
             }
-            sound("demo", &forwarded)
+            with_bundles("demo", &forwarded)
         }
-        Command::Score(forwarded) => sound("score", &forwarded),
+        Command::Drives(forwarded) => sound("drives", &forwarded),
+        Command::Score(forwarded) => with_bundles("score", &forwarded),
         Command::Test => test::run(),
         Command::Soak => test::soak(),
         Command::Bench(args) => bench::run(&args),
     }
 }
 
-/// Builds the release bundles, unless only help is wanted, and `xtask-sound`; then hands over to it.
-fn sound(command: &str, forwarded: &Forwarded) -> Result<ExitCode> {
+/// Builds the release bundles, unless only help is wanted, for a command that plays through them.
+fn with_bundles(command: &str, forwarded: &Forwarded) -> Result<ExitCode> {
     if !forwarded.asks_for_help() {
         bundle::bundle(bundle::Profile::Release)?;
     }
+    sound(command, forwarded)
+}
+
+/// Builds `xtask-sound` and hands over to it.
+fn sound(command: &str, forwarded: &Forwarded) -> Result<ExitCode> {
     let mut sound = cargo::command();
     sound.args(["run", "--release", "--package", "xtask", "--bin", "xtask-sound", "--", command]);
     if command == "demo" && std::env::var_os("NICE_LOG").is_none() {

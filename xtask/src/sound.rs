@@ -2,8 +2,10 @@
 
 mod bounce;
 mod demo;
+mod drives;
 mod project;
 mod score;
+mod simulated;
 
 use std::process::ExitCode;
 
@@ -22,6 +24,8 @@ enum Command {
     Bounce(bounce::Args),
     /// Make fire with every engine and write a page to hear and see it
     Demo(demo::Args),
+    /// Simulate the flames that burn in the plugin without any input
+    Drives(drives::Args),
     /// Score results against their recordings
     Score(score::Args),
 }
@@ -30,6 +34,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Bounce(args) => bounce::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Drives(args) => drives::run(&args),
         Command::Score(args) => score::run(&args),
     };
     match result {

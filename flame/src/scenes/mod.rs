@@ -74,6 +74,15 @@ impl Scene {
         }
     }
 
+    /// Seconds after which what burns does the same again, where it does.
+    pub fn period_s(self) -> Option<f64> {
+        match self {
+            Self::FlameJet => Some(setups::JET_PERIOD_S),
+            Self::Explosion => Some(setups::BURST_PERIOD_S),
+            _ => None,
+        }
+    }
+
     /// The scene of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|scene| scene.name() == name)

@@ -32,6 +32,11 @@ const FLOOR: [[Side; 2]; 3] = [[Side::Open; 2], [Side::Open; 2], [Side::Wall, Si
 /// No way out.
 const CLOSED: [[Side; 2]; 3] = [[Side::Wall; 2]; 3];
 
+/// Seconds from pulse to pulse of the flame jet.
+pub(super) const JET_PERIOD_S: f64 = 1.5;
+/// Seconds from burst to burst of the explosion.
+pub(super) const BURST_PERIOD_S: f64 = 2.5;
+
 /// Fuel as most scenes burn it.
 const FUEL: Combustion = Combustion::Fuel { ignition: 0.2, rate_hz: 8.0, heat: 1.5, expansion: 2.0 };
 
@@ -128,7 +133,7 @@ impl Script {
             }
             Scene::FlameJet => {
                 // 0.9 s on, 0.6 s off.
-                let on = time_s % 1.5 < 0.9;
+                let on = time_s % JET_PERIOD_S < 0.9;
                 let nozzle = burner(Shape::Ball { radius_m: 0.08 }, [-0.62, 0.0, 0.5]);
                 let speed = if on { 9.0 * power * (1.0 + 0.1 * fast) } else { 0.0 };
                 let jet = Emitter {
@@ -189,8 +194,8 @@ impl Script {
                 (jet, 0.0, 0.0)
             }
             Scene::Explosion => {
-                // A burst every 2.5 s, the first after a tenth.
-                let since = (time_s - 0.1).rem_euclid(2.5);
+                // The first after a tenth of a second.
+                let since = (time_s - 0.1).rem_euclid(BURST_PERIOD_S);
                 let bursting = time_s >= 0.1 && since < 0.25;
                 let ball = burner(Shape::Ball { radius_m: 0.35 }, [0.1 * slow(0), 0.1 * slow(1), 0.6]);
                 let burst = Emitter {

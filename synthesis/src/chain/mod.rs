@@ -16,7 +16,7 @@ use crate::error::in_range;
 use crate::mix::{Layers, Mix};
 use crate::structure::Dynamics;
 use crate::texture::{Dictionary, Distribution, Shape, offline};
-use crate::{Controls, Error, Structure, drive::Drive};
+use crate::{Controls, Error, Structure, controls::DriveMode, drive::Drive};
 use delay::Delay;
 use voice::{MAX_CHANNELS, Voice};
 
@@ -103,17 +103,20 @@ pub struct Chain {
     /// Samples for which input and output have been silent.
     silent_samples: usize,
     tail_samples: usize,
-    /// Whether texture sounds over silence too, its gate being off.
+    /// Whether it sounds over silence too: a flame burns, or texture's gate is off.
     endless: bool,
+    /// Whether the drive needs no input.
+    burns: bool,
     meters: Meters,
     main: Vec<Vec<f64>>,
     sidechain: Vec<Vec<f64>>,
     dry: Vec<Vec<f32>>,
     top_magnitudes: Vec<f64>,
+    drive: Vec<f32>,
 }
 
-/// Most top-level magnitudes that one call hands out; no call of up to 8192 samples has more.
-const TOP_CAPACITY: usize = 8192;
+/// Most samples of drive and top-level magnitudes that one call hands out: all of a call of up to 8192 samples.
+const TOLD_CAPACITY: usize = 8192;
 
 impl Chain {
     /// Builds the effect for one sample rate (8-384 kHz) and structure; allocates all it will need.
@@ -144,11 +147,13 @@ impl Chain {
             silent_samples: 0,
             tail_samples: 0,
             endless: false,
+            burns: false,
             meters: Meters::default(),
             main: block(channels.input),
             sidechain: block(channels.sidechain),
             dry: vec![vec![0.0; CHUNK]; channels.output],
-            top_magnitudes: Vec::with_capacity(TOP_CAPACITY),
+            top_magnitudes: Vec::with_capacity(TOLD_CAPACITY),
+            drive: Vec::with_capacity(TOLD_CAPACITY),
             channels,
             sample_rate_hz,
         })
@@ -164,9 +169,9 @@ impl Chain {
         (!self.endless).then_some(self.tail_samples)
     }
 
-    /// Whether input and output have been silent for longer than the tail.
+    /// Whether input and output have been silent for longer than the tail, and only an input can change that.
     pub fn is_silent(&self) -> bool {
-        self.silent_samples > self.tail_samples
+        !self.burns && self.silent_samples > self.tail_samples
     }
 
     /// Shape of the dictionaries that it takes.
@@ -190,8 +195,10 @@ impl Chain {
         self.silent_samples = 0;
         self.tail_samples = 0;
         self.endless = false;
+        self.burns = false;
         self.meters = Meters::default();
         self.top_magnitudes.clear();
+        self.drive.clear();
     }
 
     /// Exchanges the recording's dictionary; the caller drops the old one elsewhere than on the
@@ -232,12 +239,14 @@ impl Chain {
         transport: Transport,
     ) {
         self.top_magnitudes.clear();
+        self.drive.clear();
         let samples = main.iter().map(|x| x.len()).min().unwrap_or(0);
         if samples == 0 || main.len() < self.channels.output {
             return;
         }
         self.tail_samples = self.voices[0].tail_samples(controls) + self.crossfade_samples;
-        self.endless = self.has_dictionary && controls.texture.gate <= 0.0;
+        self.burns = controls.drive.mode == DriveMode::Flame;
+        self.endless = self.burns || (self.has_dictionary && controls.texture.gate <= 0.0);
         self.follow(transport);
         let mut start = 0;
         while start < samples {
@@ -353,10 +362,12 @@ impl Chain {
         self.meters.beta = newest.beta() as f32;
         self.meters.cancels |= newest.cancels();
         for magnitude in newest.top_magnitudes() {
-            if self.top_magnitudes.len() < TOP_CAPACITY {
+            if self.top_magnitudes.len() < TOLD_CAPACITY {
                 self.top_magnitudes.push(*magnitude);
             }
         }
+        let room = TOLD_CAPACITY - self.drive.len();
+        self.drive.extend(drive.iter().take(room).map(|x| *x as f32));
         self.position = self.position.map(|position| position.wrapping_add(samples as i64));
     }
 
@@ -381,6 +392,12 @@ impl Chain {
     pub fn take_meters(&mut self) -> Meters {
         let no_recording = !self.has_dictionary;
         Meters { no_recording, ..std::mem::take(&mut self.meters) }
+    }
+
+    /// The drive, after its high-pass, in the last call of `process`; it is [`latency_samples`](Self::latency_samples)
+    /// ahead of the output. Valid until the next call, of which it has the first 8192 samples.
+    pub fn drive(&self) -> &[f32] {
+        &self.drive
     }
 
     /// Magnitudes of the drive pyramid's top level that arose in the last call of `process`, in the companded

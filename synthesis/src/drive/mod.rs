@@ -1,13 +1,19 @@
 //! What the engines feed on.
 //!
-//! Main input as pressure or flux, or an envelope on a rumble; then the high-pass (Chadwick &
+//! Main input as pressure or flux, an envelope on a rumble, or a flame of its own; then the high-pass (Chadwick &
 //! James 2011, §3: 30 Hz, before either engine). No latency.
 
 mod envelope;
+mod flame;
 mod high_pass;
+mod kernel;
 mod rumble;
 
+pub use flame::SCENES;
+pub use kernel::mitchell_netravali;
+
 use envelope::Envelope;
+use flame::Flame;
 use high_pass::HighPass;
 use rumble::Rumble;
 
@@ -39,6 +45,7 @@ pub struct Drive {
     previous: Option<f64>,
     envelope: Envelope,
     rumble: Rumble,
+    flame: Flame,
     high_pass: HighPass,
     /// Smoothed power of the channels' mean, and mean power of the channels.
     powers: [f64; 2],
@@ -47,7 +54,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// A drive at position 0; `sample_rate_hz` is 8,000-384,000.
+    /// A drive at position 0; `sample_rate_hz` is 8,000-384,000. The first one reads the factory's flames.
     pub fn new(sample_rate_hz: f64) -> Result<Self, Error> {
         in_range("sample rate in Hz", sample_rate_hz, 8000.0, 384_000.0)?;
         Ok(Self {
@@ -56,6 +63,7 @@ impl Drive {
             previous: None,
             envelope: Envelope::new(sample_rate_hz),
             rumble: Rumble::new(sample_rate_hz),
+            flame: Flame::new(sample_rate_hz)?,
             high_pass: HighPass::new(sample_rate_hz),
             powers: [0.0; 2],
             power_step: 1.0 - (-1.0 / (CANCEL_S * sample_rate_hz)).exp(),
@@ -69,13 +77,14 @@ impl Drive {
     }
 
     /// Samples for which the drive goes on after a full-scale input has ended: the envelope's release
-    /// down to its threshold, and the high-pass, which rings as exp(-2 pi f t / sqrt 2).
+    /// down to its threshold, and the high-pass, which rings as exp(-2 pi f t / sqrt 2). A flame of its own
+    /// needs no input, and has no end: see [`DriveMode::Flame`].
     pub fn tail_samples(&self, controls: &DriveControls) -> usize {
         let release_s = match controls.mode {
             DriveMode::Envelope | DriveMode::InputEnvelope => {
                 controls.release_s * (-controls.threshold.ln()).clamp(0.0, SILENCE_NEPERS)
             }
-            DriveMode::Pressure | DriveMode::Flux => 0.0,
+            DriveMode::Pressure | DriveMode::Flux | DriveMode::Flame => 0.0,
         };
         let corner = std::f64::consts::SQRT_2 * std::f64::consts::PI * controls.high_pass_hz;
         let ringing_s = if corner > 0.0 { SILENCE_NEPERS / corner } else { 0.0 };
@@ -86,6 +95,7 @@ impl Drive {
     pub fn reset(&mut self, position: i64) {
         self.previous = None;
         self.envelope.reset();
+        self.flame.reset();
         self.high_pass.reset();
         self.powers = [0.0; 2];
         self.position = position;
@@ -101,7 +111,11 @@ impl Drive {
     /// empty, the envelope is that of the main input.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &DriveControls, drive: &mut [f64]) {
         let from_sidechain = controls.mode == DriveMode::Envelope && !sidechain.is_empty();
-        let source = if from_sidechain { sidechain } else { main };
+        let source = match controls.mode {
+            DriveMode::Flame => &[],
+            _ if from_sidechain => sidechain,
+            _ => main,
+        };
         self.mean(source, drive);
         match controls.mode {
             DriveMode::Pressure => self.previous = drive.last().copied().or(self.previous),
@@ -115,6 +129,10 @@ impl Drive {
                 self.previous = None;
                 self.envelope.process(controls, drive);
                 self.rumble.modulate(controls.seed, self.position, drive);
+            }
+            DriveMode::Flame => {
+                self.previous = None;
+                self.flame.process(&controls.flame, self.position, drive);
             }
         }
         if controls.gain != 1.0 {

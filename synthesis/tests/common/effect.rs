@@ -6,8 +6,8 @@ use std::sync::Arc;
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
-    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, MixControls, Quality,
-    TextureControls,
+    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, FlameControls, MixControls,
+    Quality, TextureControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
@@ -39,7 +39,8 @@ pub fn chain(rate_hz: f64, channels: Channels, dynamics: Dynamics) -> Chain {
 
 /// Some controls, every one of them moved.
 pub fn any_controls(random: &mut Random) -> Controls {
-    let mode = [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope, DriveMode::InputEnvelope][random.below(4)];
+    let mode = [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope, DriveMode::InputEnvelope, DriveMode::Flame]
+        [random.below(5)];
     let dynamic_range = [DynamicRange::Off, DynamicRange::Learned, DynamicRange::Running][random.below(3)];
     let quality = [Quality::Exact, Quality::Bounded { candidates: 1 + random.below(4096) as u32 }][random.below(2)];
     let level = |random: &mut Random| if random.below(4) == 0 { 0.0 } else { 2.0 * random.unit() };
@@ -52,6 +53,12 @@ pub fn any_controls(random: &mut Random) -> Controls {
             threshold: random.unit() * 0.1,
             high_pass_hz: if random.below(2) == 0 { 0.0 } else { 100.0 * random.unit() },
             seed: random.below(100) as u32,
+            flame: FlameControls {
+                scene: random.below(9),
+                intensity: 2.0 * random.unit(),
+                wind: random.unit(),
+                offset_s: 10.0 * random.unit(),
+            },
         },
         extend: ExtendControls {
             alpha: 6.0 * random.unit(),

@@ -1,43 +1,21 @@
 //! A flame's pressure for those who have none at hand: simulated here, at a resolution that takes less than a minute.
 
-use std::io::{IsTerminal, Write};
-
 use anyhow::Result;
-use pyrophone_flame::Front;
 use pyrophone_flame::pressure::{self, Options as PressureOptions};
-use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
+use pyrophone_flame::scenes::{Options, Scene};
+
+use crate::simulated::{self, RESOLUTION};
 
 /// What burns: it has blasts and pauses, and so shows what follows a flame.
 pub const SCENE: Scene = Scene::Dragon;
-
-/// Cells along the box, and parts of a cell in which the front is looked for.
-const RESOLUTION: usize = 32;
-const REFINE: usize = 2;
 
 /// Length of the demo's signal in seconds.
 pub const SECONDS: f64 = 8.0;
 
 /// Pressure of a simulated flame over `seconds`, mono.
 pub fn simulate(sample_rate_hz: u32, seconds: f64) -> Result<Vec<f32>> {
-    let mut simulation = Simulation::new(SCENE, Options { resolution: RESOLUTION, ..Options::default() })?;
-    let front = Front::new(0.5, REFINE)?;
-    let pre_roll = (SCENE.default_pre_roll_s() * STEP_RATE_HZ) as u64;
-    let total = pre_roll + (seconds * STEP_RATE_HZ) as u64;
-    let shown = std::io::stderr().is_terminal();
-    let mut flux = vec![];
-    while simulation.steps() < total {
-        simulation.step();
-        if simulation.steps() > pre_roll {
-            flux.push(front.measure(&simulation.frame()?)?.flux);
-        }
-        if shown && simulation.steps().is_multiple_of(36) {
-            eprint!("\rsimulating a flame: {:3} %", 100 * simulation.steps() / total);
-            std::io::stderr().flush()?;
-        }
-    }
-    if shown {
-        eprintln!();
-    }
+    let options = Options { resolution: RESOLUTION, ..Options::default() };
+    let flux = simulated::flux(SCENE, options, SCENE.default_pre_roll_s(), seconds, "a flame")?;
     Ok(pressure::render(&flux, &PressureOptions { sample_rate_hz, ..PressureOptions::default() })?.samples)
 }
 

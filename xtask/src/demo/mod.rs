@@ -11,7 +11,7 @@ mod studio;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use pyrophone_recording::write_wav_f32;
+use pyrophone_recording::{Recording, write_wav_f32};
 
 use crate::bounce::{load, preset};
 use crate::project;
@@ -32,8 +32,11 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
+/// The preset that needs no input.
+const FLAME: &str = "flame";
+
 /// What each factory preset is to its listener.
-const PRESETS: [(&str, &str, &str); 4] = [
+const PRESETS: [(&str, &str, &str); 5] = [
     (
         "extend",
         "Extension",
@@ -53,6 +56,11 @@ const PRESETS: [(&str, &str, &str); 4] = [
         "texture-paper",
         "Texture, as published",
         "Exact search, the input's loudness learned in a first pass, no gate: in silence the recording's quietest moment repeats.",
+    ),
+    (
+        FLAME,
+        "A flame of its own",
+        "Over silence: the plugin burns without any input, here a simulated campfire. Scene, intensity and wind are parameters.",
     ),
 ];
 
@@ -94,17 +102,20 @@ fn engines(studio: &Studio, args: &Args) -> Result<Section> {
         )?,
         studio.row("training", "Recording", &training_note, &training_sound, &Beside::Training)?,
     ];
+    let silence = Recording { channels: vec![vec![0.0; input.len_samples()]], ..input.clone() };
+    let silence_sound = Sound::of(silence.channels.clone(), silence.sample_rate_hz);
     for (name, title, note) in PRESETS {
         let values = preset(name, [])?;
         let uses_recording = name != "extend";
+        let (played, heard) = if name == FLAME { (&silence, &silence_sound) } else { (&input, &input_sound) };
         let burnt = studio.burn(&Job {
-            input: &input,
+            input: played,
             training: uses_recording.then_some(fire.as_path()),
             values: &values,
             output_channels: 2,
         })?;
         let beside = Beside::Result {
-            input: &input_sound,
+            input: heard,
             training: uses_recording.then_some(&training_sound),
             alpha: (name == "extend").then_some(2.5),
         };

@@ -1,0 +1,169 @@
+//! `cargo xtask drives`: the flames that burn in the plugin without any input.
+//!
+//! Each scene is simulated in two ways, and the flux of every step written as a loop: `presets/drives/SCENE.wav`, a
+//! channel per way, a sample per step. The synthesis crate takes these files into the build.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use hound::{SampleFormat, WavSpec, WavWriter};
+use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene};
+use pyrophone_flame::seam::seamless;
+
+use crate::{project, simulated};
+
+/// Length of a loop in seconds, at most: whole periods of scenes that have one.
+const LOOP_S: f64 = 10.0;
+/// Seconds over which a loop's end fades into its beginning.
+const FADE_S: f64 = 1.0;
+
+/// What a way makes of a scene as designed.
+type Way = fn(Options) -> Options;
+
+/// The ways in which every scene is simulated, in the order that the synthesis crate expects: as designed, windy.
+const WAYS: [(&str, Way); 2] =
+    [("plain", |designed| designed), ("windy", |designed| Options { wind: 2.0, turbulence: 2.0, ..designed })];
+
+/// Options of `cargo xtask drives`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Scenes to simulate, by name [default: all, which takes some 40 minutes on two cores]
+    scenes: Vec<String>,
+    /// Folder to write to [default: presets/drives]
+    #[arg(long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+/// Simulates and writes.
+pub fn run(args: &Args) -> Result<()> {
+    let named = |name: &String| Scene::from_name(name).with_context(|| format!("there is no scene {name}"));
+    let scenes: Vec<Scene> = args.scenes.iter().map(named).collect::<Result<_>>()?;
+    let folder = args.output.clone().unwrap_or_else(|| project::root().join("presets/drives"));
+    std::fs::create_dir_all(&folder).with_context(|| format!("creating {}", folder.display()))?;
+    for scene in if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes } {
+        let ways = WAYS.map(|(way, options)| burn(scene, way, options));
+        let ways: Vec<Vec<f64>> = ways.into_iter().collect::<Result<_>>()?;
+        let path = folder.join(format!("{}.wav", scene.name()));
+        write(&path, &ways).with_context(|| format!("writing {}", path.display()))?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
+/// A loop of one scene's flux.
+fn burn(scene: Scene, way: &str, options: Way) -> Result<Vec<f64>> {
+    let options = options(Options { resolution: simulated::RESOLUTION, ..Options::default() });
+    // A loop goes on from its end, not from an unlit box.
+    let pre_roll_s = scene.period_s().unwrap_or(scene.default_pre_roll_s());
+    let what = format!("{}, {way}", scene.name());
+    let flux = simulated::flux(scene, options, pre_roll_s, loop_s(scene) + FADE_S, &what)?;
+    Ok(seamless(&flux, (FADE_S * STEP_RATE_HZ) as usize))
+}
+
+fn loop_s(scene: Scene) -> f64 {
+    scene.period_s().map_or(LOOP_S, |period_s| (LOOP_S / period_s).floor() * period_s)
+}
+
+/// Writes the ways as channels, as loud as fits together: what sounds is their slope, at a level of its own.
+fn write(path: &Path, ways: &[Vec<f64>]) -> Result<()> {
+    let steps = ways.iter().map(Vec::len).min().unwrap_or(0);
+    let middles: Vec<f64> = ways.iter().map(|way| way.iter().sum::<f64>() / way.len() as f64).collect();
+    let beside = |way: usize, step: usize| ways[way][step] - middles[way];
+    let largest = (0..ways.len()).flat_map(|way| (0..steps).map(move |step| (way, step)));
+    let largest = largest.map(|(way, step)| beside(way, step).abs()).fold(0.0, f64::max);
+    if !(largest > 0.0 && largest.is_finite()) {
+        bail!("there is no flame in it");
+    }
+    let spec = WavSpec {
+        channels: ways.len() as u16,
+        sample_rate: STEP_RATE_HZ as u32,
+        bits_per_sample: 16,
+        sample_format: SampleFormat::Int,
+    };
+    // What was there stays whole until all is written.
+    let partial = path.with_extension("wav.partial");
+    let mut writer = WavWriter::create(&partial, spec)?;
+    for step in 0..steps {
+        for way in 0..ways.len() {
+            writer.write_sample((32_767.0 * beside(way, step) / largest).round() as i16)?;
+        }
+    }
+    writer.finalize()?;
+    Ok(std::fs::rename(&partial, path)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use pyrophone_flame::pressure::derivative;
+    use pyrophone_synthesis::controls::{DriveControls, DriveMode, FlameControls};
+    use pyrophone_synthesis::drive::{Drive, SCENES};
+
+    use super::*;
+
+    #[test]
+    fn the_plugin_knows_these_scenes() {
+        assert_eq!(Scene::ALL.map(Scene::name), SCENES);
+    }
+
+    /// What burns in the plugin is the pressure that the command line makes of the same flux.
+    #[test]
+    fn the_plugin_plays_the_flux_that_is_written() {
+        for (scene, name) in SCENES.iter().enumerate() {
+            let mut reader =
+                hound::WavReader::open(project::root().join(format!("presets/drives/{name}.wav"))).expect("a drive");
+            let rate_hz = f64::from(reader.spec().sample_rate);
+            let samples: Vec<f64> = reader.samples::<i16>().map(|x| f64::from(x.expect("a sample"))).collect();
+            let plain: Vec<f64> = samples.chunks_exact(WAYS.len()).map(|step| step[0]).collect();
+            let pressure = derivative(&plain, rate_hz, 48_000.0);
+
+            let controls = DriveControls {
+                mode: DriveMode::Flame,
+                high_pass_hz: 0.0,
+                flame: FlameControls { scene, ..FlameControls::default() },
+                ..DriveControls::default()
+            };
+            let mut played = vec![0.0; pressure.len()];
+            Drive::new(48_000.0).expect("a drive").process(&[], &[], &controls, &mut played);
+            // Only near the ends does a loop go on where a series stops.
+            let inside = 1000..pressure.len() - 1000;
+            let (a, b) = (&pressure[inside.clone()], &played[inside]);
+            let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let scale = product(a, b) / product(a, a);
+            let off = a.iter().zip(b).map(|(a, b)| (scale * a - b).abs()).fold(0.0, f64::max);
+            let largest = b.iter().fold(0.0f64, |largest, x| largest.max(x.abs()));
+            assert!(off < 1e-6 * largest, "{name}: off by {off} of {largest}");
+        }
+    }
+
+    #[test]
+    fn loops_are_whole_periods() {
+        for scene in Scene::ALL {
+            let loop_s = loop_s(scene);
+            assert!((8.0..=LOOP_S).contains(&loop_s), "{}: {loop_s}", scene.name());
+            let periods = scene.period_s().map_or(1.0, |period_s| loop_s / period_s);
+            assert_eq!(periods.fract(), 0.0, "{}", scene.name());
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_the_slope_of_what_burnt() {
+        let folder = std::env::temp_dir().join(format!("pyrophone-drives-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let path = folder.join("test.wav");
+        let ways: Vec<Vec<f64>> =
+            (1..=2).map(|way| (0..100).map(|n| f64::from(7 + way * (n % 10))).collect()).collect();
+        write(&path, &ways).expect("written");
+        let mut reader = hound::WavReader::open(&path).expect("readable");
+        assert_eq!((reader.spec().channels, reader.spec().sample_rate), (2, 360));
+        let samples: Vec<i16> = reader.samples().map(|sample| sample.expect("a sample")).collect();
+        for (n, step) in samples.chunks_exact(2).enumerate() {
+            for (way, sample) in step.iter().enumerate() {
+                // The louder way, twice 0-9, stands 9 off its middle.
+                let expected = (way + 1) as f64 * ((n % 10) as f64 - 4.5) / 9.0 * 32_767.0;
+                assert!((f64::from(*sample) - expected).abs() <= 0.51, "step {n}, way {way}: {sample}, {expected}");
+            }
+        }
+        assert!(write(&path, &vec![vec![1.0; 9]; 2]).is_err(), "a flame that does not move is none");
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+}

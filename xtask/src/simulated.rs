@@ -1,0 +1,37 @@
+//! Flux of simulated flames.
+
+use std::io::{IsTerminal, Write};
+
+use anyhow::Result;
+use pyrophone_flame::Front;
+use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
+
+/// Cells along the box in which a second of a flame takes less than ten, and parts of a cell in which its front is
+/// looked for.
+pub const RESOLUTION: usize = 32;
+const REFINE: usize = 2;
+
+/// Flux at every step over `seconds`, after `pre_roll_s` that are not kept; `what` names it where progress is shown.
+pub fn flux(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what: &str) -> Result<Vec<f64>> {
+    let mut simulation = Simulation::new(scene, options)?;
+    let front = Front::new(0.5, REFINE)?;
+    let steps = |seconds: f64| (seconds * STEP_RATE_HZ).round() as u64;
+    let pre_roll = steps(pre_roll_s);
+    let total = pre_roll + steps(seconds);
+    let shown = std::io::stderr().is_terminal();
+    let mut flux = vec![];
+    while simulation.steps() < total {
+        simulation.step();
+        if simulation.steps() > pre_roll {
+            flux.push(front.measure(&simulation.frame()?)?.flux);
+        }
+        if shown && simulation.steps().is_multiple_of(36) {
+            eprint!("\rsimulating {what}: {:3} %", 100 * simulation.steps() / total);
+            std::io::stderr().flush()?;
+        }
+    }
+    if shown {
+        eprintln!();
+    }
+    Ok(flux)
+}
