@@ -7,6 +7,7 @@ use pyrophone_settings::Values;
 use pyrophone_synthesis::chain::{Chain, Meters, Transport};
 
 use crate::loader::link::{AudioLink, Retired, Update, fingerprint};
+use crate::probe::ProbeIn;
 
 /// Longest piece that the engines are given at once.
 const LONGEST_PIECE: usize = 8192;
@@ -17,6 +18,7 @@ pub const MAX_CHANNELS: usize = 2;
 /// The engines of one instance.
 pub struct Audio {
     link: AudioLink,
+    probe: ProbeIn,
     running: Option<Running>,
     /// Stands in for a sidechain that is not there; as long as the longest piece that is processed
     /// at once.
@@ -53,8 +55,8 @@ pub enum Tail {
 
 impl Audio {
     /// No engines yet.
-    pub fn new(link: AudioLink) -> Self {
-        Self { link, running: None, silence: Vec::new() }
+    pub fn new(link: AudioLink, probe: ProbeIn) -> Self {
+        Self { link, probe, running: None, silence: Vec::new() }
     }
 
     /// Exchanges the engines; not real-time safe. `values` are those they were made of.
@@ -131,6 +133,7 @@ impl Audio {
         let samples = main.first().map_or(0, |channel| channel.len());
         let learns =
             self.link.shared.learning.load(Ordering::Relaxed) && (transport.playing || transport.position.is_none());
+        let is_watched = self.probe.is_watched();
         let channels = main.len().min(MAX_CHANNELS);
         let mut start = 0;
         while start < samples {
@@ -150,11 +153,24 @@ impl Audio {
                 &controls,
                 Transport { position, ..transport },
             );
+            if is_watched {
+                self.probe.send(running.chain.drive(), &pieces[..channels]);
+            }
             if learns {
                 self.link.send_magnitudes(running.chain.top_level());
             }
             start = end;
         }
+    }
+
+    /// Tells the window, if there is one, what part of its time a block has taken.
+    pub fn tell_load(&self, load: f32) {
+        self.probe.tell_load(load);
+    }
+
+    /// Whether a window looks.
+    pub fn is_watched(&self) -> bool {
+        self.probe.is_watched()
     }
 
     /// The meters since the last call.

@@ -14,6 +14,7 @@ use crate::host_clock::{HostClock, Reported};
 use crate::loader::{Engine, Loader};
 use crate::meters::Meters;
 use crate::parameters::{EffectParams, sanitize};
+use crate::probe::{self, ProbeOut};
 
 /// The longest that an activation waits for a load under way. Hosts bounce in "real-time" mode
 /// too, so some wait is due there; where the host says that it renders offline there is no limit.
@@ -28,6 +29,7 @@ pub struct Pyrophone {
     loader: Loader,
     audio: Audio,
     meters: Arc<Meters>,
+    probe: ProbeOut,
     clock: HostClock,
     fence: Fence,
     executor: Option<AsyncExecutor<Self>>,
@@ -45,11 +47,13 @@ impl Default for Pyrophone {
     fn default() -> Self {
         let notifier = RepaintNotifier::new();
         let (loader, params, link) = Loader::start(notifier.clone());
+        let (probe_in, probe) = probe::pair();
         Self {
             params,
             loader,
-            audio: Audio::new(link),
+            audio: Audio::new(link, probe_in),
             meters: Arc::default(),
+            probe,
             clock: HostClock::default(),
             fence: Fence::default(),
             executor: None,
@@ -73,6 +77,13 @@ const fn layout(input: u32, output: u32, sidechain: &'static [NonZeroU32], name:
 
 const MONO: &[NonZeroU32] = &[new_nonzero_u32(1)];
 const STEREO: &[NonZeroU32] = &[new_nonzero_u32(2)];
+
+impl Pyrophone {
+    /// What the window sees of the sound.
+    pub fn probe(&self) -> ProbeOut {
+        self.probe.clone()
+    }
+}
 
 impl Plugin for Pyrophone {
     const NAME: &'static str = "Pyrophone";
@@ -109,7 +120,13 @@ impl Plugin for Pyrophone {
 
     fn editor(&mut self, executor: AsyncExecutor<Self>) -> Option<Self::Editor> {
         self.executor = Some(executor);
-        let window = Window::new(self.params.clone(), self.loader.handle(), self.meters.clone(), self.notifier.clone());
+        let window = Window::new(
+            self.params.clone(),
+            self.loader.handle(),
+            self.meters.clone(),
+            self.probe(),
+            self.notifier.clone(),
+        );
         editor::create(self.window.clone(), self.notifier.clone(), window)
     }
 
@@ -169,6 +186,7 @@ impl Plugin for Pyrophone {
         aux: &mut AuxiliaryBuffers,
         context: &mut impl ProcessContext<Self>,
     ) -> ProcessStatus {
+        let began = self.audio.is_watched().then(Instant::now);
         self.audio.receive_updates();
         let values = self.params.values();
         let samples = buffer.samples();
@@ -184,6 +202,9 @@ impl Plugin for Pyrophone {
         self.audio.process(buffer.as_slice(), sidechain, &values, transport);
 
         self.meters.publish(&self.audio.take_meters());
+        if let Some(began) = began {
+            self.audio.tell_load(began.elapsed().as_secs_f32() * self.sample_rate_hz / samples.max(1) as f32);
+        }
         self.since_repaint += samples as f32;
         if self.since_repaint * METER_HZ >= self.sample_rate_hz {
             self.since_repaint = 0.0;

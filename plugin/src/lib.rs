@@ -8,8 +8,11 @@
 //! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
 //! | [`persist`] | what a session keeps besides the parameters | any thread |
 //! | [`meters`] | levels for the editor | any thread |
+//! | [`probe`] | drive and output for the editor | from the audio thread to the window's |
+//! | [`analysis`] | spectra and outlines for the editor | the loader's and the window's |
 //! | [`editor`] | the window | the host's window thread |
 
+pub mod analysis;
 pub mod audio;
 pub mod editor;
 pub mod effect;
@@ -19,6 +22,7 @@ pub mod loader;
 pub mod meters;
 pub mod parameters;
 pub mod persist;
+pub mod probe;
 
 pub use effect::Pyrophone;
 

@@ -6,6 +6,7 @@ use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
 use pyrophone::audio::{Audio, Tail};
 use pyrophone::loader::{Engine, Loader};
+use pyrophone::probe;
 use pyrophone_settings::{Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 
@@ -22,7 +23,7 @@ fn chain(values: &Values, sidechain: usize) -> Chain {
 /// An `Audio` that runs, with the loader that feeds it.
 fn audio(values: &Values, sidechain: usize, max_block: usize) -> (Loader, Audio) {
     let (loader, _, link) = Loader::start(RepaintNotifier::new());
-    let mut audio = Audio::new(link);
+    let mut audio = Audio::new(link, probe::pair().0);
     audio.set_chain(Some(chain(values, sidechain)), sidechain, max_block, values);
     (loader, audio)
 }
@@ -80,7 +81,7 @@ fn a_sidechain_of_another_length_is_silent() {
 #[test]
 fn without_engines_there_is_silence() {
     let (_loader, _, link) = Loader::start(RepaintNotifier::new());
-    let mut audio = Audio::new(link);
+    let mut audio = Audio::new(link, probe::pair().0);
     let mut channel = noise(100, 1);
     audio.process(&mut [&mut channel], &[], &Values::default(), PLAYING);
     assert!(channel.iter().all(|sample| *sample == 0.0));
@@ -91,7 +92,7 @@ fn without_engines_there_is_silence() {
 fn a_restart_is_asked_for_once_and_when_all_is_ready() {
     let (loader, params, link) = Loader::start(RepaintNotifier::new());
     let old = params.values();
-    let mut audio = Audio::new(link);
+    let mut audio = Audio::new(link, probe::pair().0);
     audio.set_chain(Some(chain(&old, 0)), 0, 64, &old);
     let ticket =
         loader.set_engine(Engine { sample_rate_hz: RATE_HZ, structure: old.structure(), channels: channels(0) });

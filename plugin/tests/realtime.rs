@@ -129,6 +129,8 @@ fn run(sidechain_channels: usize) {
         }
     });
 
+    let probe = plugin.probe();
+    let mut watched_frames = 0;
     let map = params.param_map();
     let (left, right, side) = (noise(8192, 1), noise(8192, 2), noise(8192, 3));
     let mut heard = 0.0f32;
@@ -139,6 +141,13 @@ fn run(sidechain_channels: usize) {
             unsafe { map[index].1._internal_set_normalized_value((round as f32 * 0.618).fract()) };
         }
         let samples = BLOCKS[round % BLOCKS.len()];
+        // A window comes and goes; at times it is too slow to take what there is.
+        match round % 60 {
+            0 => probe.watch(true),
+            40 => probe.watch(false),
+            _ if round % 7 == 0 => probe.take(|_| watched_frames += 1),
+            _ => {}
+        }
         let (mut x, mut y) = (left[..samples].to_vec(), right[..samples].to_vec());
         let mut sidechain: Vec<Vec<f32>> = (0..sidechain_channels).map(|_| side[..samples].to_vec()).collect();
         let mut main = Buffer::default();
@@ -164,6 +173,7 @@ fn run(sidechain_channels: usize) {
     done.store(true, Ordering::Relaxed);
     assert!(loading.join().unwrap() > 20, "states were loaded");
     assert!(heard > 1e-5, "something was heard");
+    assert!(watched_frames > 10_000, "something was seen");
     plugin.deactivate();
 }
 

@@ -7,13 +7,18 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use pyrophone_host::editor::EditorWindow;
-use pyrophone_host::{Configuration, Format};
+use pyrophone_host::{Configuration, Format, numeric_id};
 use pyrophone_tests::live::{Clock, Live};
 use pyrophone_tests::{
     RATE_HZ, STEREO, await_recording, flame, load_session, open, preset, recording, session, target_dir,
 };
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{ConnectionExt, ImageFormat};
+use x11rb::protocol::xproto::{
+    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConnectionExt, ImageFormat, KEY_PRESS_EVENT, KEY_RELEASE_EVENT,
+    MOTION_NOTIFY_EVENT,
+};
+use x11rb::protocol::xtest::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
 
 /// A display, and the server that is ours to end.
 struct Screen(Option<Child>);
@@ -107,6 +112,16 @@ impl Picture {
         colours.len() > 40 && most * 100 < (self.rgb.len() / 3) * 98
     }
 
+    /// The middle of the first square of 5 pixels that is all of one colour, in a part of the picture.
+    fn blob(&self, colour: [u8; 3], xs: (i16, i16), ys: (i16, i16)) -> Option<(i16, i16)> {
+        let is = |x: i16, y: i16| {
+            let at = 3 * (y as usize * self.width as usize + x as usize);
+            self.rgb[at..at + 3] == colour
+        };
+        let places = (ys.0..ys.1).flat_map(|y| (xs.0..xs.1).map(move |x| (x, y)));
+        places.into_iter().find(|(x, y)| (-2..=2).all(|dy| (-2..=2).all(|dx| is(x + dx, y + dy))))
+    }
+
     fn save(&self, path: &Path) {
         let file = std::fs::File::create(path).expect("created");
         let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), self.width, self.height);
@@ -115,6 +130,228 @@ impl Picture {
         writer.write_image_data(&self.rgb).expect("written");
     }
 }
+
+/// A hand on mouse and keyboard, over a window in the screen's upper left corner.
+struct Hand<'a> {
+    connection: RustConnection,
+    keycodes: HashMap<u32, u8>,
+    window: &'a EditorWindow,
+    live: &'a mut Live,
+    position: i64,
+}
+
+const CONTROL: u32 = 0xffe3;
+const RETURN: u32 = 0xff0d;
+
+impl<'a> Hand<'a> {
+    fn new(window: &'a EditorWindow, live: &'a mut Live, position: i64) -> Self {
+        let (connection, _) = x11rb::connect(None).expect("a display");
+        let (first, last) = (connection.setup().min_keycode, connection.setup().max_keycode);
+        let mapping =
+            connection.get_keyboard_mapping(first, last - first + 1).expect("a request").reply().expect("keys");
+        let per_key = usize::from(mapping.keysyms_per_keycode);
+        let unshifted = mapping.keysyms.chunks_exact(per_key).map(|symbols| symbols[0]);
+        let keycodes = unshifted.zip(first..=last).collect();
+        Self { connection, keycodes, window, live, position }
+    }
+
+    /// Sends an event and gives window and engines time to follow.
+    fn send(&mut self, kind: u8, detail: u8, (x, y): (i16, i16)) {
+        let root = self.connection.setup().roots[0].root;
+        self.connection.xtest_fake_input(kind, detail, 0, root, x, y, 0).expect("a request").check().expect("sent");
+        let silence = vec![vec![0.0; 512]; 2];
+        for _ in 0..2 {
+            self.live.play(&silence, Clock::Playing(self.position), 512);
+            self.position += 512;
+            self.window.run_for(self.live.plugin(), Duration::from_millis(20));
+        }
+    }
+
+    fn go(&mut self, to: (i16, i16)) {
+        self.send(MOTION_NOTIFY_EVENT, 0, to);
+    }
+
+    /// Long enough for a frame to be drawn, by software and on a busy machine: what is pressed and let go within one frame is
+    /// no drag.
+    fn wait(&mut self) {
+        self.window.run_for(self.live.plugin(), Duration::from_millis(300));
+    }
+
+    fn click(&mut self, at: (i16, i16)) {
+        self.go(at);
+        self.send(BUTTON_PRESS_EVENT, 1, (0, 0));
+        self.send(BUTTON_RELEASE_EVENT, 1, (0, 0));
+        self.wait();
+    }
+
+    /// Fast enough for two clicks to be one, and slow enough for a frame between them, if the machine allows.
+    fn double_click(&mut self, at: (i16, i16)) {
+        self.go(at);
+        let root = self.connection.setup().roots[0].root;
+        for kind in [BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT] {
+            self.connection.xtest_fake_input(kind, 1, 0, root, 0, 0, 0).expect("a request").check().expect("sent");
+            self.window.run_for(self.live.plugin(), Duration::from_millis(50));
+        }
+        self.wait();
+    }
+
+    fn wheel_up(&mut self, at: (i16, i16)) {
+        self.go(at);
+        self.send(BUTTON_PRESS_EVENT, 4, (0, 0));
+        self.send(BUTTON_RELEASE_EVENT, 4, (0, 0));
+    }
+
+    fn drag(&mut self, from: (i16, i16), by: (i16, i16)) {
+        self.go(from);
+        self.wait();
+        self.send(BUTTON_PRESS_EVENT, 1, (0, 0));
+        for step in 1..=5 {
+            self.go((from.0 + by.0 * step / 5, from.1 + by.1 * step / 5));
+            self.wait();
+        }
+        self.send(BUTTON_RELEASE_EVENT, 1, (0, 0));
+        self.wait();
+    }
+
+    fn press(&mut self, symbol: u32) {
+        let code = self.keycodes[&symbol];
+        self.send(KEY_PRESS_EVENT, code, (0, 0));
+        self.send(KEY_RELEASE_EVENT, code, (0, 0));
+    }
+
+    fn write(&mut self, text: &str) {
+        text.bytes().for_each(|byte| self.press(u32::from(byte)));
+    }
+
+    fn with_control(&mut self, letter: u8) {
+        let code = self.keycodes[&CONTROL];
+        self.send(KEY_PRESS_EVENT, code, (0, 0));
+        self.press(u32::from(letter));
+        self.send(KEY_RELEASE_EVENT, code, (0, 0));
+    }
+
+    fn text(&mut self, id: &str) -> String {
+        // A change takes its way through the queue of the host.
+        self.go((5, 400));
+        let id = numeric_id(id);
+        let value = self.live.plugin().value(id).expect("a value");
+        self.live.plugin().text(id, value).expect("a text")
+    }
+
+    fn value(&mut self, id: &str) -> f64 {
+        let text = self.text(id);
+        text.split_whitespace().next().expect("a number").parse().unwrap_or_else(|_| panic!("{text}"))
+    }
+
+    /// The value once it is as expected; a slow machine takes its time.
+    fn expect(&mut self, id: &str, what: &str, is_expected: impl Fn(f64) -> bool) -> f64 {
+        let began = Instant::now();
+        loop {
+            let value = self.value(id);
+            if is_expected(value) {
+                // Not in the middle of its way.
+                self.wait();
+                if self.value(id) == value {
+                    return value;
+                }
+            }
+            if began.elapsed() > Duration::from_secs(20) {
+                self.photograph("unexpected");
+                panic!("{what}: {id} is {value}");
+            }
+        }
+    }
+
+    /// What may be lost between two frames of a busy machine.
+    fn try_often(&mut self, id: &str, what: impl Fn(&mut Self), until: impl Fn(f64) -> bool) {
+        for _ in 0..5 {
+            what(self);
+            if until(self.value(id)) {
+                return;
+            }
+        }
+    }
+
+    fn photograph(&mut self, name: &str) -> Picture {
+        let folder = target_dir().join("screenshots");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let picture = Picture::of(self.window);
+        picture.save(&folder.join(format!("{name}.png")));
+        picture
+    }
+}
+
+/// Where things are in a window of its first size.
+const ALPHA_KNOB: (i16, i16) = (54, 561);
+const ALPHA_VALUE: (i16, i16) = (54, 594);
+const CUTOFF_LINE: (i16, i16) = (167, 220);
+const UNDO: (i16, i16) = (293, 19);
+const REDO: (i16, i16) = (343, 19);
+const SLOT_A: (i16, i16) = (397, 19);
+const SLOT_B: (i16, i16) = (427, 19);
+const PRESETS: (i16, i16) = (190, 19);
+const SECOND_PRESET: (i16, i16) = (166, 73);
+const STRUCTURE: (i16, i16) = (592, 19);
+const PLAY: (i16, i16) = (533, 19);
+const BYPASS: (i16, i16) = (1025, 19);
+
+/// Everything that a hand can do.
+fn try_controls(hand: &mut Hand<'_>) {
+    let alpha = hand.value("alpha");
+    hand.drag(ALPHA_KNOB, (0, -60));
+    let turned = hand.expect("alpha", "dragged", |x| x > alpha + 1.0);
+    hand.photograph("knob-dragged");
+    hand.wheel_up(ALPHA_KNOB);
+    hand.expect("alpha", "wheeled", |x| x > turned && x < turned + 0.3);
+    hand.click(UNDO);
+    hand.expect("alpha", "undone", |x| x == turned);
+    hand.with_control(b'z');
+    hand.expect("alpha", "undone by key", |x| x == alpha);
+    hand.click(REDO);
+    hand.expect("alpha", "done again", |x| x == turned);
+
+    let write = |hand: &mut Hand<'_>, text: &str| {
+        hand.click(ALPHA_VALUE);
+        hand.write(text);
+        hand.photograph("value-typed");
+        hand.press(RETURN);
+    };
+    write(hand, "3.25");
+    hand.expect("alpha", "typed", |x| x == 3.25);
+    hand.click(SLOT_B);
+    write(hand, "1.5");
+    hand.expect("alpha", "B, typed", |x| x == 1.5);
+    hand.click(SLOT_A);
+    hand.expect("alpha", "A", |x| x == 3.25);
+    hand.click(SLOT_B);
+    hand.expect("alpha", "B", |x| x == 1.5);
+
+    hand.try_often("alpha", |hand| hand.double_click(ALPHA_KNOB), |x| x == 2.5);
+    hand.expect("alpha", "double click", |x| x == 2.5);
+
+    let cutoff = hand.value("cutoff");
+    hand.try_often("cutoff", |hand| hand.drag(CUTOFF_LINE, (60, 0)), |x| x != cutoff);
+    hand.expect("cutoff", "dragged", |x| x > 1.5 * cutoff && x < 6.0 * cutoff);
+    let picture = hand.photograph("cutoff-dragged");
+    let grip = picture.blob(EMBER, (200, 500), (60, 350)).expect("the handle of alpha");
+    hand.try_often("alpha", |hand| hand.drag(grip, (0, 40)), |x| x != 2.5);
+    hand.expect("alpha", "slope dragged", |x| x > 2.6);
+
+    hand.click(BYPASS);
+    assert_eq!(hand.text("bypass"), "on");
+    hand.click(BYPASS);
+    assert_eq!(hand.text("bypass"), "off");
+    hand.click(PRESETS);
+    hand.photograph("presets");
+    hand.click(SECOND_PRESET);
+    hand.expect("alpha", "a preset", |x| x == 2.5);
+    assert_eq!(hand.text("texture_level"), "off", "extend");
+    hand.click(STRUCTURE);
+    hand.photograph("structure");
+    hand.click(PLAY);
+}
+
+const EMBER: [u8; 3] = [0xff, 0x82, 0x38];
 
 #[test]
 fn opens_draws_closes_and_opens_again() {
@@ -148,6 +385,9 @@ fn opens_draws_closes_and_opens_again() {
             let path = target_dir().join("editor.png");
             picture.save(&path);
             println!("the editor as drawn: {} ({} colours)", path.display(), picture.colours().len());
+            let mut hand = Hand::new(&window, &mut live, position);
+            try_controls(&mut hand);
+            position = hand.position;
         }
         window.close(live.plugin());
     }

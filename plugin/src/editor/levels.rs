@@ -1,14 +1,17 @@
-//! Level meters and latency.
+//! Level meters.
 
+use egui::{Align2, Pos2, Rect, Ui, Vec2};
+
+use super::theme;
 use crate::meters::Meters;
 
-/// The lowest level shown, in dB.
-const FLOOR_DB: f32 = -72.0;
+/// The lowest level shown, in dB, and the highest.
+const FLOOR_DB: f32 = -60.0;
+const TOP_DB: f32 = 6.0;
 /// How fast a meter falls, in dB per second.
 const FALL_DB_PER_S: f64 = 40.0;
-const BAR_WIDTH: f32 = 64.0;
 
-const NAMES: [&str; 6] = ["In", "Drive", "Low", "Extension", "Texture", "Out"];
+const NAMES: [&str; 6] = ["in", "drive", "low", "ext", "tex", "out"];
 
 /// The meters' falling levels.
 pub struct Levels {
@@ -23,45 +26,47 @@ impl Default for Levels {
 }
 
 impl Levels {
-    /// The meters in a row.
-    pub fn show(&mut self, ui: &mut egui::Ui, meters: &Meters) {
+    /// The meters, side by side.
+    pub fn show(&mut self, ui: &Ui, rect: Rect, meters: &Meters) {
         let now_s = ui.input(|input| input.time);
         let fall_db = ((now_s - self.last_s).clamp(0.0, 1.0) * FALL_DB_PER_S) as f32;
         self.last_s = now_s;
         let peaks = [&meters.input, &meters.drive, &meters.low, &meters.extension, &meters.texture, &meters.output];
-        ui.horizontal_wrapped(|ui| {
-            for ((name, peak), shown_db) in NAMES.iter().zip(peaks).zip(&mut self.shown_db) {
-                let peak_db = 20.0 * peak.take().max(1e-9).log10();
-                *shown_db = peak_db.max(*shown_db - fall_db).clamp(FLOOR_DB, 24.0);
-                let share = (*shown_db - FLOOR_DB) / -FLOOR_DB;
-                let text = if *shown_db <= FLOOR_DB { "-inf".to_owned() } else { format!("{shown_db:.0} dB") };
-                let color = if *shown_db > 0.0 {
-                    egui::Color32::from_rgb(200, 60, 40)
-                } else {
-                    egui::Color32::from_rgb(190, 120, 40)
-                };
-                ui.label(*name);
-                ui.add(
-                    egui::ProgressBar::new(share.min(1.0))
-                        .desired_width(BAR_WIDTH)
-                        .corner_radius(1)
-                        .fill(color)
-                        .text(text),
-                );
-            }
-            match meters.engine() {
-                Some((samples, rate_hz)) => {
-                    let ms = 1000.0 * samples as f32 / rate_hz;
-                    ui.label(format!("Latency {samples} = {ms:.1} ms"))
-                }
-                None => ui.weak("Latency: not running"),
+        let painter = ui.painter();
+        painter.rect_filled(rect, 3.0, theme::WELL);
+        let step = rect.width() / NAMES.len() as f32;
+        let (top, bottom) = (rect.top() + 18.0, rect.bottom() - 16.0);
+        let place =
+            |level_db: f32| bottom + (top - bottom) * ((level_db - FLOOR_DB) / (TOP_DB - FLOOR_DB)).clamp(0.0, 1.0);
+        for (index, (name, peak)) in NAMES.iter().zip(peaks).enumerate() {
+            let shown_db = &mut self.shown_db[index];
+            let peak_db = 20.0 * peak.take().max(1e-9).log10();
+            *shown_db = peak_db.max(*shown_db - fall_db).clamp(FLOOR_DB, 40.0);
+            let middle = rect.left() + (index as f32 + 0.5) * step;
+            let bar = |from: f32, to: f32| {
+                Rect::from_min_max(Pos2::new(middle - 0.3 * step, to), Pos2::new(middle + 0.3 * step, from))
             };
-            if meters.input_cancels() {
-                ui.colored_label(
-                    egui::Color32::YELLOW,
-                    "The input's channels cancel each other: turn one's phase, or use mono.",
+            painter.rect_filled(bar(bottom, top), 1.0, theme::PANEL);
+            let color = match index {
+                _ if *shown_db > 0.0 => theme::ALARM,
+                0 | 1 => theme::BLUE,
+                _ => theme::EMBER,
+            };
+            painter.rect_filled(bar(bottom, place(*shown_db)), 1.0, color);
+            painter.text(Pos2::new(middle, bottom + 2.0), Align2::CENTER_TOP, *name, theme::small(), theme::WEAK);
+            if *shown_db > FLOOR_DB {
+                let text = format!("{shown_db:.0}");
+                painter.text(
+                    Pos2::new(middle, rect.top() + 2.0),
+                    Align2::CENTER_TOP,
+                    text,
+                    theme::small(),
+                    theme::TEXT,
                 );
             }
-        });
+        }
+        let y = place(0.0);
+        let line = Rect::from_min_size(Pos2::new(rect.left(), y), Vec2::new(rect.width(), 1.0));
+        painter.rect_filled(line, 0.0, theme::TEXT.gamma_multiply(0.2));
     }
 }

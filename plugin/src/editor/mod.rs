@@ -1,21 +1,30 @@
-//! The window: plain, every parameter, the recording, levels.
+//! The window: what goes in, what the recording is, what comes out; and every parameter.
 //!
 //! | module | shows |
 //! |---|---|
+//! | [`header`] | presets, undo, A and B, bypass, cost |
+//! | [`plots`] | spectra with handles, running spectrograms, the recording's outline |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
-//! | [`presets`] | factory presets, reset to the paper's values |
-//! | [`controls`] | parameters |
-//! | [`levels`] | level meters and latency |
-//! | [`dialog`] | the system's file dialog |
+//! | [`controls`] | parameters, as [`widgets`] |
+//! | [`levels`] | level meters |
+//!
+//! [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog.
 
 pub mod controls;
 pub mod dialog;
+pub mod hand;
+pub mod header;
 pub mod levels;
-pub mod presets;
+pub mod monitor;
+pub mod plots;
 pub mod recording;
+pub mod theme;
+pub mod widgets;
 
 use std::sync::Arc;
 
+use egui::Rect;
+use nice_plug::prelude::ParamSetter;
 use nice_plug_core::context::gui::GuiContext;
 use nice_plug_core::editor::dpi::LogicalSize;
 use nice_plug_core::editor::{ResizeHint, SizeConstraints};
@@ -27,14 +36,17 @@ use nice_plug_egui::{
 use crate::loader::LoaderHandle;
 use crate::meters::Meters;
 use crate::parameters::EffectParams;
+use crate::probe::ProbeOut;
+use hand::{Hand, History};
+use header::Header;
 use levels::Levels;
-use presets::Presets;
+use monitor::Monitor;
 use recording::RecordingPanel;
 
 /// Size of a new window in points.
-const SIZE: (f32, f32) = (900.0, 720.0);
+const SIZE: (f32, f32) = (1060.0, 760.0);
 /// The smallest size in points at which everything can be reached.
-const SMALLEST: (f32, f32) = (560.0, 400.0);
+const SMALLEST: (f32, f32) = (700.0, 450.0);
 
 /// The window's contents.
 pub struct Window {
@@ -43,7 +55,9 @@ pub struct Window {
     meters: Arc<Meters>,
     host: Option<GuiContext>,
     recording: RecordingPanel,
-    presets: Presets,
+    header: Header,
+    monitor: Monitor,
+    history: History,
     levels: Levels,
 }
 
@@ -71,6 +85,7 @@ impl Window {
         params: Arc<EffectParams>,
         loader: LoaderHandle,
         meters: Arc<Meters>,
+        probe: ProbeOut,
         notifier: RepaintNotifier,
     ) -> Self {
         Self {
@@ -79,7 +94,9 @@ impl Window {
             meters,
             host: None,
             recording: RecordingPanel::new(notifier),
-            presets: Presets::default(),
+            header: Header::default(),
+            monitor: Monitor::new(probe),
+            history: History::default(),
             levels: Levels::default(),
         }
     }
@@ -88,38 +105,90 @@ impl Window {
 impl NiceEguiApp for Window {
     fn build(
         &mut self,
-        _context: egui::Context,
+        context: egui::Context,
         host: GuiContext,
         _frame: &mut Frame,
     ) -> Result<(), baseview::HandlerError> {
+        theme::apply(&context);
         self.host = Some(host);
+        self.monitor.watch(true);
         Ok(())
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut Frame) {
         let Some(host) = self.host.clone() else { return };
         let setter = host.param_setter();
+        self.monitor.follow(self.meters.engine());
         ResizableWindow::new("window").min_size(egui::vec2(SMALLEST.0, SMALLEST.1)).show(ui, |ui| {
-            egui::Frame::new().inner_margin(8.0).show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    ui.heading("Pyrophone");
-                    ui.separator();
-                    self.presets.show(ui, &self.params, &setter);
-                });
-                ui.separator();
-                self.recording.show(ui, &self.loader, &self.params);
-                ui.separator();
-                self.levels.show(ui, &self.meters);
-                ui.separator();
-                egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    controls::show(ui, &self.params, &setter);
-                });
-            });
+            let all = ui.max_rect();
+            ui.painter().rect_filled(all, 0.0, theme::GROUND);
+            self.contents(ui, all.shrink(8.0), &setter);
         });
     }
 
     fn editor_closed(&mut self) {
         self.host = None;
+        self.monitor.watch(false);
         self.recording.close_dialog();
+        self.recording.clear_pictures();
     }
+}
+
+/// Between parts, in points.
+const GAP: f32 = 6.0;
+/// Heights of the head and of the recording's words, in points.
+const HEAD: f32 = 26.0;
+const WORDS: f32 = 54.0;
+/// Width of the meters, in points.
+const METERS: f32 = 150.0;
+
+impl Window {
+    fn contents(&mut self, ui: &mut egui::Ui, all: Rect, setter: &ParamSetter) {
+        let now_s = ui.input(|input| input.time);
+        let load = self.monitor.load(now_s);
+        let view = self.loader.status.view();
+        let mut hand = Hand { params: &self.params, setter, history: &mut self.history };
+        let (head, rest) = all.split_top_bottom_at_y(all.top() + HEAD);
+        let rest = rest.with_min_y(rest.top() + GAP);
+        // Pictures take what the parameters leave, and at least two fifths.
+        let split = rest.top() + (rest.height() - CONTROLS).clamp(0.4 * rest.height(), 0.62 * rest.height());
+        let (upper, lower) = rest.split_top_bottom_at_y(split);
+        let middle = upper.left() + 0.56 * (upper.width() - METERS);
+        let spectra = upper.with_max_x(middle);
+        let right = upper.with_min_x(middle + GAP).with_max_x(upper.right() - METERS - GAP);
+        let meters = upper.with_min_x(upper.right() - METERS);
+        let words = right.with_min_y(right.bottom() - WORDS);
+        let course = (right.height() - WORDS - 4.0 * GAP) / 4.0;
+        let row = |index: f32| {
+            let top = right.top() + index * (course + GAP);
+            right.with_min_y(top).with_max_y(top + course)
+        };
+
+        part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
+        self.monitor.spectra.show(ui, spectra, view.portrait.as_deref(), &mut hand);
+        self.monitor.drive.show(ui, row(0.0), theme::BLUE);
+        self.monitor.output.show(ui, row(1.0), theme::EMBER);
+        self.recording.show_pictures(ui, [row(2.0), row(3.0)], &view);
+        part(ui, words, "recording", |ui| self.recording.show(ui, &self.loader, &self.params));
+        self.levels.show(ui, meters, &self.meters);
+        if self.meters.input_cancels() {
+            let at = meters.left_bottom() - egui::vec2(0.0, 34.0);
+            let warning = "The input's channels cancel each other: turn one's phase, or use mono.";
+            let galley = ui.painter().layout(warning.into(), theme::small(), theme::ALARM, meters.width());
+            ui.painter().galley(at, galley, theme::ALARM);
+        }
+        let controls = lower.with_min_y(lower.top() + GAP);
+        let shows_structure = self.header.shows_structure;
+        part(ui, controls, "controls", |ui| controls::show(ui, shows_structure, &mut hand));
+    }
+}
+
+/// Height that the parameters like to have, in points.
+const CONTROLS: f32 = 388.0;
+
+/// A part of the window with a place of its own.
+fn part(ui: &mut egui::Ui, rect: Rect, name: &str, show: impl FnOnce(&mut egui::Ui)) {
+    let mut part = ui.new_child(egui::UiBuilder::new().id_salt(name).max_rect(rect));
+    part.set_clip_rect(rect.expand(3.0).intersect(ui.clip_rect()));
+    show(&mut part);
 }

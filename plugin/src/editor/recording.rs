@@ -3,15 +3,18 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
+use egui::{Rect, RichText, StrokeKind, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::Id;
 use pyrophone_settings::table::DYNAMIC_RANGES;
 
 use super::dialog::Dialog;
+use super::plots::course::{Still, label};
+use super::plots::outline;
+use super::theme;
 use crate::loader::LoaderHandle;
+use crate::loader::status::View;
 use crate::parameters::EffectParams;
-
-const ERROR: egui::Color32 = egui::Color32::from_rgb(230, 110, 80);
 
 /// The panel, with what is typed into it.
 pub struct RecordingPanel {
@@ -19,13 +22,14 @@ pub struct RecordingPanel {
     path: String,
     followed: Option<String>,
     dialog: Option<Dialog>,
+    course: Still,
     notifier: RepaintNotifier,
 }
 
 impl RecordingPanel {
     /// An empty panel; `notifier` wakes the window when a file was chosen.
     pub fn new(notifier: RepaintNotifier) -> Self {
-        Self { path: String::new(), followed: None, dialog: None, notifier }
+        Self { path: String::new(), followed: None, dialog: None, course: Still::default(), notifier }
     }
 
     /// Calls off the system's dialog.
@@ -33,34 +37,23 @@ impl RecordingPanel {
         self.dialog = None;
     }
 
-    /// The panel.
-    pub fn show(&mut self, ui: &mut egui::Ui, loader: &LoaderHandle, params: &EffectParams) {
+    /// Forgets what a window that is gone has drawn.
+    pub fn clear_pictures(&mut self) {
+        self.course.clear();
+    }
+
+    /// The panel. A sound file that is dropped on the window is loaded.
+    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams) {
         let view = loader.status.view();
         if view.path != self.followed {
             self.path = view.path.clone().unwrap_or_default();
             self.followed = view.path.clone();
         }
-        ui.horizontal(|ui| {
-            let browse = ui.add_enabled(self.dialog.is_none(), egui::Button::new("Load recording…"));
-            if browse.clicked() {
-                self.dialog = Some(Dialog::open(&self.path, self.notifier.clone()));
-            }
-            let width = (ui.available_width() - 150.0).max(100.0);
-            let field = egui::TextEdit::singleline(&mut self.path)
-                .hint_text("or the path of a sound file, then Enter")
-                .desired_width(width);
-            let typed = ui.add(field);
-            let entered = typed.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-            if ui.button("Load").clicked() || entered {
-                let path = self.path.trim();
-                if !path.is_empty() {
-                    loader.load(PathBuf::from(path));
-                }
-            }
-            if ui.add_enabled(view.path.is_some(), egui::Button::new("Remove")).clicked() {
-                loader.unload();
-            }
-        });
+        let dropped = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
+        if let Some(path) = dropped.filter(|path| !path.as_os_str().is_empty()) {
+            self.path = path.to_string_lossy().into_owned();
+            loader.load(path);
+        }
         if let Some(chosen) = self.dialog.as_mut().and_then(Dialog::poll) {
             self.dialog = None;
             if let Some(path) = chosen {
@@ -69,44 +62,100 @@ impl RecordingPanel {
             }
         }
         ui.horizontal(|ui| {
-            match (&view.recording, &view.path) {
-                (Some(recording), _) => ui.label(recording),
-                (None, Some(path)) => ui.colored_label(ERROR, format!("Not loaded: {path}")),
-                (None, None) => ui.weak("No recording: texture is silent, extension plays."),
-            };
-            if let Some((what, done)) = &view.progress {
-                ui.add(egui::ProgressBar::new(*done).desired_width(160.0).text(what.as_str()));
-            }
+            self.loading(ui, loader, &view);
+        });
+        ui.horizontal(|ui| {
             let mut embed = view.embed;
             let keep = ui.checkbox(&mut embed, "Keep in the session");
             if keep.on_hover_text("Saves the recording itself with the session, up to 10 MB").changed() {
                 loader.set_embed(embed);
             }
+            ui.separator();
+            learning(ui, loader, params, &view);
         });
         if let Some(error) = &view.error {
-            ui.add(egui::Label::new(egui::RichText::new(error).color(ERROR)).wrap());
+            ui.add(egui::Label::new(RichText::new(error).color(theme::ALARM)).wrap());
         }
-        ui.horizontal(|ui| {
-            let learning = &loader.shared.learning;
-            let is_on = learning.load(Ordering::Relaxed);
-            let text = if is_on { "Learning: press when it has played" } else { "Learn" };
-            let learn = ui.add(egui::Button::new(text).selected(is_on));
-            if learn
-                .on_hover_text("Press, play the track once, press again: the texture then follows its loudness")
-                .clicked()
-            {
-                learning.store(!is_on, Ordering::Relaxed);
-            }
-            if let Some(values) = view.learning {
-                ui.label(format!("{values} amplitudes so far"));
-            } else if let Some(learned) = &view.learned {
-                ui.label(format!("Dynamic range: {learned}"));
-                if ui.small_button("Forget").clicked() {
-                    loader.forget_learned();
-                }
-            } else if DYNAMIC_RANGES[params.values().get(Id::DynamicRange) as usize] == "learned" {
-                ui.colored_label(ERROR, "Dynamic range is set to learned, but nothing was learned yet.");
-            }
+    }
+
+    fn loading(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
+        let browse = ui.add_enabled(self.dialog.is_none(), egui::Button::new("Load recording…"));
+        if browse.on_hover_text("Or drop a sound file on the window").clicked() {
+            self.dialog = Some(Dialog::open(&self.path, self.notifier.clone()));
+        }
+        let width = (ui.available_width() - 76.0).max(80.0);
+        let field = egui::TextEdit::singleline(&mut self.path)
+            .hint_text("or the path of a sound file, then Enter")
+            .desired_width(width);
+        let typed = ui.add(field);
+        let entered = typed.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        let path = self.path.trim();
+        if entered && !path.is_empty() {
+            loader.load(PathBuf::from(path));
+        }
+        if ui.add_enabled(view.path.is_some(), egui::Button::new("Remove")).clicked() {
+            loader.unload();
+        }
+    }
+
+    /// Outline and course of the recording, or what is in their way.
+    pub fn show_pictures(&mut self, ui: &Ui, [above, below]: [Rect; 2], view: &View) {
+        let painter = ui.painter();
+        [above, below].iter().for_each(|rect| {
+            painter.rect_filled(*rect, 3.0, theme::WELL);
         });
+        if let Some(portrait) = &view.portrait {
+            outline::show(ui, above, portrait);
+            self.course.show(ui, below, portrait);
+        }
+        let centre = above.union(below).center();
+        let word = |text: &str, color| {
+            let width = above.width() - 20.0;
+            let galley = painter.layout(text.to_owned(), egui::FontId::proportional(12.5), color, width);
+            let place = Rect::from_center_size(centre, galley.size());
+            painter.rect_filled(place.expand(5.0), 3.0, theme::WELL.gamma_multiply(0.85));
+            painter.galley(place.min, galley, color);
+        };
+        if let Some((what, done)) = &view.progress {
+            let bar = Rect::from_min_max(below.left_bottom() - Vec2::new(0.0, 4.0), below.right_bottom());
+            painter.rect_filled(bar, 0.0, theme::LINE);
+            let done_at = bar.left() + bar.width() * done.clamp(0.0, 1.0);
+            painter.rect_filled(bar.with_max_x(done_at), 0.0, theme::EMBER);
+            word(&format!("{what} … {:.0} %", 100.0 * done), theme::TEXT);
+        } else {
+            match (&view.recording, &view.path) {
+                (Some(recording), _) => label(ui, above, recording, theme::ASH),
+                (None, Some(path)) => word(&format!("Not loaded: {path}\nLoad it from where it is now."), theme::ALARM),
+                (None, None) => {
+                    word(
+                        "No recording yet: extension stands in for texture.\nDrop a recording of fire here.",
+                        theme::WEAK,
+                    );
+                }
+            }
+        }
+        if ui.input(|input| !input.raw.hovered_files.is_empty()) {
+            painter.rect_stroke(above.union(below), 3.0, egui::Stroke::new(2.0, theme::EMBER), StrokeKind::Inside);
+        }
+    }
+}
+
+fn learning(ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams, view: &View) {
+    let learning = &loader.shared.learning;
+    let is_on = learning.load(Ordering::Relaxed);
+    let text = if is_on { "Learning: press when it has played" } else { "Learn the drive" };
+    let learn = ui.add(egui::Button::new(text).selected(is_on));
+    if learn.on_hover_text("Press, play the track once, press again: the texture then follows its loudness").clicked() {
+        learning.store(!is_on, Ordering::Relaxed);
+    }
+    if let Some(values) = view.learning {
+        ui.label(format!("{values} amplitudes so far"));
+    } else if let Some(learned) = &view.learned {
+        ui.label(RichText::new(learned).color(theme::WEAK));
+        if ui.small_button("Forget").clicked() {
+            loader.forget_learned();
+        }
+    } else if DYNAMIC_RANGES[params.values().get(Id::DynamicRange) as usize] == "learned" {
+        ui.colored_label(theme::ALARM, "Set to learned, but nothing was learned yet.");
     }
 }

@@ -1,14 +1,18 @@
 //! What the editor shows of the loader's work.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use nice_plug_egui::RepaintNotifier;
+
+use crate::analysis::Portrait;
 
 /// A moment of the loader.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct View {
     /// The recording that sounds: name, length, rate, channels.
     pub recording: Option<String>,
+    /// What is drawn of it.
+    pub portrait: Option<Arc<Portrait>>,
     /// Path of the recording that the session names, whether or not it was found.
     pub path: Option<String>,
     /// What is under way, and how much of it is done (0-1).

@@ -22,6 +22,7 @@ use super::link::{LoaderLink, Update};
 use super::mailbox::{Mailbox, Order};
 use super::source::{self, Failure, Found};
 use super::status::Status;
+use crate::analysis::Portrait;
 use crate::parameters::EffectParams;
 use crate::persist;
 
@@ -271,7 +272,11 @@ impl Worker {
             };
             format!("{}: {seconds:.1} s, {kilohertz} kHz, {channels}", recording.name)
         });
-        self.status.update(|view| view.recording = shown);
+        let portrait = recording.as_deref().map(|recording| Arc::new(Portrait::of(recording)));
+        self.status.update(|view| {
+            view.recording = shown;
+            view.portrait = portrait;
+        });
         self.recording = recording;
         self.failed = None;
         self.dictionary_is_sent = false;

@@ -1,0 +1,15 @@
+//! What the window shows of sounds: their spectra, their course, their outline.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`bands`] | the frequencies of all plots |
+//! | [`analyser`] | a running spectrum |
+//! | [`portrait`] | a whole recording at a glance |
+
+pub mod analyser;
+pub mod bands;
+pub mod portrait;
+
+pub use analyser::Analyser;
+pub use bands::{BANDS, FLOOR_DB};
+pub use portrait::Portrait;

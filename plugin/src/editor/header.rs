@@ -1,0 +1,109 @@
+//! The head of the window: presets, undo, A and B, bypass, what the engines cost.
+
+use egui::{Align, Button, ComboBox, Layout, RichText, Ui};
+use pyrophone_settings::{Id, Preset};
+
+use super::hand::Hand;
+use super::theme;
+use crate::meters::Meters;
+
+/// Presets, and the page of parameters that is shown.
+pub struct Header {
+    factory: Vec<Preset>,
+    /// Whether the structure's parameters are shown instead of those that are played.
+    pub shows_structure: bool,
+}
+
+impl Default for Header {
+    fn default() -> Self {
+        // They are part of the build, and a test reads every one.
+        Self { factory: Preset::factory().unwrap_or_default(), shows_structure: false }
+    }
+}
+
+impl Header {
+    /// The row. `load` is the part of their time that blocks take, and the worst of the last second.
+    pub fn show(&mut self, ui: &mut Ui, hand: &mut Hand<'_>, meters: &Meters, load: (f32, f32)) {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("PYROPHONE").heading().color(theme::EMBER).strong());
+            ui.separator();
+            self.presets(ui, hand);
+            ui.separator();
+            history(ui, hand);
+            ui.separator();
+            ui.selectable_value(&mut self.shows_structure, false, "Play");
+            ui.selectable_value(&mut self.shows_structure, true, "Structure");
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let bypass = Id::Bypass as usize;
+                let is_on = hand.values().get(Id::Bypass) > 0.5;
+                let button = ui.add(Button::new("Bypass").selected(is_on));
+                if button.on_hover_text(Id::Bypass.parameter().help).clicked() {
+                    hand.set_once(bypass, f64::from(u8::from(!is_on)));
+                }
+                cost(ui, meters, load);
+            });
+        });
+    }
+
+    fn presets(&self, ui: &mut Ui, hand: &mut Hand<'_>) {
+        let values = hand.values();
+        let chosen = self.factory.iter().position(|preset| preset.values == values);
+        let shown = chosen.map_or("changed *", |index| self.factory[index].name.as_str());
+        let mut next = None;
+        ComboBox::from_id_salt("preset").width(120.0).selected_text(shown).show_ui(ui, |ui| {
+            for (index, preset) in self.factory.iter().enumerate() {
+                let line = ui.selectable_label(chosen == Some(index), &preset.name);
+                if line.on_hover_text(&preset.description).clicked() {
+                    next = Some(preset.values);
+                }
+            }
+            ui.separator();
+            let paper = ui.selectable_label(false, "the paper's values");
+            if paper.on_hover_text("Chadwick & James 2011; levels, widths, seed and envelope stay").clicked() {
+                let mut paper = values;
+                paper.reset_to_paper();
+                next = Some(paper);
+            }
+        });
+        if let Some(next) = next {
+            hand.set_all(&next);
+        }
+    }
+}
+
+fn history(ui: &mut Ui, hand: &mut Hand<'_>) {
+    let keys = |key| move |input: &mut egui::InputState| input.consume_key(egui::Modifiers::COMMAND, key);
+    let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo")).on_hover_text("Ctrl+Z");
+    if undo.clicked() || ui.input_mut(keys(egui::Key::Z)) {
+        hand.undo();
+    }
+    let redo = ui.add_enabled(hand.history.can_redo(), Button::new("Redo")).on_hover_text("Ctrl+Y");
+    if redo.clicked() || ui.input_mut(keys(egui::Key::Y)) {
+        hand.redo();
+    }
+    ui.separator();
+    for (name, is_b) in [("A", false), ("B", true)] {
+        let is_heard = hand.history.is_b() == is_b;
+        let slot = ui.add(Button::new(name).selected(is_heard)).on_hover_text("Two settings to compare");
+        if slot.clicked() && !is_heard {
+            hand.exchange();
+        }
+    }
+    let (from, to) = if hand.history.is_b() { ("B", "A") } else { ("A", "B") };
+    if ui.button(format!("{from} to {to}")).on_hover_text("Makes both equal to what sounds").clicked() {
+        hand.copy();
+    }
+}
+
+fn cost(ui: &mut Ui, meters: &Meters, (load, worst): (f32, f32)) {
+    let Some((samples, rate_hz)) = meters.engine() else {
+        ui.label(RichText::new("not running").color(theme::WEAK));
+        return;
+    };
+    let ms = 1000.0 * samples as f32 / rate_hz;
+    let color = if worst >= 1.0 { theme::ALARM } else { theme::WEAK };
+    let text = format!("{ms:.1} ms   {:.0} % (worst {:.0} %)", 100.0 * load, 100.0 * worst);
+    ui.label(RichText::new(text).font(theme::small()).color(color)).on_hover_text(format!(
+        "Latency: {samples} samples. Part of their time that blocks take, and the costliest of the last second."
+    ));
+}

@@ -1,0 +1,122 @@
+//! What was heard of late: running spectra and courses of drive and output, side by side in time.
+
+use std::collections::VecDeque;
+
+use super::plots::course::Course;
+use super::plots::spectrum::Spectra;
+use crate::analysis::Analyser;
+use crate::probe::{Frame, ProbeOut};
+
+/// Windows of the spectra and of the courses, in seconds.
+const SPECTRUM_S: f64 = 0.17;
+const COURSE_S: f64 = 0.04;
+/// Steps of both, in seconds.
+const SPECTRUM_STEP_S: f64 = 0.03;
+const COURSE_STEP_S: f64 = 1.0 / 60.0;
+
+/// Largest part of its time that a block has taken, over about a second.
+#[derive(Debug, Default)]
+struct Worst {
+    held: f32,
+    until_s: f64,
+}
+
+/// Analysers of drive and output.
+pub struct Monitor {
+    probe: ProbeOut,
+    engine: Option<(u32, f32)>,
+    sides: Option<Sides>,
+    /// Spectra, for the plot.
+    pub spectra: Spectra,
+    /// Course of the drive.
+    pub drive: Course,
+    /// Course of the output.
+    pub output: Course,
+    worst: Worst,
+}
+
+struct Sides {
+    drive: Side,
+    output: Side,
+    /// The drive waits until the output has caught up.
+    waiting: VecDeque<f32>,
+    latency_samples: usize,
+}
+
+struct Side {
+    spectrum: Analyser,
+    course: Analyser,
+}
+
+impl Side {
+    fn new(sample_rate_hz: f64) -> Self {
+        Self {
+            spectrum: Analyser::new(sample_rate_hz, SPECTRUM_S, SPECTRUM_STEP_S),
+            course: Analyser::new(sample_rate_hz, COURSE_S, COURSE_STEP_S),
+        }
+    }
+}
+
+impl Monitor {
+    /// A monitor of what comes through a probe.
+    pub fn new(probe: ProbeOut) -> Self {
+        let (spectra, drive, output) = (Spectra::default(), Course::new("drive"), Course::new("output"));
+        Self { probe, engine: None, sides: None, spectra, drive, output, worst: Worst::default() }
+    }
+
+    /// Starts watching, or stops and forgets.
+    pub fn watch(&mut self, watched: bool) {
+        self.probe.watch(watched);
+        self.sides = None;
+        self.engine = None;
+        self.spectra = Spectra::default();
+        self.drive.clear();
+        self.output.clear();
+    }
+
+    /// Takes in what has sounded; `engine` is latency in samples and sample rate in Hz.
+    pub fn follow(&mut self, engine: Option<(u32, f32)>) {
+        if engine != self.engine {
+            self.engine = engine;
+            self.sides = engine.map(|(latency, rate_hz)| Sides {
+                drive: Side::new(f64::from(rate_hz)),
+                output: Side::new(f64::from(rate_hz)),
+                waiting: VecDeque::with_capacity(latency as usize + 1),
+                latency_samples: latency as usize,
+            });
+        }
+        let Some(sides) = &mut self.sides else {
+            self.probe.take(|_| {});
+            return;
+        };
+        let (spectra, drive_course, output_course) = (&mut self.spectra, &mut self.drive, &mut self.output);
+        self.probe.take(|Frame { drive, output }| {
+            sides.waiting.push_back(drive);
+            if sides.waiting.len() <= sides.latency_samples {
+                return;
+            }
+            let drive = sides.waiting.pop_front().unwrap_or(0.0);
+            if let Some(density) = sides.drive.spectrum.push(drive) {
+                spectra.drive.take(density, SPECTRUM_STEP_S as f32);
+            }
+            if let Some(density) = sides.output.spectrum.push(output) {
+                spectra.output.take(density, SPECTRUM_STEP_S as f32);
+            }
+            if let Some(density) = sides.drive.course.push(drive) {
+                drive_course.push(density);
+            }
+            if let Some(density) = sides.output.course.push(output) {
+                output_course.push(density);
+            }
+        });
+    }
+
+    /// Part of their time that blocks take, and the most in the last second; `now_s` is the window's clock.
+    pub fn load(&mut self, now_s: f64) -> (f32, f32) {
+        let (load, worst) = self.probe.load();
+        if worst >= self.worst.held || now_s >= self.worst.until_s {
+            self.worst = Worst { held: worst, until_s: now_s + 1.0 };
+        }
+        (load, self.worst.held)
+    }
+}

@@ -1,0 +1,5 @@
+//! Pictures of sound.
+
+pub mod course;
+pub mod outline;
+pub mod spectrum;

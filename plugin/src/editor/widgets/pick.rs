@@ -1,0 +1,49 @@
+//! Choices and switches.
+
+use egui::{ComboBox, RichText, Ui, Vec2};
+use pyrophone_settings::{PARAMETERS, Parameter};
+
+use super::super::hand::Hand;
+use super::super::theme;
+
+/// Width of a choice, in points.
+pub const WIDTH: f32 = 112.0;
+
+/// A list to choose from, under its name.
+pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
+    let parameter = &PARAMETERS[index];
+    let mut chosen = hand.values().as_slice()[index] as usize;
+    let before = chosen;
+    ui.allocate_ui(Vec2::new(WIDTH, 42.0), |ui| {
+        ui.vertical(|ui| {
+            name(ui, parameter);
+            ComboBox::from_id_salt(parameter.id)
+                .width(WIDTH - 12.0)
+                .selected_text(names[chosen.min(names.len() - 1)])
+                .show_ui(ui, |ui| {
+                    for (index, name) in names.iter().enumerate() {
+                        ui.selectable_value(&mut chosen, index, *name);
+                    }
+                })
+                .response
+                .on_hover_text(parameter.help);
+        });
+    });
+    if chosen != before {
+        hand.set_once(index, chosen as f64);
+    }
+}
+
+/// A switch.
+pub fn toggle(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
+    let parameter = &PARAMETERS[index];
+    let mut is_on = hand.values().as_slice()[index] > 0.5;
+    let text = RichText::new(parameter.name).color(if is_on { theme::TEXT } else { theme::WEAK });
+    if ui.checkbox(&mut is_on, text).on_hover_text(parameter.help).changed() {
+        hand.set_once(index, f64::from(u8::from(is_on)));
+    }
+}
+
+fn name(ui: &mut Ui, parameter: &Parameter) {
+    ui.label(RichText::new(parameter.name).font(theme::small()).color(theme::WEAK)).on_hover_text(parameter.help);
+}
