@@ -197,8 +197,10 @@ impl<'a> Hand<'a> {
 
     fn wheel_up(&mut self, at: (i16, i16)) {
         self.go(at);
+        self.wait();
         self.send(BUTTON_PRESS_EVENT, 4, (0, 0));
         self.send(BUTTON_RELEASE_EVENT, 4, (0, 0));
+        self.wait();
     }
 
     fn drag(&mut self, from: (i16, i16), by: (i16, i16)) {
@@ -266,8 +268,11 @@ impl<'a> Hand<'a> {
     fn try_often(&mut self, id: &str, what: impl Fn(&mut Self), until: impl Fn(f64) -> bool) {
         for _ in 0..5 {
             what(self);
-            if until(self.value(id)) {
-                return;
+            for _ in 0..3 {
+                if until(self.value(id)) {
+                    return;
+                }
+                self.wait();
             }
         }
     }
@@ -298,10 +303,10 @@ const BYPASS: (i16, i16) = (1025, 19);
 /// Everything that a hand can do.
 fn try_controls(hand: &mut Hand<'_>) {
     let alpha = hand.value("alpha");
-    hand.drag(ALPHA_KNOB, (0, -60));
+    hand.try_often("alpha", |hand| hand.drag(ALPHA_KNOB, (0, -60)), |x| x != alpha);
     let turned = hand.expect("alpha", "dragged", |x| x > alpha + 1.0);
     hand.photograph("knob-dragged");
-    hand.wheel_up(ALPHA_KNOB);
+    hand.try_often("alpha", |hand| hand.wheel_up(ALPHA_KNOB), |x| x != turned);
     hand.expect("alpha", "wheeled", |x| x > turned && x < turned + 0.3);
     hand.click(UNDO);
     hand.expect("alpha", "undone", |x| x == turned);
