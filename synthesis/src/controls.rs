@@ -191,6 +191,87 @@ impl Default for CompandingControls {
     }
 }
 
+/// What tells the sources of vortex sound how fast they flow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Flow {
+    /// The drive's envelope, for all of them.
+    #[default]
+    Envelope,
+    /// A speed field, for each of them; nothing sounds without one.
+    Field,
+}
+
+/// Controls of [`crate::vortex`]. What lies out of its range is taken at its end, what is not a number at the lowest
+/// value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VortexControls {
+    /// What tells the flow speeds.
+    pub flow: Flow,
+    /// Envelope attack in seconds, 0.0001-1.
+    pub attack_s: f64,
+    /// Envelope release in seconds, 0.001-5.
+    pub release_s: f64,
+    /// Envelope threshold as an amplitude, 0-1; below it the envelope is 0.
+    pub threshold: f64,
+    /// Flow speed in m/s of an envelope of 1, 0-100.
+    pub speed_m_s: f64,
+    /// Exponent from envelope to speed, 0.1-4: below 1, soft passages flow faster.
+    pub curve: f64,
+    /// Part by which the sources' speeds may deviate from that, 0-1.
+    pub variation: f64,
+    /// Factor on a field's speeds, 0-10.
+    pub field_speed: f64,
+    /// Number of sources, up to what the renderer has room for; a field brings its own. They add by power: twice as
+    /// many are 3 dB louder.
+    pub count: usize,
+    /// Seed of the sources' places, directions and times.
+    pub seed: u32,
+    /// Distance in m from the listener to the middle of the sources, or to a field's origin; 0-1000.
+    pub distance_m: f64,
+    /// Radius in m of the ball that the sources are spread in, 0-100; of no account with a field.
+    pub spread_m: f64,
+    /// Azimuth of the middle in degrees, positive to the right; any.
+    pub azimuth_deg: f64,
+    /// Elevation of the middle in degrees, -90 to 90.
+    pub elevation_deg: f64,
+    /// Exponent n of the fall with distance, 1-3 (1: physics, 3: as printed in the paper).
+    pub exponent: f64,
+    /// How much of the level's range over speed is kept, in decibels per decibel, 0-1.
+    pub range: f64,
+    /// Speed in m/s whose level the range leaves alone, 0.1-100.
+    pub reference_m_s: f64,
+    /// Output per Pa, 0-1,000,000.
+    pub level: f64,
+    /// Largest sound pressure in Pa that a receiver takes, 0.000001-1,000,000,000.
+    pub max_pressure_pa: f64,
+}
+
+impl Default for VortexControls {
+    fn default() -> Self {
+        Self {
+            flow: Flow::Envelope,
+            attack_s: 0.005,
+            release_s: 0.08,
+            threshold: 0.001,
+            speed_m_s: 16.0,
+            curve: 0.5,
+            variation: 0.25,
+            field_speed: 1.0,
+            count: 64,
+            seed: 42,
+            distance_m: 3.0,
+            spread_m: 1.0,
+            azimuth_deg: 0.0,
+            elevation_deg: 0.0,
+            exponent: 1.0,
+            range: 0.5,
+            reference_m_s: 8.0,
+            level: 1.0,
+            max_pressure_pa: 1e9,
+        }
+    }
+}
+
 /// Controls of [`crate::mix`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MixControls {

@@ -66,6 +66,12 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
+    /// A speed field cannot be used.
+    #[error("the speed field cannot be used: {reason}; export it anew")]
+    SpeedField {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Work was called off by its progress callback.
     #[error("cancelled")]
     Cancelled,

@@ -8,7 +8,7 @@ const SILENCE: f64 = 1e-12;
 
 /// Follows a signal's magnitude, rising with the attack and falling with the release.
 #[derive(Debug)]
-pub(super) struct Envelope {
+pub(crate) struct Envelope {
     sample_rate_hz: f64,
     state: f64,
 }

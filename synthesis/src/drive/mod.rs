@@ -3,7 +3,7 @@
 //! Main input as pressure or flux, an envelope on a rumble, or a flame of its own; then the high-pass (Chadwick &
 //! James 2011, §3: 30 Hz, before either engine). No latency.
 
-mod envelope;
+pub(crate) mod envelope;
 mod flame;
 mod high_pass;
 mod kernel;

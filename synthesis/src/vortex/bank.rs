@@ -1,0 +1,219 @@
+//! A texture as the renderer reads it: by directions, and at a multiple of its rate.
+//!
+//! Cubic B-splines pass between the steps. Their prefilter and the raising of the rate are done on the whole period at
+//! once, in the spectrum, so both are exact and the period stays without a seam. At four times the texture's rate the
+//! images of its highest frequency are 67 dB down, of half that 94 dB.
+
+use std::f64::consts::TAU;
+
+use super::level::Levels;
+use super::texture::{COMPONENTS, Row, VortexTexture, directivity};
+use crate::error::{Error, in_range};
+use crate::extend::spectrum::Transform;
+
+/// Directions that a bank holds.
+pub const DIRECTIONS: usize = 6;
+
+/// Steps of a bank per step of the texture.
+const OVERSAMPLING: usize = 4;
+
+/// Content ends at this part of the output's rate, so that sources that come closer do not alias at once.
+const TOP: f64 = 0.45;
+
+/// Largest number of bytes of a bank.
+const MOST_BYTES: usize = 128 << 20;
+
+/// Longest stretch in steps that is read at once, with what interpolation reads around it.
+pub(super) const LONGEST_READ: usize = 1024;
+
+/// A texture made ready for one output rate; shared, and never changed.
+///
+/// It takes 48 bytes per row and step of the texture: 13 MB for 16 rows of 4 s at 4 kHz.
+#[derive(Debug)]
+pub struct Bank {
+    sample_rate_hz: f64,
+    /// Steps per second.
+    rate_hz: f64,
+    /// Steps of a period.
+    period: usize,
+    /// Steps from one series to the next: a period, and as much of its beginning again as one read may cross its end.
+    stride: usize,
+    levels: Levels,
+    /// Row by row, direction by direction: what a number of a series stands for, and the spline's coefficients.
+    scales: Vec<f32>,
+    series: Vec<i16>,
+}
+
+/// The six axes of an icosahedron, turned away from the box's planes and axes of symmetry.
+///
+/// They form a design of strength 5: over them the mean square of any vortex sound is that over the whole sphere. Any
+/// two of them see sounds that correlate by 1/5 alone, as little as six directions can.
+pub fn directions() -> [[f64; 3]; DIRECTIONS] {
+    let golden = 0.5 * (1.0 + 5f64.sqrt());
+    let norm = 1.0 / golden.hypot(1.0);
+    let axes = [
+        [0.0, 1.0, golden],
+        [0.0, -1.0, golden],
+        [1.0, golden, 0.0],
+        [-1.0, golden, 0.0],
+        [golden, 0.0, 1.0],
+        [golden, 0.0, -1.0],
+    ];
+    // Angles that keep every coordinate of every axis well away from 0 and from another's.
+    let ((sin_a, cos_a), (sin_b, cos_b)) = (1.43f64.sin_cos(), 1.26f64.sin_cos());
+    axes.map(|[x, y, z]| {
+        let (x, y) = (cos_a * x - sin_a * y, sin_a * x + cos_a * y);
+        let (y, z) = (cos_b * y - sin_b * z, sin_b * y + cos_b * z);
+        [norm * x, norm * y, norm * z]
+    })
+}
+
+impl Bank {
+    /// Makes `texture` ready for output at `sample_rate_hz` (8,000-384,000). Takes about 0.1 s per million values.
+    ///
+    /// Fails where the rate is out of range, and where the bank would be larger than 128 MB.
+    pub fn new(texture: &VortexTexture, sample_rate_hz: f64) -> Result<Self, Error> {
+        in_range("sample rate in Hz", sample_rate_hz, 8_000.0, 384_000.0)?;
+        let steps = texture.period_samples();
+        let period = OVERSAMPLING * steps;
+        let stride = period + LONGEST_READ;
+        let bytes = texture.rows().len() * DIRECTIONS * stride * size_of::<i16>();
+        if bytes > MOST_BYTES {
+            let reason = format!("it would take {} MB, but {} MB are the most", bytes >> 20, MOST_BYTES >> 20);
+            return Err(Error::VortexTexture { reason });
+        }
+        let mut raise = Raise::new(steps, TOP * sample_rate_hz / texture.sample_rate_hz());
+        let mut scales = Vec::with_capacity(texture.rows().len() * DIRECTIONS);
+        let mut series = Vec::with_capacity(bytes / size_of::<i16>());
+        for row in texture.rows() {
+            for direction in directions() {
+                let coefficients = raise.process(row, direction);
+                let largest = coefficients.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+                let scale = if largest > 0.0 { largest / f64::from(i16::MAX) } else { 1.0 };
+                scales.push(scale as f32);
+                series.extend(coefficients.iter().cycle().take(stride).map(|value| (value / scale).round() as i16));
+            }
+        }
+        let rate_hz = OVERSAMPLING as f64 * texture.sample_rate_hz();
+        Ok(Self { sample_rate_hz, rate_hz, period, stride, levels: Levels::new(texture.rows()), scales, series })
+    }
+
+    /// The output's rate that it was made for, in Hz.
+    pub fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
+    }
+
+    /// Its size in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.series) + size_of_val(&*self.scales)
+    }
+
+    /// Speeds of the lowest and of the highest row in m/s.
+    pub fn speeds_m_s(&self) -> [f64; 2] {
+        self.levels.speeds_m_s()
+    }
+
+    /// Steps per second.
+    pub(super) fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Steps of a period.
+    pub(super) fn period(&self) -> usize {
+        self.period
+    }
+
+    pub(super) fn levels(&self) -> &Levels {
+        &self.levels
+    }
+
+    /// What a coefficient stands for, and the coefficients from that before step `step` of a period on.
+    pub(super) fn series(&self, row: usize, direction: usize, step: usize) -> (f32, &[i16]) {
+        let which = row * DIRECTIONS + direction;
+        // The cubic at a step begins one step earlier.
+        let from = (step + self.period - 1) % self.period;
+        (self.scales[which], &self.series[which * self.stride + from..][..LONGEST_READ])
+    }
+}
+
+/// From a texture's steps to the coefficients of a spline at the higher rate.
+struct Raise {
+    low: Transform,
+    high: Transform,
+    gains: Vec<f64>,
+}
+
+impl Raise {
+    /// For periods of `steps`; what lies above `top`, in periods per step, is left out.
+    fn new(steps: usize, top: f64) -> Self {
+        let raised = OVERSAMPLING * steps;
+        let gain = |bin: usize| {
+            let turn = bin as f64 / raised as f64;
+            // A constant pressure is no sound.
+            let heard = bin > 0 && bin as f64 <= top * steps as f64;
+            // The bin at half the rate holds both of its neighbours' halves.
+            let share = if 2 * bin == steps { 0.5 } else { 1.0 };
+            if heard { share * 3.0 / (2.0 + (TAU * turn).cos()) / steps as f64 } else { 0.0 }
+        };
+        Self { low: Transform::new(steps), high: Transform::new(raised), gains: (0..=steps / 2).map(gain).collect() }
+    }
+
+    /// The coefficients of what `row` sends in `direction`.
+    fn process(&mut self, row: &Row, direction: [f64; 3]) -> &[f64] {
+        let weights: [f64; COMPONENTS] = directivity(direction);
+        self.low.time.fill(0.0);
+        for (series, weight) in row.components.iter().zip(weights) {
+            self.low.time.iter_mut().zip(series).for_each(|(sum, value)| *sum += weight * f64::from(*value));
+        }
+        self.low.forward();
+        self.high.spectrum.fill(Default::default());
+        for ((high, low), gain) in self.high.spectrum.iter_mut().zip(&self.low.spectrum).zip(&self.gains) {
+            *high = low * gain;
+        }
+        self.high.inverse();
+        &self.high.time
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_measure_as_the_sphere_does_and_lie_off_its_symmetries() {
+        let seen = directions().map(directivity);
+        for i in 0..COMPONENTS {
+            for j in 0..COMPONENTS {
+                let mean = seen.iter().map(|b| b[i] * b[j]).sum::<f64>() / DIRECTIONS as f64;
+                assert!((mean - f64::from(u8::from(i == j))).abs() < 1e-12, "{i} {j}: {mean}");
+            }
+        }
+        for [x, y, z] in directions() {
+            let apart = [x, y, z, x.abs() - y.abs(), y.abs() - z.abs(), z.abs() - x.abs()];
+            assert!(apart.iter().all(|distance| distance.abs() > 0.11), "{apart:?}");
+        }
+    }
+
+    #[test]
+    fn the_spline_passes_through_the_texture() {
+        for steps in [50, 51] {
+            let tone = |step: usize, times: f64| (TAU * times * step as f64 / steps as f64 + 0.3).sin() as f32;
+            let row = Row {
+                speed_m_s: 1.0,
+                gain: 1.0,
+                components: std::array::from_fn(|k| (0..steps).map(|step| tone(step, 3.0 + 5.0 * k as f64)).collect()),
+            };
+            let texture = VortexTexture::new(4000.0, vec![row.clone()]).expect("a texture");
+            let bank = Bank::new(&texture, 48_000.0).expect("a bank");
+            for (which, direction) in directions().into_iter().enumerate() {
+                let weights = directivity(direction);
+                for step in 0..steps {
+                    let (scale, taps) = bank.series(0, which, OVERSAMPLING * step);
+                    let found = scale * (f32::from(taps[0]) + 4.0 * f32::from(taps[1]) + f32::from(taps[2])) / 6.0;
+                    let expected: f64 = (0..COMPONENTS).map(|k| weights[k] * f64::from(row.components[k][step])).sum();
+                    assert!((f64::from(found) - expected).abs() < 1e-3, "{steps}, {which}, {step}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Sources whose places and speeds a simulation has told.
+
+use super::SPEED_OF_SOUND_M_S;
+use crate::error::Error;
+
+/// Sources that move faster than this have been put elsewhere: they fade out and in again instead of being heard to
+/// move.
+const FASTEST_M_S: f64 = 0.45 * SPEED_OF_SOUND_M_S;
+
+/// Largest number of values of a field.
+const MOST_VALUES: usize = 1 << 26;
+/// Bounds of the rate in Hz; a step lasts longer than four hops.
+const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=120.0;
+/// Bounds of a coordinate in m and of a speed in m/s.
+const FARTHEST_M: f32 = 1e5;
+const FASTEST_FLOW_M_S: f32 = 1e4;
+
+/// What a field does beyond its last step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum End {
+    /// The first step follows the last.
+    #[default]
+    Periodic,
+    /// The last step holds, and before the start of the timeline the first.
+    Clamped,
+}
+
+/// Positions and flow speeds of sources by time: the speed field of a simulated flow (Dobashi et al. 2004, §6).
+///
+/// Step k stands at k / `rate_hz` seconds of the host's timeline; between steps positions and speeds are linear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpeedField {
+    rate_hz: f64,
+    end: End,
+    sources: usize,
+    positions: Vec<[f32; 3]>,
+    speeds: Vec<f32>,
+}
+
+/// One source of a field at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Told {
+    /// Right, front and up from the field's origin, in m.
+    pub position: [f64; 3],
+    pub speed_m_s: f64,
+    /// 1, but for a source that is being put elsewhere.
+    pub presence: f64,
+}
+
+impl SpeedField {
+    /// A field of `sources` sources at `rate_hz` (0.1-120) steps per second.
+    ///
+    /// `positions` are in m to the right, to the front (away from the listener) and up, from an origin that the controls
+    /// place; `speeds` in m/s. Both go step by step and, within a step, source by source; `positions` of one step alone
+    /// hold for all. Fails where lengths do not fit, and where a value is no number, a position farther than 100 km or a
+    /// speed not 0-10,000 m/s.
+    pub fn new(
+        rate_hz: f64,
+        sources: usize,
+        positions: Vec<[f32; 3]>,
+        speeds: Vec<f32>,
+        end: End,
+    ) -> Result<Self, Error> {
+        let refuse = |reason: String| Err(Error::SpeedField { reason });
+        if !RATES_HZ.contains(&rate_hz) {
+            return refuse(format!("its rate is {rate_hz} Hz, but must lie between 0.1 and 120 Hz"));
+        }
+        if sources == 0 || speeds.is_empty() || speeds.len() % sources != 0 || speeds.len() > MOST_VALUES {
+            return refuse(format!("{} speeds are no steps of {sources} sources", speeds.len()));
+        }
+        if positions.len() != sources && positions.len() != speeds.len() {
+            let (found, expected) = (positions.len(), speeds.len());
+            return refuse(format!("it has {found} positions instead of {sources} or {expected}"));
+        }
+        if let Some(bad) = speeds.iter().position(|speed| !(0.0..=FASTEST_FLOW_M_S).contains(speed)) {
+            return refuse(format!("speed {bad} is {} m/s", speeds[bad]));
+        }
+        let far = |value: &f32| !(-FARTHEST_M..=FARTHEST_M).contains(value);
+        if let Some(bad) = positions.iter().position(|position| position.iter().any(far)) {
+            return refuse(format!("position {bad} is {:?} m", positions[bad]));
+        }
+        Ok(Self { rate_hz, end, sources, positions, speeds })
+    }
+
+    /// Steps per second.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Number of sources.
+    pub fn sources(&self) -> usize {
+        self.sources
+    }
+
+    /// Number of steps.
+    pub fn steps(&self) -> usize {
+        self.speeds.len() / self.sources
+    }
+
+    /// The steps around a time in seconds, and how far it is from one to the other (0-1).
+    pub(super) fn place(&self, time_s: f64) -> (usize, usize, f64) {
+        let steps = self.steps();
+        let at = time_s * self.rate_hz;
+        match self.end {
+            End::Periodic => {
+                let at = at.rem_euclid(steps as f64);
+                let step = (at as usize).min(steps - 1);
+                (step, (step + 1) % steps, at - step as f64)
+            }
+            End::Clamped => {
+                let at = at.clamp(0.0, (steps - 1) as f64);
+                let step = at as usize;
+                (step, (step + 1).min(steps - 1), at - step as f64)
+            }
+        }
+    }
+
+    /// A source at a [`place`](Self::place) in time.
+    pub(super) fn at(&self, source: usize, (from, to, part): (usize, usize, f64)) -> Told {
+        let position = |step: usize| {
+            let step = if self.positions.len() == self.sources { 0 } else { step };
+            self.positions[step * self.sources + source].map(f64::from)
+        };
+        let speed = |step: usize| f64::from(self.speeds[step * self.sources + source]);
+        let (a, b) = (position(from), position(to));
+        let moved = a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt() * self.rate_hz;
+        let (position, presence) = if moved > FASTEST_M_S {
+            // Silent for half a step, in the middle of which it is put elsewhere.
+            (if part < 0.5 { a } else { b }, (2.0 * (1.0 - 2.0 * part).abs() - 1.0).max(0.0))
+        } else {
+            (std::array::from_fn(|axis| a[axis] + part * (b[axis] - a[axis])), 1.0)
+        };
+        Told { position, speed_m_s: speed(from) + part * (speed(to) - speed(from)), presence }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(end: End) -> SpeedField {
+        let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0], [90.0, 0.0, 0.0]];
+        SpeedField::new(10.0, 2, positions, vec![1.0, 5.0, 3.0, 7.0], end).expect("a field")
+    }
+
+    #[test]
+    fn is_linear_between_steps_and_ends_as_asked() {
+        let at = |end: End, source: usize, time_s: f64| field(end).at(source, field(end).place(time_s));
+        let middle = at(End::Periodic, 0, 0.05);
+        assert!((middle.position[0] - 0.25).abs() < 1e-9 && (middle.speed_m_s - 2.0).abs() < 1e-9);
+        assert!((at(End::Periodic, 0, 0.15).speed_m_s - 2.0).abs() < 1e-9);
+        assert!((at(End::Periodic, 0, -0.05).speed_m_s - 2.0).abs() < 1e-9);
+        assert_eq!(at(End::Clamped, 0, 0.15).speed_m_s, 3.0);
+        assert_eq!(at(End::Clamped, 0, -1.0).speed_m_s, 1.0);
+    }
+
+    #[test]
+    fn a_source_that_is_put_elsewhere_is_silent_meanwhile() {
+        let field = field(End::Clamped);
+        let told = |part: f64| field.at(1, (0, 1, part));
+        assert_eq!([0.0, 0.3, 0.7, 1.0].map(|part| told(part).presence > 0.0), [true, false, false, true]);
+        assert_eq!([0.49, 0.51].map(|part| told(part).position[0]), [1.0, 90.0]);
+        assert_eq!(field.at(0, (0, 1, 0.5)).presence, 1.0);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let make = |rate, sources, positions: usize, speeds: Vec<f32>| {
+            SpeedField::new(rate, sources, vec![[0.0; 3]; positions], speeds, End::Periodic)
+        };
+        assert!(make(30.0, 2, 2, vec![1.0; 6]).is_ok());
+        for rate in [0.0, 121.0, f64::NAN, f64::INFINITY] {
+            assert!(make(rate, 2, 2, vec![1.0; 6]).is_err());
+        }
+        assert!(make(30.0, 0, 0, vec![]).is_err());
+        assert!(make(30.0, 2, 2, vec![1.0; 5]).is_err());
+        assert!(make(30.0, 2, 4, vec![1.0; 6]).is_err());
+        assert!(make(30.0, 2, 2, vec![1.0, f32::NAN]).is_err());
+        assert!(make(30.0, 2, 2, vec![1.0, -1.0]).is_err());
+        let far = SpeedField::new(30.0, 1, vec![[0.0, f32::INFINITY, 0.0]], vec![1.0], End::Periodic);
+        assert!(far.is_err());
+    }
+}

@@ -1,0 +1,197 @@
+//! Controls as the hops see them: within their ranges, and without jumps.
+
+use super::NEAR_M;
+use crate::controls::VortexControls;
+use crate::error::within;
+use crate::smoothed::Smoothed;
+
+/// Time constant in seconds with which a value follows its control, twice in a row: not even its speed jumps, which for
+/// a distance is the pitch.
+const FOLLOW_S: f64 = 0.04;
+
+/// Values of a [`Frame`].
+const VALUES: usize = 14;
+
+/// What controls say at the edge of a hop.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Frame {
+    pub speed_m_s: f64,
+    pub curve: f64,
+    pub variation: f64,
+    pub field_speed: f64,
+    pub range: f64,
+    /// Natural logarithm of the reference speed in m/s.
+    pub ln_reference: f64,
+    pub level: f64,
+    pub max_pressure_pa: f64,
+    pub place: Place,
+}
+
+/// The part of a frame that says where sources stand.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Place {
+    distance_m: f64,
+    spread_m: f64,
+    /// Sine and cosine of the azimuth, but for a factor: as they move, it takes the short way round.
+    azimuth: [f64; 2],
+    elevation: f64,
+    exponent: f64,
+}
+
+impl Frame {
+    /// What `controls` ask for.
+    pub fn of(controls: &VortexControls) -> Self {
+        let azimuth = within(controls.azimuth_deg % 360.0, -360.0, 360.0).to_radians().sin_cos();
+        Self {
+            speed_m_s: within(controls.speed_m_s, 0.0, 100.0),
+            curve: within(controls.curve, 0.1, 4.0),
+            variation: within(controls.variation, 0.0, 1.0),
+            field_speed: within(controls.field_speed, 0.0, 10.0),
+            range: within(controls.range, 0.0, 1.0),
+            ln_reference: within(controls.reference_m_s, 0.1, 100.0).ln(),
+            level: within(controls.level, 0.0, 1e6),
+            max_pressure_pa: within(controls.max_pressure_pa, 1e-6, 1e9),
+            place: Place {
+                distance_m: within(controls.distance_m, 0.0, 1000.0),
+                spread_m: within(controls.spread_m, 0.0, 100.0),
+                azimuth: azimuth.into(),
+                elevation: within(controls.elevation_deg, -90.0, 90.0).to_radians(),
+                exponent: within(controls.exponent, 1.0, 3.0),
+            },
+        }
+    }
+
+    fn values(&mut self) -> [&mut f64; VALUES] {
+        let place = &mut self.place;
+        let [sin, cos] = &mut place.azimuth;
+        [
+            &mut self.speed_m_s,
+            &mut self.curve,
+            &mut self.variation,
+            &mut self.field_speed,
+            &mut self.range,
+            &mut self.ln_reference,
+            &mut self.level,
+            &mut self.max_pressure_pa,
+            &mut place.distance_m,
+            &mut place.spread_m,
+            sin,
+            cos,
+            &mut place.elevation,
+            &mut place.exponent,
+        ]
+    }
+}
+
+impl Place {
+    /// Right, front and up from the listener, in m, for a place in the ball that sources are spread in.
+    pub fn in_ball(&self, ball: [f64; 3]) -> [f64; 3] {
+        self.at(ball.map(|x| self.spread_m * x))
+    }
+
+    /// The same for a place in m from the middle. Right and front are those of a listener who looks at the middle.
+    pub fn at(&self, [right, front, up]: [f64; 3]) -> [f64; 3] {
+        let [sin, cos] = self.azimuth;
+        let norm = sin.hypot(cos);
+        let (sin, cos) = if norm > 1e-6 { (sin / norm, cos / norm) } else { (0.0, 1.0) };
+        let (rise, flat) = self.elevation.sin_cos();
+        let front = front + self.distance_m * flat;
+        [right * cos + front * sin, front * cos - right * sin, up + self.distance_m * rise]
+    }
+
+    /// Factor on the pressure at 1 m for a distance in m.
+    pub fn attenuation(&self, distance_m: f64) -> f64 {
+        (distance_m * distance_m + NEAR_M * NEAR_M).powf(-0.5 * self.exponent)
+    }
+}
+
+/// A frame that follows the controls hop by hop.
+#[derive(Debug)]
+pub(super) struct Moving {
+    now: Frame,
+    smoothed: [[Smoothed; 2]; VALUES],
+}
+
+impl Moving {
+    /// `hop_rate_hz` is the number of hops per second.
+    pub fn new(hop_rate_hz: f64) -> Self {
+        Self { now: Frame::default(), smoothed: [[Smoothed::new(FOLLOW_S, hop_rate_hz); 2]; VALUES] }
+    }
+
+    /// The frame as it is.
+    pub fn now(&self) -> Frame {
+        self.now
+    }
+
+    /// Takes the controls' values at once.
+    pub fn jump(&mut self, controls: &VortexControls) {
+        self.now = Frame::of(controls);
+        for (stages, value) in self.smoothed.iter_mut().zip(self.now.values()) {
+            stages.iter_mut().for_each(|stage| stage.value = *value);
+        }
+    }
+
+    /// One hop later.
+    pub fn next(&mut self, controls: &VortexControls) -> Frame {
+        self.now = Frame::of(controls);
+        for (stages, value) in self.smoothed.iter_mut().zip(self.now.values()) {
+            *value = stages.iter_mut().fold(*value, |target, stage| stage.next(target));
+        }
+        self.now
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_where_they_are_said_to_be() {
+        let controls = VortexControls { distance_m: 2.0, azimuth_deg: 90.0, ..VortexControls::default() };
+        let place = Frame::of(&controls).place;
+        let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(close(place.in_ball([0.0; 3]), [2.0, 0.0, 0.0]));
+        assert!(close(place.at([0.0, 1.0, 0.0]), [3.0, 0.0, 0.0]));
+        assert!(close(place.at([1.0, 0.0, 0.5]), [2.0, -1.0, 0.5]));
+        let above = Frame::of(&VortexControls { elevation_deg: 90.0, ..controls }).place;
+        assert!(close(above.in_ball([0.0; 3]), [0.0, 0.0, 2.0]));
+    }
+
+    #[test]
+    fn every_value_follows_and_arrives() {
+        let mut moving = Moving::new(750.0);
+        moving.jump(&VortexControls { azimuth_deg: 170.0, ..VortexControls::default() });
+        let target = VortexControls { azimuth_deg: -170.0, distance_m: 9.0, level: 3.0, ..VortexControls::default() };
+        let mut before = moving.now().place.at([0.0; 3]);
+        for _ in 0..600 {
+            let at = moving.next(&target).place.at([0.0; 3]);
+            // The short way, behind the listener.
+            assert!(at[1] < 0.0 && (at[0] - before[0]).abs() < 0.5);
+            before = at;
+        }
+        assert_eq!(moving.now(), Frame::of(&target));
+    }
+
+    #[test]
+    fn nothing_is_let_through_that_is_no_number() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let controls = VortexControls {
+                speed_m_s: bad,
+                curve: bad,
+                variation: bad,
+                field_speed: bad,
+                range: bad,
+                reference_m_s: bad,
+                level: bad,
+                max_pressure_pa: bad,
+                distance_m: bad,
+                spread_m: bad,
+                azimuth_deg: bad,
+                elevation_deg: bad,
+                exponent: bad,
+                ..VortexControls::default()
+            };
+            assert!(Frame::of(&controls).values().iter().all(|value| value.is_finite()), "{bad}");
+        }
+    }
+}
