@@ -127,11 +127,12 @@ impl Bank {
         &self.levels
     }
 
-    /// What a coefficient stands for, and the coefficients from that before step `step` of a period on.
+    /// What a coefficient stands for, and the coefficients from that before `step`, which is below the period.
+    #[inline]
     pub(super) fn series(&self, row: usize, direction: usize, step: usize) -> (f32, &[i16]) {
         let which = row * DIRECTIONS + direction;
         // The cubic at a step begins one step earlier.
-        let from = (step + self.period - 1) % self.period;
+        let from = if step == 0 { self.period - 1 } else { step - 1 };
         (self.scales[which], &self.series[which * self.stride + from..][..LONGEST_READ])
     }
 }

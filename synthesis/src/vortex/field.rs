@@ -65,7 +65,7 @@ impl SpeedField {
         if !RATES_HZ.contains(&rate_hz) {
             return refuse(format!("its rate is {rate_hz} Hz, but must lie between 0.1 and 120 Hz"));
         }
-        if sources == 0 || speeds.is_empty() || speeds.len() % sources != 0 || speeds.len() > MOST_VALUES {
+        if sources == 0 || speeds.is_empty() || !speeds.len().is_multiple_of(sources) || speeds.len() > MOST_VALUES {
             return refuse(format!("{} speeds are no steps of {sources} sources", speeds.len()));
         }
         if positions.len() != sources && positions.len() != speeds.len() {

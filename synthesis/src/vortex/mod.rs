@@ -339,18 +339,20 @@ impl Vortex {
             return;
         }
 
-        let period = hop.bank.period();
+        let period = hop.bank.period() as f64;
         let steps_per_m = hop.bank.rate_hz() / SPEED_OF_SOUND_M_S;
-        let at = hop.start + source.offset * period as f64 - start.distance_m * steps_per_m;
-        let at = at.rem_euclid(period as f64);
-        let first = at as usize;
+        let at = hop.start + source.offset * period - start.distance_m * steps_per_m;
+        let at = at - period * (at / period).floor();
+        // Rounding may reach the period itself.
+        let first = (at as usize).min(hop.bank.period() - 1);
         let nearer = (start.distance_m - end.distance_m) / self.hop as f64;
         let step = hop.bank.rate_hz() / self.sample_rate_hz + nearer * steps_per_m;
-        let parts = rows.map(|(row, from, to)| {
-            let (scale, series) = hop.bank.series(row, source.direction, first % period);
-            Part { series, from: scale * from, change: scale * (to - from) }
-        });
-        let phase = (at - first as f64) as f32;
+        let mut parts = [Part { series: &[], from: 0.0, change: 0.0 }; 4];
+        for (part, (row, from, to)) in parts.iter_mut().zip(&rows[..count]) {
+            let (scale, series) = hop.bank.series(*row, source.direction, first);
+            *part = Part { series, from: scale * from, change: scale * (to - from) };
+        }
+        let phase = (at - first as f64).max(0.0) as f32;
         self.reader.process(&parts[..count], phase, step as f32, &gains[..audible], &mut self.pressures);
     }
 
