@@ -129,21 +129,26 @@ impl Panner {
     /// Gains by channel for a source at `[right, front, up]`; their squares sum to 1.
     pub fn gains(&self, [right, front, up]: [f64; 3]) -> [f32; MOST_CHANNELS] {
         let mut gains = [0.0; MOST_CHANNELS];
+        if let [(_, only)] = self.ring[..] {
+            gains[only] = 1.0;
+            return gains;
+        }
         let flat = right.hypot(front);
         let azimuth = if flat > 0.0 { right.atan2(front) } else { 0.0 };
         // What is below the horizon is heard at it.
-        let rise = if self.top.is_some() && up > 0.0 { up.atan2(flat) } else { 0.0 };
-        let (above, level) = rise.sin_cos();
+        let (above, level) = match up.hypot(flat) {
+            distance if distance > 0.0 && up > 0.0 && self.top.is_some() => (up / distance, flat / distance),
+            _ => (0.0, 1.0),
+        };
         if let Some([left_top, right_top]) = self.top.filter(|_| above > 0.0) {
             let part = 0.5 * (1.0 + azimuth.sin() * level);
             gains[left_top] = (above * (FRAC_PI_2 * part).cos()) as f32;
             gains[right_top] = (above * (FRAC_PI_2 * part).sin()) as f32;
         }
         let (from, to, part) = self.pair(azimuth);
-        gains[from] += (level * (FRAC_PI_2 * part).cos()) as f32;
-        if part > 0.0 {
-            gains[to] += (level * (FRAC_PI_2 * part).sin()) as f32;
-        }
+        let (sin, cos) = (FRAC_PI_2 * part).sin_cos();
+        gains[from] += (level * cos) as f32;
+        gains[to] += (level * sin) as f32;
         gains
     }
 

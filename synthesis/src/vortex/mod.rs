@@ -39,7 +39,7 @@ use crate::error::{Error, in_range, within};
 use layout::{MOST_CHANNELS, Panner};
 use level::Blend;
 use microphone::limited;
-use moving::{Frame, Moving};
+use moving::{Frame, Moving, Stand};
 use read::{Gain, Part, Reader};
 use source::{Edge, Identity, Source};
 
@@ -108,11 +108,12 @@ struct Hop<'a> {
     bank: &'a Bank,
     field: Option<&'a SpeedField>,
     frame: Frame,
+    stand: Stand,
+    /// The field's steps around the hop's start and end.
+    told: [(usize, usize, f64); 2],
     index: i64,
     /// Step of the bank's period at the hop's start, for a source at no distance.
     start: f64,
-    /// Times in seconds of the hop's start and end.
-    times_s: [f64; 2],
     /// Logarithms of the envelope's speed and of the reference's gain.
     ln_speed: f32,
     ln_reference: f32,
@@ -277,9 +278,11 @@ impl Vortex {
                 bank,
                 field: field.as_deref(),
                 frame,
+                stand: frame.place.stand(),
+                told: [start, start + self.hop as i64]
+                    .map(|at| field.as_ref().map_or((0, 0, 0.0), |field| field.place(at as f64 / self.sample_rate_hz))),
                 index: start.div_euclid(self.hop as i64),
                 start: start as f64 * (bank.rate_hz() / self.sample_rate_hz) % bank.period() as f64,
-                times_s: [start, start + self.hop as i64].map(|at| at as f64 / self.sample_rate_hz),
                 ln_speed: if self.envelope_now > 0.0 { speed.ln() as f32 } else { f32::NEG_INFINITY },
                 ln_reference: bank.levels().ln_gain(frame.ln_reference as f32),
                 stays: frame.place == before.place && !was_fresh,
@@ -300,13 +303,13 @@ impl Vortex {
 
     /// Adds one source, whose presence was `present` at the hop's start.
     fn render_source(&mut self, hop: &Hop<'_>, index: usize, source: &mut Source, present: f32, is_fresh: bool) {
-        let [start_s, end_s] = hop.times_s;
+        let [told_first, told_last] = hop.told;
         if is_fresh {
             // Sound starts in its midst.
-            source.edge = self.edge(hop, start_s, index, source, false);
+            source.edge = self.edge(hop, told_first, index, source, false);
         }
         let heard = present > 0.0 && source.edge.gains.iter().any(|gain| *gain != 0.0);
-        let end = self.edge(hop, end_s, index, source, heard);
+        let end = self.edge(hop, told_last, index, source, heard);
         // What was not heard may have stood anywhere.
         let start = if heard { source.edge } else { Edge { gains: [0.0; MOST_CHANNELS], ..end } };
         source.edge = end;
@@ -357,15 +360,15 @@ impl Vortex {
     }
 
     /// What a source sounds like at one end of the hop; `heard` tells whether its edge is what it sounded like before.
-    fn edge(&self, hop: &Hop<'_>, time_s: f64, index: usize, source: &Source, heard: bool) -> Edge {
-        let place = &hop.frame.place;
+    fn edge(&self, hop: &Hop<'_>, told: (usize, usize, f64), index: usize, source: &Source, heard: bool) -> Edge {
+        let place = &hop.stand;
         let (position, ln_speed, presence) = match (source.identity.flow, hop.field) {
             (Flow::Envelope, _) => {
                 let deviation = hop.frame.variation as f32 * source.deviation;
                 (None, hop.ln_speed + deviation.ln_1p(), 1.0)
             }
             (Flow::Field, Some(field)) if index < field.sources() => {
-                let told = field.at(index, field.place(time_s));
+                let told = field.at(index, told);
                 let speed = hop.frame.field_speed * told.speed_m_s;
                 (Some(place.at(told.position)), speed.ln() as f32, told.presence)
             }

@@ -83,7 +83,37 @@ impl Frame {
     }
 }
 
+/// A [`Place`] with its angles worked out.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stand {
+    spread_m: f64,
+    sin: f64,
+    cos: f64,
+    /// Front and up, of the middle.
+    front_m: f64,
+    up_m: f64,
+    exponent: f64,
+}
+
 impl Place {
+    /// What sources are placed by.
+    pub fn stand(&self) -> Stand {
+        let [sin, cos] = self.azimuth;
+        let norm = sin.hypot(cos);
+        let (sin, cos) = if norm > 1e-6 { (sin / norm, cos / norm) } else { (0.0, 1.0) };
+        let (rise, flat) = self.elevation.sin_cos();
+        Stand {
+            spread_m: self.spread_m,
+            sin,
+            cos,
+            front_m: self.distance_m * flat,
+            up_m: self.distance_m * rise,
+            exponent: self.exponent,
+        }
+    }
+}
+
+impl Stand {
     /// Right, front and up from the listener, in m, for a place in the ball that sources are spread in.
     pub fn in_ball(&self, ball: [f64; 3]) -> [f64; 3] {
         self.at(ball.map(|x| self.spread_m * x))
@@ -91,17 +121,14 @@ impl Place {
 
     /// The same for a place in m from the middle. Right and front are those of a listener who looks at the middle.
     pub fn at(&self, [right, front, up]: [f64; 3]) -> [f64; 3] {
-        let [sin, cos] = self.azimuth;
-        let norm = sin.hypot(cos);
-        let (sin, cos) = if norm > 1e-6 { (sin / norm, cos / norm) } else { (0.0, 1.0) };
-        let (rise, flat) = self.elevation.sin_cos();
-        let front = front + self.distance_m * flat;
-        [right * cos + front * sin, front * cos - right * sin, up + self.distance_m * rise]
+        let front = front + self.front_m;
+        [right * self.cos + front * self.sin, front * self.cos - right * self.sin, up + self.up_m]
     }
 
     /// Factor on the pressure at 1 m for a distance in m.
     pub fn attenuation(&self, distance_m: f64) -> f64 {
-        (distance_m * distance_m + NEAR_M * NEAR_M).powf(-0.5 * self.exponent)
+        let square = distance_m * distance_m + NEAR_M * NEAR_M;
+        if self.exponent == 1.0 { 1.0 / square.sqrt() } else { square.powf(-0.5 * self.exponent) }
     }
 }
 
@@ -148,12 +175,12 @@ mod tests {
     #[test]
     fn places_are_where_they_are_said_to_be() {
         let controls = VortexControls { distance_m: 2.0, azimuth_deg: 90.0, ..VortexControls::default() };
-        let place = Frame::of(&controls).place;
+        let place = Frame::of(&controls).place.stand();
         let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
         assert!(close(place.in_ball([0.0; 3]), [2.0, 0.0, 0.0]));
         assert!(close(place.at([0.0, 1.0, 0.0]), [3.0, 0.0, 0.0]));
         assert!(close(place.at([1.0, 0.0, 0.5]), [2.0, -1.0, 0.5]));
-        let above = Frame::of(&VortexControls { elevation_deg: 90.0, ..controls }).place;
+        let above = Frame::of(&VortexControls { elevation_deg: 90.0, ..controls }).place.stand();
         assert!(close(above.in_ball([0.0; 3]), [0.0, 0.0, 2.0]));
     }
 
@@ -162,9 +189,9 @@ mod tests {
         let mut moving = Moving::new(750.0);
         moving.jump(&VortexControls { azimuth_deg: 170.0, ..VortexControls::default() });
         let target = VortexControls { azimuth_deg: -170.0, distance_m: 9.0, level: 3.0, ..VortexControls::default() };
-        let mut before = moving.now().place.at([0.0; 3]);
+        let mut before = moving.now().place.stand().at([0.0; 3]);
         for _ in 0..600 {
-            let at = moving.next(&target).place.at([0.0; 3]);
+            let at = moving.next(&target).place.stand().at([0.0; 3]);
             // The short way, behind the listener.
             assert!(at[1] < 0.0 && (at[0] - before[0]).abs() < 0.5);
             before = at;

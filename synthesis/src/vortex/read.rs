@@ -2,8 +2,10 @@
 //!
 //! Rows are summed step by step before anything is interpolated, so that a source costs one pass of interpolation
 //! whatever rows it sounds by. Amplitudes that move are linear in the output's time; so the sum is kept in two parts,
-//! that with the amplitudes of the hop's start, and that with their change, which grows over the hop. The cubic of
-//! every interval is worked out once, for the several output samples that fall into it.
+//! that with the amplitudes of the hop's start, and that with their change, which grows over the hop.
+//!
+//! What goes step by step or sample by sample is compiled for the widest vectors that the machine has. What reads at
+//! the samples' places is not: compilers would gather there, which takes longer than the reads one by one.
 
 use super::bank::LONGEST_READ;
 
@@ -29,109 +31,168 @@ pub(super) struct Gain {
     pub to: f32,
 }
 
+/// Steps that are summed at once: reads are short, and what is left over at their ends would be summed one by one.
+const LANES: usize = 16;
+
+/// Length of the sums: any place up to the longest read has its cubic's steps.
+const ROOM: usize = LONGEST_READ + AROUND;
+
+/// Samples that are weighed at once; every hop is a multiple.
+const SAMPLES: usize = 8;
+
+/// Where some samples lie: the step before each, and the weights of that and the next three.
+#[derive(Debug, Clone, Copy, Default)]
+struct Places {
+    steps: [u32; SAMPLES],
+    weights: [[f32; SAMPLES]; 4],
+}
+
 /// Memory for one hop of one source.
 #[derive(Debug)]
 pub(super) struct Reader {
     /// Weighted sums of the series: at the start, and the change.
-    sums: [Vec<f32>; 2],
-    /// Cubics by interval, of both sums: constant, linear, square and cubic coefficient.
-    cubics: Box<[[f32; 8]; LONGEST_READ]>,
+    start: Box<[f32; ROOM]>,
+    change: Box<[f32; ROOM]>,
+    places: Vec<Places>,
+    /// How far the hop has come, by sample (0-1).
+    parts: Vec<[f32; SAMPLES]>,
     /// The source's sound.
-    sound: Vec<f32>,
+    sound: Vec<[f32; SAMPLES]>,
 }
 
 impl Reader {
-    /// For hops of `hop` samples.
+    /// For hops of `hop` samples, a multiple of 8.
     pub fn new(hop: usize) -> Self {
-        let cubics = vec![[0.0; 8]; LONGEST_READ].into_boxed_slice();
-        let sums = || vec![0.0; LONGEST_READ];
-        // The slice has just that length.
-        let cubics = cubics.try_into().unwrap_or_else(|_| Box::new([[0.0; 8]; LONGEST_READ]));
-        Self { sums: [sums(), sums()], cubics, sound: vec![0.0; hop] }
+        let count = hop / SAMPLES;
+        let part = |n: usize| n as f32 / hop as f32;
+        Self {
+            start: Box::new([0.0; ROOM]),
+            change: Box::new([0.0; ROOM]),
+            places: vec![Places::default(); count],
+            parts: (0..count).map(|at| std::array::from_fn(|n| part(SAMPLES * at + n))).collect(),
+            sound: vec![[0.0; SAMPLES]; count],
+        }
     }
 
     /// Adds the sum of `parts` to `channels`, whose lengths are a hop. The first sample lies `phase` (0-1) after a
     /// series' first step, each other one `step` later.
     pub fn process(&mut self, parts: &[Part<'_>], phase: f32, step: f32, gains: &[Gain], channels: &mut [Vec<f32>]) {
-        // For the widest vectors that this machine has.
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                let mut sound = std::mem::take(&mut self.sound);
-                self.read(parts, phase, step, &mut sound);
-                for Gain { channel, from, to } in gains {
-                    mix(&mut channels[*channel], &sound, *from, *to);
-                }
-                self.sound = sound;
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn read(&mut self, parts: &[Part<'_>], phase: f32, step: f32, out: &mut [f32]) {
-        let intervals = (phase + step * out.len() as f32) as usize + 1;
-        let intervals = intervals.min(LONGEST_READ - AROUND);
         let moving = parts.iter().any(|part| part.change != 0.0);
-        let count = intervals + AROUND;
-        self.sum(parts, count, 0, |part| part.from);
+        let arch = pulp::Arch::new();
+        arch.dispatch(Prepare { reader: self, parts, phase, step, moving });
+        for (at, places) in self.places.iter_mut().enumerate() {
+            weigh(phase, step, (SAMPLES * at) as f32, places);
+        }
         if moving {
-            self.sum(parts, count, 1, |part| part.change);
-            self.fit::<1>(intervals);
+            self.interpolate::<true>();
+        } else {
+            self.interpolate::<false>();
         }
-        self.fit::<0>(intervals);
-        let per_sample = 1.0 / out.len() as f32;
-        for (n, out) in out.iter_mut().enumerate() {
-            let at = phase + step * n as f32;
-            let interval = at as i32;
-            let x = at - interval as f32;
-            let c = &self.cubics[interval as usize & (LONGEST_READ - 1)];
-            let start = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
-            *out = if moving {
-                let change = c[4] + x * (c[5] + x * (c[6] + x * c[7]));
-                start + n as f32 * per_sample * change
-            } else {
-                start
-            };
-        }
+        arch.dispatch(Mix { reader: self, gains, channels });
     }
 
-    #[inline(always)]
-    fn sum(&mut self, parts: &[Part<'_>], count: usize, which: usize, weight: impl Fn(&Part<'_>) -> f32) {
-        let sums = &mut self.sums[which][..count];
-        sums.fill(0.0);
-        for part in parts {
-            let weight = weight(part);
-            for (sum, coefficient) in sums.iter_mut().zip(part.series) {
-                *sum += weight * f32::from(*coefficient);
+    /// The sound from sums and weights.
+    fn interpolate<const MOVING: bool>(&mut self) {
+        let (start, change) = (&*self.start, &*self.change);
+        for ((sound, places), parts) in self.sound.iter_mut().zip(&self.places).zip(&self.parts) {
+            let [a, b, c, d] = &places.weights;
+            for n in 0..SAMPLES {
+                // A mask instead of a check: no place lies beyond it.
+                let at = places.steps[n] as usize & (LONGEST_READ - 1);
+                let mut sum = (a[n] * start[at] + b[n] * start[at + 1]) + (c[n] * start[at + 2] + d[n] * start[at + 3]);
+                if MOVING {
+                    let (first, last) = (a[n] * change[at] + b[n] * change[at + 1], c[n] * change[at + 2]);
+                    sum += parts[n] * (first + (last + d[n] * change[at + 3]));
+                }
+                sound[n] = sum;
             }
-        }
-    }
-
-    /// From a spline's coefficients to a polynomial per interval.
-    #[inline(always)]
-    fn fit<const WHICH: usize>(&mut self, intervals: usize) {
-        const SIXTH: f32 = 1.0 / 6.0;
-        let sums = &self.sums[WHICH][..intervals + AROUND];
-        for (cubic, s) in self.cubics[..intervals].iter_mut().zip(sums.windows(4)) {
-            let (ends, middle) = (s[0] + s[2], s[1]);
-            let cubic = &mut cubic[4 * WHICH..][..4];
-            cubic[0] = SIXTH * (ends + 4.0 * middle);
-            cubic[1] = 0.5 * (s[2] - s[0]);
-            cubic[2] = 0.5 * ends - middle;
-            cubic[3] = SIXTH * (s[3] - s[0]) + 0.5 * (middle - s[2]);
         }
     }
 }
 
-/// Adds `sound` to `channel` with a gain that goes from `from` to `to`.
+/// What comes step by step. A type of its own, as closures are not sure to be compiled for wide vectors.
+struct Prepare<'a> {
+    reader: &'a mut Reader,
+    parts: &'a [Part<'a>],
+    phase: f32,
+    step: f32,
+    moving: bool,
+}
+
+impl pulp::WithSimd for Prepare<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { reader, parts, phase, step, moving } = self;
+        let samples = SAMPLES * reader.places.len();
+        let count = (phase + step * samples as f32) as usize + 1 + AROUND;
+        let count = count.next_multiple_of(LANES).min(LONGEST_READ);
+        sum(parts, |part| part.from, &mut reader.start[..count]);
+        if moving {
+            sum(parts, |part| part.change, &mut reader.change[..count]);
+        }
+    }
+}
+
+/// What comes sample by sample.
+struct Mix<'a> {
+    reader: &'a Reader,
+    gains: &'a [Gain],
+    channels: &'a mut [Vec<f32>],
+}
+
+impl pulp::WithSimd for Mix<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        for Gain { channel, from, to } in self.gains {
+            let change = to - from;
+            let channel = self.channels[*channel].as_chunks_mut::<SAMPLES>().0;
+            for ((sums, sound), parts) in channel.iter_mut().zip(&self.reader.sound).zip(&self.reader.parts) {
+                for n in 0..SAMPLES {
+                    sums[n] += (from + change * parts[n]) * sound[n];
+                }
+            }
+        }
+    }
+}
+
+/// Places of the samples from `first` on, and the weights of the cubic B-spline there.
+///
+/// Not inlined: compilers would take samples of several groups together and scatter them.
+#[inline(never)]
+fn weigh(phase: f32, step: f32, first: f32, places: &mut Places) {
+    const SIXTH: f32 = 1.0 / 6.0;
+    // From here on numbers are whole, and so are their last bits: a cast would have to look for what does not fit.
+    const WHOLE: f32 = 12_582_912.0;
+    let Places { steps, weights: [a, b, c, d] } = places;
+    for n in 0..SAMPLES {
+        let at = phase + step * (first + n as f32);
+        // Halfway it rounds to either side, at which the two cubics are equal.
+        let whole = at - 0.5 + WHOLE;
+        let x = at - (whole - WHOLE);
+        let (y, xx) = (1.0 - x, x * x);
+        steps[n] = whole.to_bits() - WHOLE.to_bits();
+        a[n] = SIXTH * y * y * y;
+        d[n] = SIXTH * xx * x;
+        b[n] = 2.0 / 3.0 - xx + 3.0 * d[n];
+        c[n] = 1.0 - a[n] - b[n] - d[n];
+    }
+}
+
+/// Sum of `parts` by `weight`.
 #[inline(always)]
-fn mix(channel: &mut [f32], sound: &[f32], from: f32, to: f32) {
-    if from == to {
-        channel.iter_mut().zip(sound).for_each(|(sum, x)| *sum += from * x);
-    } else {
-        let step = (to - from) / channel.len() as f32;
-        for (n, (sum, x)) in channel.iter_mut().zip(sound).enumerate() {
-            *sum += (from + step * n as f32) * x;
+fn sum(parts: &[Part<'_>], weight: impl Fn(&Part<'_>) -> f32, sums: &mut [f32]) {
+    sums.fill(0.0);
+    for part in parts {
+        let weight = weight(part);
+        let coefficients = part.series.as_chunks::<LANES>().0;
+        for (sums, coefficients) in sums.as_chunks_mut::<LANES>().0.iter_mut().zip(coefficients) {
+            for n in 0..LANES {
+                sums[n] += weight * f32::from(coefficients[n]);
+            }
         }
     }
 }

@@ -81,13 +81,13 @@ impl Source {
     pub fn turn(&mut self, index: usize, hop: i64, wanted: bool, identity: Identity) -> f32 {
         let before = self.presence;
         let stays = wanted && self.identity == identity;
-        let mine = (hop + index as i64 * 7).rem_euclid(TURN_HOPS) == 0;
+        let mine = || (hop + index as i64 * 7).rem_euclid(TURN_HOPS) == 0;
         if before == 0.0 && wanted && !stays {
             *self = Self::new(index, identity);
             self.presence = 1.0 / FADE_HOPS;
         } else if stays {
             self.presence = (before + 1.0 / FADE_HOPS).min(1.0);
-        } else if before < 1.0 || mine {
+        } else if before < 1.0 || mine() {
             self.presence = (before - 1.0 / FADE_HOPS).max(0.0);
         }
         before
