@@ -36,6 +36,26 @@ pub enum Error {
         /// The largest value allowed.
         high: f64,
     },
+    /// A setting has a fraction where only whole numbers are possible.
+    #[error("{what} is {found}, but must be a whole number; choose one")]
+    NotWhole {
+        /// The setting, in the user's words.
+        what: &'static str,
+        /// The value found.
+        found: f64,
+    },
+    /// A flow that is to be recorded does not come to rest in its mean.
+    #[error(
+        "the flow has not settled after {passages} passages: its energy changes by {change:.2} of itself (0.1 allowed), its divergence is {divergence:.0e} of speed over voxel (0.001 allowed); choose more voxels"
+    )]
+    Unsettled {
+        /// Passages through the box.
+        passages: usize,
+        /// Change of the energy from one passage to the next, as a part of it.
+        change: f64,
+        /// Divergence left over, as a part of the largest speed per voxel.
+        divergence: f64,
+    },
     /// One side of an axis is periodic and the other is not.
     #[error("one side of the box is periodic and the opposite one is not; make both periodic or neither")]
     OneSidedPeriod,

@@ -17,6 +17,7 @@ pub mod scenes;
 pub mod seam;
 pub mod solver;
 pub mod velocity;
+pub mod vortex_texture;
 
 pub use error::Error;
 pub use flux::Flux;

@@ -12,7 +12,7 @@ pub struct Parameters {
     pub cooling: Cooling,
     /// Upward acceleration at temperature 1, in m/s²; 0-1000.
     pub buoyancy_m_s2: f64,
-    /// Vorticity confinement, 0-10: speeds of eddies of a voxel's size that are given back per second.
+    /// Vorticity confinement, 0-100: speeds of eddies of a voxel's size that are given back per second.
     pub confinement: f64,
     /// Kinematic viscosity in m²/s, 0-1; what the grid itself adds is not in it.
     pub viscosity_m2_s: f64,
@@ -42,7 +42,7 @@ impl Parameters {
     /// Fails where a number is out of range.
     pub fn validate(&self) -> Result<(), Error> {
         in_range("buoyancy in m/s²", self.buoyancy_m_s2, 0.0, 1000.0)?;
-        in_range("vorticity confinement", self.confinement, 0.0, 10.0)?;
+        in_range("vorticity confinement", self.confinement, 0.0, 100.0)?;
         in_range("viscosity in m²/s", self.viscosity_m2_s, 0.0, 1.0)?;
         in_range("turbulence in m/s²", self.turbulence_m_s2, 0.0, 10_000.0)?;
         in_range("scale of turbulence in m", self.turbulence_scale_m, 1e-4, 1e4)?;

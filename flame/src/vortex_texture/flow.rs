@@ -1,0 +1,169 @@
+//! The box that is listened to: what flows into it, and how it moves on.
+
+use super::{Kind, Recipe};
+use crate::error::Error;
+use crate::scenes::Wander;
+use crate::solver::{Domain, Emitter, Parameters, Shape, Side, Solver, Step, Surroundings};
+
+/// Vorticity confinement, as a part of the mean speed over a voxel: it makes the smallest eddies grow by so much in each
+/// voxel that they pass, and to no end in a box that they hardly leave. And the most that the solver takes.
+const CONFINEMENT: f64 = 0.05;
+const MOST_CONFINEMENT: f64 = 100.0;
+
+/// Rms acceleration by which a fire's and a jet's gas is stirred, in squares of its speed over the box's width: the
+/// turbulence that it has got before it enters.
+const STIRRING: f64 = 2.0;
+
+/// Speed over √(2 × buoyancy × height) in a fire, the same from the flames to far above them (McCaffrey 1979).
+const RISE: f64 = 0.9;
+/// Height in which a fire's gas comes to its speed, as a part of the box's.
+const RISE_HEIGHT: f64 = 0.25;
+/// The most buoyancy in m/s² that the solver takes.
+const MOST_BUOYANCY_M_S2: f64 = 1000.0;
+
+/// Hot patches, and their radius as a part of the box's width.
+const PATCHES: u64 = 4;
+const PATCH_RADIUS: f64 = 0.14;
+
+/// A jet's radius as a part of the box's width.
+const JET_RADIUS: f64 = 0.15;
+/// Mean speed of a jet's box, as a part of the jet's: what the jet brings, and what it draws along.
+const JET_MEAN: f64 = 0.35;
+/// Part of its speed by which a jet sways.
+const JET_SWAY: f64 = 0.1;
+
+/// Gas in motion.
+#[derive(Debug)]
+pub(super) struct Flow {
+    solver: Solver,
+    step_s: f64,
+    sources: Vec<Source>,
+    unrest_m_s: f64,
+    mean_m_s: f64,
+}
+
+/// Something at the bottom, and what moves it: three motions.
+#[derive(Debug)]
+struct Source {
+    emitter: Emitter,
+    kind: Kind,
+    motion: [Wander; 3],
+    width_m: f64,
+}
+
+impl Flow {
+    /// Gas at `speed_m_s` all over the box, to be moved on by `step_s` at a time.
+    pub fn new(recipe: &Recipe, speed_m_s: f64, step_s: f64) -> Result<Self, Error> {
+        let voxel_size_m = recipe.voxel_size_m;
+        let [nx, ny, nz] = recipe.voxels;
+        let width_m = nx.min(ny) as f64 * voxel_size_m;
+        let mean_m_s = if recipe.kind == Kind::Jet { JET_MEAN * speed_m_s } else { speed_m_s };
+        let sides = [[Side::Periodic; 2], [Side::Periodic; 2], [Side::Inflow(mean_m_s), Side::Open]];
+        let domain = Domain::new(recipe.voxels, voxel_size_m, sides)?;
+        // Gas of this speed has been brought to it by its buoyancy. Fast gas comes from further below than the box and
+        // is as unsteady: the box has its part of that all the same.
+        let buoyancy_m_s2 = (speed_m_s / RISE).powi(2) / (2.0 * RISE_HEIGHT * nz as f64 * voxel_size_m);
+        let parameters = Parameters {
+            buoyancy_m_s2: if recipe.kind == Kind::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
+            confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
+            // The disturbance fits into the periodic sides, and passes as the gas does.
+            turbulence_m_s2: STIRRING * speed_m_s.powi(2) / width_m,
+            turbulence_scale_m: width_m,
+            turbulence_rate_hz: speed_m_s / width_m,
+            ..Parameters::still()
+        };
+        // Rows that were alike but for their pace would beat where they are mixed.
+        let seed = recipe.seed.wrapping_mul(0x1_0000_0001).wrapping_add(u64::from((speed_m_s as f32).to_bits()));
+        let mut solver = Solver::new(domain, parameters, seed)?;
+        solver.set_velocity(|axis, _| if axis == 2 { mean_m_s } else { 0.0 });
+        let pace_hz = speed_m_s / width_m;
+        let source = |number: u64, emitter: Emitter| Source {
+            emitter,
+            kind: recipe.kind,
+            motion: std::array::from_fn(|axis| {
+                let motion = seed.wrapping_mul(64).wrapping_add(3 * number + axis as u64);
+                Wander::new(motion, 0.1 * pace_hz, 2.0 * pace_hz)
+            }),
+            width_m,
+        };
+        let still = Emitter {
+            shape: Shape::Ball { radius_m: width_m },
+            centre_m: [0.0; 3],
+            velocity_m_s: [0.0; 3],
+            drag_hz: 0.0,
+            fuel: 0.0,
+            flicker: 0.0,
+            temperature: 0.0,
+            outflow_hz: 0.0,
+        };
+        let disc = |radius: f64, voxels: f64| Emitter {
+            shape: Shape::Cylinder { radius_m: radius * width_m, half_height_m: 0.5 * voxels * voxel_size_m },
+            centre_m: [0.0, 0.0, 0.5 * voxels * voxel_size_m],
+            ..still
+        };
+        let sources = match recipe.kind {
+            Kind::Wind => vec![],
+            Kind::Fire => (0..PATCHES)
+                .map(|number| source(number, Emitter { temperature: 1.0, ..disc(PATCH_RADIUS, 2.0) }))
+                .collect(),
+            Kind::Jet => {
+                let drag_hz = 4.0 * speed_m_s / voxel_size_m;
+                let velocity_m_s = [0.0, 0.0, speed_m_s];
+                vec![source(0, Emitter { velocity_m_s, drag_hz, temperature: 1.0, ..disc(JET_RADIUS, 3.0) })]
+            }
+        };
+        Ok(Self { solver, step_s, sources, unrest_m_s: recipe.perturbation * speed_m_s, mean_m_s })
+    }
+
+    /// Moves on by one step.
+    pub fn step(&mut self) -> Step {
+        let time_s = self.solver.time_s();
+        let surroundings = Surroundings {
+            emitters: self.sources.iter().map(|source| source.at(time_s)).collect(),
+            gust_m_s: 0.0,
+            unrest_m_s: self.unrest_m_s,
+        };
+        self.solver.step(self.step_s, &surroundings)
+    }
+
+    /// The gas.
+    pub fn solver(&self) -> &Solver {
+        &self.solver
+    }
+
+    /// Steps in which the mean flow passes through the box.
+    pub fn passage_steps(&self) -> usize {
+        let domain = self.solver.domain();
+        let height_m = domain.shape()[2] as f64 * domain.voxel_size_m();
+        (height_m / (self.mean_m_s * self.step_s)).ceil() as usize
+    }
+
+    /// Mean square of the speed, in m²/s².
+    pub fn energy_m2_s2(&self) -> f64 {
+        let mean =
+            |values: &[f32]| values.iter().map(|value| f64::from(*value).powi(2)).sum::<f64>() / values.len() as f64;
+        self.solver.face_velocities().into_iter().map(mean).sum()
+    }
+}
+
+impl Source {
+    fn at(&self, time_s: f64) -> Emitter {
+        let [x, y, strength] = self.motion.each_ref().map(|motion| motion.at(time_s));
+        let mut emitter = self.emitter;
+        match self.kind {
+            Kind::Wind => {}
+            Kind::Fire => {
+                let reach = 0.2 * self.width_m;
+                emitter.centre_m[0] = (reach * x).clamp(-0.35 * self.width_m, 0.35 * self.width_m);
+                emitter.centre_m[1] = (reach * y).clamp(-0.35 * self.width_m, 0.35 * self.width_m);
+                emitter.temperature = (0.6 + 0.4 * strength).clamp(0.0, 1.0);
+            }
+            Kind::Jet => {
+                let speed = self.emitter.velocity_m_s[2];
+                emitter.velocity_m_s =
+                    [JET_SWAY * speed * x, JET_SWAY * speed * y, speed * (1.0 + JET_SWAY * strength)];
+            }
+        }
+        emitter
+    }
+}
