@@ -46,12 +46,12 @@ pub enum Error {
     },
     /// A flow that is to be recorded does not come to rest in its mean.
     #[error(
-        "the flow has not settled after {passages} passages: its energy changes by {change:.2} of itself (0.1 allowed), its divergence is {divergence:.0e} of speed over voxel (0.001 allowed); choose more voxels"
+        "the flow has not settled after {passages} passages: its unrest changes by {change:.2} of its energy (0.2 allowed), its divergence is {divergence:.0e} of speed over voxel (0.001 allowed); choose more voxels"
     )]
     Unsettled {
         /// Passages through the box.
         passages: usize,
-        /// Change of the energy from one passage to the next, as a part of it.
+        /// Change of the unrest's energy over three passages, as a part of it.
         change: f64,
         /// Divergence left over, as a part of the largest speed per voxel.
         divergence: f64,

@@ -7,17 +7,17 @@ use crate::solver::{Domain, Emitter, Parameters, Shape, Side, Solver, Step, Surr
 
 /// Vorticity confinement, as a part of the mean speed over a voxel: it makes the smallest eddies grow by so much in each
 /// voxel that they pass, and to no end in a box that they hardly leave. And the most that the solver takes.
-const CONFINEMENT: f64 = 0.05;
+const CONFINEMENT: f64 = 0.02;
 const MOST_CONFINEMENT: f64 = 100.0;
 
-/// Rms acceleration by which a fire's and a jet's gas is stirred, in squares of its speed over the box's width: the
-/// turbulence that it has got before it enters.
-const STIRRING: f64 = 2.0;
+/// Rms acceleration by which hot gas and a jet's are stirred, in squares of the speed over the box's width: the turbulence
+/// that they have got before they enter. Hot gas is stirred all the way: more would make eddies that are faster than
+/// the flow.
+const FIRE_STIRRING: f64 = 0.4;
+const JET_STIRRING: f64 = 2.0;
 
 /// Speed over √(2 × buoyancy × height) in a fire, the same from the flames to far above them (McCaffrey 1979).
 const RISE: f64 = 0.9;
-/// Height in which a fire's gas comes to its speed, as a part of the box's.
-const RISE_HEIGHT: f64 = 0.25;
 /// The most buoyancy in m/s² that the solver takes.
 const MOST_BUOYANCY_M_S2: f64 = 1000.0;
 
@@ -60,14 +60,15 @@ impl Flow {
         let mean_m_s = if recipe.kind == Kind::Jet { JET_MEAN * speed_m_s } else { speed_m_s };
         let sides = [[Side::Periodic; 2], [Side::Periodic; 2], [Side::Inflow(mean_m_s), Side::Open]];
         let domain = Domain::new(recipe.voxels, voxel_size_m, sides)?;
-        // Gas of this speed has been brought to it by its buoyancy. Fast gas comes from further below than the box and
-        // is as unsteady: the box has its part of that all the same.
-        let buoyancy_m_s2 = (speed_m_s / RISE).powi(2) / (2.0 * RISE_HEIGHT * nz as f64 * voxel_size_m);
+        // Gas of this speed has been brought to it by its buoyancy, here within the box. Fast gas comes from further below
+        // and is as unsteady: the box has its part of that all the same.
+        let buoyancy_m_s2 = (speed_m_s / RISE).powi(2) / (2.0 * nz as f64 * voxel_size_m);
+        let stirring = if recipe.kind == Kind::Jet { JET_STIRRING } else { FIRE_STIRRING };
         let parameters = Parameters {
             buoyancy_m_s2: if recipe.kind == Kind::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
             confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
             // The disturbance fits into the periodic sides, and passes as the gas does.
-            turbulence_m_s2: STIRRING * speed_m_s.powi(2) / width_m,
+            turbulence_m_s2: stirring * speed_m_s.powi(2) / width_m,
             turbulence_scale_m: width_m,
             turbulence_rate_hz: speed_m_s / width_m,
             ..Parameters::still()
@@ -138,11 +139,13 @@ impl Flow {
         (height_m / (self.mean_m_s * self.step_s)).ceil() as usize
     }
 
-    /// Mean square of the speed, in m²/s².
-    pub fn energy_m2_s2(&self) -> f64 {
-        let mean =
-            |values: &[f32]| values.iter().map(|value| f64::from(*value).powi(2)).sum::<f64>() / values.len() as f64;
-        self.solver.face_velocities().into_iter().map(mean).sum()
+    /// Mean square of what the flow has beyond its mean, in m²/s².
+    pub fn unrest_m2_s2(&self) -> f64 {
+        let power = |axis: usize, values: &[f32]| {
+            let mean = if axis == 2 { self.mean_m_s } else { 0.0 };
+            values.iter().map(|value| (f64::from(*value) - mean).powi(2)).sum::<f64>() / values.len() as f64
+        };
+        self.solver.face_velocities().into_iter().enumerate().map(|(axis, values)| power(axis, values)).sum()
     }
 }
 
