@@ -34,6 +34,8 @@ pub enum Command {
     FluxMerge(FluxMergeArgs),
     /// Flame signal of a scene that is simulated here
     Simulate(SimulateArgs),
+    /// Vortex-sound texture: what a small turbulent region radiates, for a range of flow speeds
+    VortexTexture(VortexTextureArgs),
 }
 
 /// Options of `pyrophone texture`.
@@ -360,6 +362,68 @@ pub struct SimulateArgs {
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
+}
+
+/// Options of `pyrophone vortex-texture`.
+#[derive(Debug, Args)]
+pub struct VortexTextureArgs {
+    /// Flow speeds in m/s, 0.1-100, each the same factor above the one before; one row each, 1-256
+    #[arg(long, value_name = "LOW:HIGH:COUNT", value_parser = speeds)]
+    pub speeds: (f64, f64, usize),
+    /// Period of the rows, 0.25-60
+    #[arg(long, value_name = "S", default_value_t = 4.0, allow_negative_numbers = true)]
+    pub seconds: f64,
+    /// Voxels of the box, up last, 8-128 each
+    #[arg(long, value_name = "NXxNYxNZ", default_value = "16x16x24", value_parser = voxels)]
+    pub voxels: [usize; 3],
+    /// Edge of a voxel in m, 0.001-0.2
+    #[arg(long, value_name = "M", default_value_t = 0.02, allow_negative_numbers = true)]
+    pub voxel_size: f64,
+    /// What comes in at the bottom
+    #[arg(long, value_enum, default_value_t = FlowKind::Fire)]
+    pub kind: FlowKind,
+    /// Random part of the inflow, 0-1
+    #[arg(long, value_name = "X", default_value_t = 0.1, allow_negative_numbers = true)]
+    pub perturbation: f64,
+    /// Steps per second of the rows, 2000-16000
+    #[arg(long, value_name = "HZ", default_value_t = 4_000.0, allow_negative_numbers = true)]
+    pub rate: f64,
+    /// Number of all that is random
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    pub seed: u64,
+    /// Integrate as published, over 27 voxels about each: these cancel but at the box's sides
+    #[arg(long)]
+    pub paper: bool,
+    /// File to write
+    #[arg(long, value_name = "OUT.vtx")]
+    pub output: PathBuf,
+}
+
+/// Values of `--kind`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FlowKind {
+    /// An even flow, disturbed at random
+    Wind,
+    /// The same with hot gas in it, which rises
+    Fire,
+    /// A narrow fast flow in the middle
+    Jet,
+}
+
+/// `LOW:HIGH:COUNT`.
+fn speeds(text: &str) -> Result<(f64, f64, usize), String> {
+    let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+    let [low, high, count] = parts[..] else {
+        return Err("it must be LOW:HIGH:COUNT, say 1:16:12".into());
+    };
+    let speed = |text: &str| text.parse().map_err(|_| format!("'{text}' is not a speed"));
+    Ok((speed(low)?, speed(high)?, count.parse().map_err(|_| format!("'{count}' is not a number of rows"))?))
+}
+
+/// `NXxNYxNZ`.
+fn voxels(text: &str) -> Result<[usize; 3], String> {
+    let sizes: Result<Vec<usize>, _> = text.split('x').map(|size| size.trim().parse()).collect();
+    sizes.ok().and_then(|sizes| sizes.try_into().ok()).ok_or("it must be NXxNYxNZ, say 16x16x24".into())
 }
 
 /// The scenes by their names.

@@ -37,12 +37,14 @@ pub enum Error {
     #[error(transparent)]
     Import(Box<pyrophone_flame::import::Error>),
     /// Stopped half way; what was done is kept.
-    #[error("{reason}; the {done} frames done are kept in {path}: run the command again to go on from there")]
+    #[error("{reason}; the {done} {what} done are kept in {path}: run the command again to go on from there")]
     Unfinished {
         /// Why.
         reason: Box<Self>,
-        /// Frames done.
+        /// How many are done.
         done: usize,
+        /// Frames or rows.
+        what: &'static str,
         /// Where they are kept.
         path: String,
     },

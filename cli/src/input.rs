@@ -1,4 +1,4 @@
-//! Reading and checking of inputs.
+//! Reading and checking of inputs, and of where outputs go.
 
 use std::path::Path;
 
@@ -76,4 +76,17 @@ pub fn in_range(option: &'static str, found: f64, low: f64, high: f64) -> Result
         return Ok(());
     }
     Err(Error::Option(pyrophone_synthesis::Error::OutOfRange { what: option, found, low, high }))
+}
+
+/// Refuses an output that could not be written, before any work is done for it.
+pub fn check_output(output: &Path) -> Result<(), Error> {
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        let message = format!("{}: there is no folder {}; make it first", output.display(), folder.display());
+        return Err(Error::Conflict(message));
+    }
+    if output.is_dir() {
+        return Err(Error::Conflict(format!("{}: this is a folder; name a file in it", output.display())));
+    }
+    Ok(())
 }

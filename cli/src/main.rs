@@ -14,6 +14,7 @@ mod render;
 mod report;
 mod simulate;
 mod texture;
+mod vortex_texture;
 
 use std::process::ExitCode;
 
@@ -46,6 +47,7 @@ fn run(command: &Command) -> Result<(), Error> {
         Command::Flux(args) => flux::run(args, &work),
         Command::Simulate(args) => simulate::run(args, &work),
         Command::FluxMerge(args) => flux_merge::run(args, &work),
+        Command::VortexTexture(args) => vortex_texture::run(args, &work),
     }
 }
 

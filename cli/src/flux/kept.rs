@@ -81,6 +81,11 @@ impl Kept {
         if self.done == 0 {
             return reason;
         }
-        Error::Unfinished { reason: Box::new(reason), done: self.done, path: self.path.display().to_string() }
+        Error::Unfinished {
+            reason: Box::new(reason),
+            done: self.done,
+            what: "frames",
+            path: self.path.display().to_string(),
+        }
     }
 }

@@ -8,6 +8,7 @@ use pyrophone_recording::{Broadcast, check_finite, write_broadcast_wav_f32, writ
 
 use crate::args::{Kind, SoundArgs};
 use crate::error::Error;
+use crate::input::check_output;
 use crate::progress::{Work, note};
 use crate::report::{self, Picture, Report};
 
@@ -74,14 +75,7 @@ pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result
         return Err(Error::Conflict("there is nothing to write; add --output OUT.wav".into()));
     }
     for (index, output) in outputs.iter().enumerate() {
-        let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            let message = format!("{}: there is no folder {}; make it first", output.display(), folder.display());
-            return Err(Error::Conflict(message));
-        }
-        if output.is_dir() {
-            return Err(Error::Conflict(format!("{}: this is a folder; name a file in it", output.display())));
-        }
+        check_output(output)?;
         if outputs[..index].contains(output) {
             let message = format!("{}: two outputs have this name; choose another for one of them", output.display());
             return Err(Error::Conflict(message));

@@ -90,6 +90,11 @@ impl Kept {
         if !self.path.is_file() {
             return reason;
         }
-        Error::Unfinished { reason: Box::new(reason), done: self.done, path: self.path.display().to_string() }
+        Error::Unfinished {
+            reason: Box::new(reason),
+            done: self.done,
+            what: "frames",
+            path: self.path.display().to_string(),
+        }
     }
 }

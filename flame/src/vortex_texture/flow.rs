@@ -15,6 +15,8 @@ const MOST_CONFINEMENT: f64 = 100.0;
 /// the flow.
 const FIRE_STIRRING: f64 = 0.4;
 const JET_STIRRING: f64 = 2.0;
+/// The most stirring in m/s² that the solver takes.
+const MOST_STIRRING_M_S2: f64 = 10_000.0;
 
 /// Speed over √(2 × buoyancy × height) in a fire, the same from the flames to far above them (McCaffrey 1979).
 const RISE: f64 = 0.9;
@@ -68,7 +70,7 @@ impl Flow {
             buoyancy_m_s2: if recipe.kind == Kind::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
             confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
             // The disturbance fits into the periodic sides, and passes as the gas does.
-            turbulence_m_s2: stirring * speed_m_s.powi(2) / width_m,
+            turbulence_m_s2: (stirring * speed_m_s.powi(2) / width_m).min(MOST_STIRRING_M_S2),
             turbulence_scale_m: width_m,
             turbulence_rate_hz: speed_m_s / width_m,
             ..Parameters::still()
