@@ -3,7 +3,7 @@
 //! Settled is a flow whose unrest over three passages through the box has the energy that it had over the three before,
 //! but for a fifth, and whose continuity was met at every step of them (the paper's criterion, §5.1). The mean flow's
 //! energy is not in it: beside that an unrest that still grows would not be seen. A flow that is never steady so long is
-//! settled too if the second half of thirty passages is as unsteady as the first: it sways, but does not grow.
+//! settled too if the second half of sixty passages is as unsteady as the first: it sways, but does not grow.
 
 use super::flow::Flow;
 use crate::error::Error;
@@ -11,7 +11,7 @@ use crate::error::Error;
 /// Passages of the mean flow through the box that are compared with as many before.
 const PASSAGES: usize = 3;
 /// Such stretches before the flow is judged by halves.
-const STRETCHES: usize = 10;
+const STRETCHES: usize = 20;
 
 /// Change of the unrest's energy, as a part of the larger.
 const MOST_CHANGE: f64 = 0.2;
