@@ -123,7 +123,7 @@ impl Recipe {
         (self.period_s * self.rate_hz).round() as usize
     }
 
-    /// Solver steps of a row's period: as many as [`VOXELS_PER_STEP`] asks for, at most one a sample.
+    /// Solver steps of a row's period: as many as half a voxel a step takes, at most one a sample.
     pub fn period_steps(&self, speed_m_s: f64) -> usize {
         let steps = self.exact_period_s() * speed_m_s / (VOXELS_PER_STEP * self.voxel_size_m);
         (steps.ceil() as usize).clamp(16, self.period_samples())
