@@ -11,10 +11,9 @@ const CONFINEMENT: f64 = 0.02;
 const MOST_CONFINEMENT: f64 = 100.0;
 
 /// Rms acceleration by which hot gas and a jet's are stirred, in squares of the speed over the box's width: the turbulence
-/// that they have got before they enter. Hot gas is stirred all the way: more would make eddies that are faster than
-/// the flow.
-const FIRE_STIRRING: f64 = 0.4;
-const JET_STIRRING: f64 = 2.0;
+/// that they have got before they enter. They are stirred all the way: more would make eddies that are faster than the
+/// flow, and drown its own.
+const STIRRING: f64 = 1.5;
 /// The most stirring in m/s² that the solver takes.
 const MOST_STIRRING_M_S2: f64 = 10_000.0;
 
@@ -34,12 +33,21 @@ const JET_MEAN: f64 = 0.35;
 /// Part of its speed by which a jet sways.
 const JET_SWAY: f64 = 0.1;
 
+/// How firmly gas in the lowest voxels is brought to the mean flow, in speeds over a voxel. The inflow's sideways motion is
+/// that of the gas above it: else a wind through the periodic sides, once there, would stay and grow.
+const STEADYING: f64 = 0.2;
+
+/// Frequencies at which patches and jets move, in speeds over the box's width. Slower motion would make of a slow row
+/// what happens to be there in its few passages.
+const PACES: std::ops::Range<f64> = 0.5..4.0;
+
 /// Gas in motion.
 #[derive(Debug)]
 pub(super) struct Flow {
     solver: Solver,
     step_s: f64,
     sources: Vec<Source>,
+    steady: Emitter,
     unrest_m_s: f64,
     mean_m_s: f64,
 }
@@ -65,12 +73,11 @@ impl Flow {
         // Gas of this speed has been brought to it by its buoyancy, here within the box. Fast gas comes from further below
         // and is as unsteady: the box has its part of that all the same.
         let buoyancy_m_s2 = (speed_m_s / RISE).powi(2) / (2.0 * nz as f64 * voxel_size_m);
-        let stirring = if recipe.kind == Kind::Jet { JET_STIRRING } else { FIRE_STIRRING };
         let parameters = Parameters {
             buoyancy_m_s2: if recipe.kind == Kind::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
             confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
             // The disturbance fits into the periodic sides, and passes as the gas does.
-            turbulence_m_s2: (stirring * speed_m_s.powi(2) / width_m).min(MOST_STIRRING_M_S2),
+            turbulence_m_s2: (STIRRING * speed_m_s.powi(2) / width_m).min(MOST_STIRRING_M_S2),
             turbulence_scale_m: width_m,
             turbulence_rate_hz: speed_m_s / width_m,
             ..Parameters::still()
@@ -85,7 +92,7 @@ impl Flow {
             kind: recipe.kind,
             motion: std::array::from_fn(|axis| {
                 let motion = seed.wrapping_mul(64).wrapping_add(3 * number + axis as u64);
-                Wander::new(motion, 0.1 * pace_hz, 2.0 * pace_hz)
+                Wander::new(motion, PACES.start * pace_hz, PACES.end * pace_hz)
             }),
             width_m,
         };
@@ -104,6 +111,14 @@ impl Flow {
             centre_m: [0.0, 0.0, 0.5 * voxels * voxel_size_m],
             ..still
         };
+        let half_m = [nx as f64 * voxel_size_m, ny as f64 * voxel_size_m, 0.5 * voxel_size_m];
+        let steady = Emitter {
+            shape: Shape::Box { half_m },
+            centre_m: [0.0, 0.0, half_m[2]],
+            velocity_m_s: [0.0, 0.0, mean_m_s],
+            drag_hz: STEADYING * speed_m_s / voxel_size_m,
+            ..still
+        };
         let sources = match recipe.kind {
             Kind::Wind => vec![],
             Kind::Fire => (0..PATCHES)
@@ -115,14 +130,14 @@ impl Flow {
                 vec![source(0, Emitter { velocity_m_s, drag_hz, temperature: 1.0, ..disc(JET_RADIUS, 3.0) })]
             }
         };
-        Ok(Self { solver, step_s, sources, unrest_m_s: recipe.perturbation * speed_m_s, mean_m_s })
+        Ok(Self { solver, step_s, sources, steady, unrest_m_s: recipe.perturbation * speed_m_s, mean_m_s })
     }
 
     /// Moves on by one step.
     pub fn step(&mut self) -> Step {
         let time_s = self.solver.time_s();
         let surroundings = Surroundings {
-            emitters: self.sources.iter().map(|source| source.at(time_s)).collect(),
+            emitters: std::iter::once(self.steady).chain(self.sources.iter().map(|source| source.at(time_s))).collect(),
             gust_m_s: 0.0,
             unrest_m_s: self.unrest_m_s,
         };
