@@ -13,10 +13,12 @@ mod flow;
 mod integral;
 mod series;
 mod settle;
+mod shipped;
 mod vorticity;
 
 pub use integral::{Integral, Origin};
 pub use series::{Band, COMPONENTS, Series};
+pub use shipped::Shipped;
 pub use vorticity::Vorticity;
 
 use pyrophone_synthesis::vortex::texture::Row;
@@ -78,19 +80,24 @@ pub struct Recipe {
     pub seed: u64,
 }
 
-impl Default for Recipe {
+impl Recipe {
     /// A fire in 16×16×24 voxels of 2 cm, disturbed by a tenth, for 4 s at 4 kHz.
+    pub const STANDARD: Self = Self {
+        kind: Kind::Fire,
+        voxels: [16, 16, 24],
+        voxel_size_m: 0.02,
+        rate_hz: 4_000.0,
+        period_s: 4.0,
+        perturbation: 0.1,
+        origin: Origin::Centre,
+        seed: 1,
+    };
+}
+
+impl Default for Recipe {
+    /// The [`STANDARD`](Self::STANDARD).
     fn default() -> Self {
-        Self {
-            kind: Kind::Fire,
-            voxels: [16, 16, 24],
-            voxel_size_m: 0.02,
-            rate_hz: 4_000.0,
-            period_s: 4.0,
-            perturbation: 0.1,
-            origin: Origin::Centre,
-            seed: 1,
-        }
+        Self::STANDARD
     }
 }
 

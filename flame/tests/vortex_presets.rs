@@ -1,0 +1,88 @@
+//! The vortex-sound textures that are shipped.
+
+mod vortex_common;
+
+use std::path::Path;
+
+use pyrophone_flame::vortex_texture::{Shipped, speeds};
+use pyrophone_synthesis::vortex::texture::{Row, VortexTexture};
+use vortex_common::{centroid_hz, rank_correlation, seam};
+
+/// Digests of what `cargo xtask vortex` makes, in the order of [`Shipped::ALL`].
+const DIGESTS: [u64; Shipped::ALL.len()] = [0xc422_7291_61a3_4929, 0x5a7c_5b5c_e6e5_85f0];
+
+const MOST_BYTES: usize = 2_000_000;
+
+const LEAST_RANK_CORRELATION: f64 = 0.95;
+
+fn bytes(name: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../presets/vortex/{name}.vtx"));
+    std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn texture(name: &str) -> VortexTexture {
+    VortexTexture::from_bytes(&bytes(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// FNV-1a (Fowler, Noll & Vo 1991).
+fn digest(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+fn series(row: &Row) -> [&[f32]; 5] {
+    row.components.each_ref().map(Vec::as_slice)
+}
+
+#[test]
+fn shipped_textures_are_those_that_the_recipes_make() {
+    for (Shipped { name, recipe, speeds: (low, high, count) }, expected) in Shipped::ALL.into_iter().zip(DIGESTS) {
+        let bytes = bytes(name);
+        println!("{name}: {} bytes, digest {:#018x}", bytes.len(), digest(&bytes));
+        assert!(bytes.len() <= MOST_BYTES, "{name}: {} bytes", bytes.len());
+        let texture = texture(name);
+        assert_eq!(texture.sample_rate_hz(), recipe.rate_hz, "{name}");
+        assert_eq!(texture.period_samples(), recipe.period_samples(), "{name}");
+        let found: Vec<f64> = texture.rows().iter().map(|row| row.speed_m_s).collect();
+        assert_eq!(found, speeds(low, high, count).unwrap(), "{name}");
+        assert_eq!(digest(&bytes), expected, "{name}: {:#018x} is not what was measured", digest(&bytes));
+    }
+}
+
+#[test]
+fn faster_rows_are_louder_and_brighter_and_none_has_a_seam() {
+    for Shipped { name, .. } in Shipped::ALL {
+        let texture = texture(name);
+        let mut centroids = vec![];
+        let mut seams = vec![];
+        for row in texture.rows() {
+            let (across, most) = seam(series(row));
+            let centroid = centroid_hz(series(row), texture.sample_rate_hz());
+            let level_db = 20.0 * row.gain.log10();
+            println!(
+                "{name} {:5.2} m/s: {level_db:6.1} dB re 1 Pa, centroid {centroid:5.1} Hz, seam {across:.1} of {most:.1}",
+                row.speed_m_s,
+            );
+            seams.push((row.speed_m_s, across, most));
+            centroids.push(centroid);
+        }
+        let gains: Vec<f64> = texture.rows().iter().map(|row| row.gain).collect();
+        let (level, brightness) = (rank_correlation(&gains), rank_correlation(&centroids));
+        println!("{name}: rank correlation with speed: level {level:.3}, centroid {brightness:.3}");
+        assert!(level >= LEAST_RANK_CORRELATION, "{name}: level {level}");
+        assert!(brightness >= LEAST_RANK_CORRELATION, "{name}: centroid {brightness}");
+        for (speed, across, most) in seams {
+            assert!(across < most, "{name} {speed} m/s: {across} across the seam, 99 of 100 below {most}");
+        }
+    }
+}
+
+/// The slowest row takes the fewest steps. Other systems round sines in other ways, and eddies make much of that.
+#[cfg(all(target_os = "linux", target_arch = "x86_64", target_env = "gnu"))]
+#[test]
+fn a_row_that_is_recorded_anew_is_the_shipped_one() {
+    let Shipped { name, recipe, .. } = Shipped::ALL[0];
+    let shipped = texture(name).rows()[0].clone();
+    let anew = recipe.record(shipped.speed_m_s, |_| true).unwrap();
+    let alone = |row: Row| VortexTexture::new(recipe.rate_hz, vec![row]).unwrap().to_bytes();
+    assert!(alone(anew) == alone(shipped), "{name}: the flow, or what is heard of it, has changed");
+}
