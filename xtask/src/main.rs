@@ -47,6 +47,9 @@ enum Command {
     /// Score results against their recordings and write docs/sound.md; see `score --help`
     #[command(disable_help_flag = true)]
     Score(Forwarded),
+    /// Record anew the vortex-sound textures that are shipped; see `vortex --help`
+    #[command(disable_help_flag = true)]
+    Vortex(Forwarded),
     /// Everything that must pass
     Test,
     /// The long tests
@@ -97,6 +100,7 @@ fn run(command: Command) -> Result<ExitCode> {
         }
         Command::Drives(forwarded) => sound("drives", &forwarded),
         Command::Score(forwarded) => with_bundles("score", &forwarded),
+        Command::Vortex(forwarded) => sound("vortex", &forwarded),
         Command::Test => test::run(),
         Command::Soak => test::soak(),
         Command::Bench(args) => bench::run(&args),

@@ -6,6 +6,7 @@ mod drives;
 mod project;
 mod score;
 mod simulated;
+mod vortex;
 
 use std::process::ExitCode;
 
@@ -28,6 +29,8 @@ enum Command {
     Drives(drives::Args),
     /// Score results against their recordings
     Score(score::Args),
+    /// Record the vortex-sound textures that are shipped
+    Vortex(vortex::Args),
 }
 
 fn main() -> ExitCode {
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Drives(args) => drives::run(&args),
         Command::Score(args) => score::run(&args),
+        Command::Vortex(args) => vortex::run(&args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
