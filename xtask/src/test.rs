@@ -69,7 +69,8 @@ pub fn soak() -> Result<ExitCode> {
         let arguments = ["--package", END_TO_END, "--test", "soak"];
         tally.cargo_test("soak", &SOAK, &arguments)?;
     }
-    let arguments = ["--release", "--package", "pyrophone-flame", "--test", "scenes", "--test", "import_hostile"];
+    let mut arguments = vec!["--release", "--package", "pyrophone-flame"];
+    arguments.extend(["scenes", "import_hostile", "vortex_presets"].into_iter().flat_map(|test| ["--test", test]));
     tally.cargo_test("soak of flames", &SOAK, &arguments)?;
     Ok(tally.conclude())
 }

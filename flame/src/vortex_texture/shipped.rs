@@ -13,11 +13,14 @@ pub struct Shipped {
     pub speeds: (f64, f64, usize),
 }
 
+/// A fire in voxels of 5 mm: eddies of two voxels pass at 50 Hz in the slowest row and at 800 in the fastest.
+const SMALL: Recipe = Recipe { voxel_size_m: 0.005, ..Recipe::STANDARD };
+
 impl Shipped {
     /// All of them.
     pub const ALL: [Self; 2] = [
-        // With the first seed one of the fire's rows ends amid a burst.
-        Self { name: "fire", recipe: Recipe { seed: 2, ..Recipe::STANDARD }, speeds: (0.5, 8.0, 8) },
+        // Seeds with which no row ends amid a burst.
+        Self { name: "fire", recipe: Recipe { seed: 2, ..SMALL }, speeds: (0.5, 8.0, 8) },
         Self { name: "jet", recipe: Recipe { kind: Kind::Jet, ..Recipe::STANDARD }, speeds: (1.0, 16.0, 9) },
     ];
 }
