@@ -120,7 +120,8 @@ pub struct ExtendArgs {
 /// Options of `pyrophone render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Name of a factory preset (default, extend, texture, texture-paper) or a preset's file
+    /// Name of a factory preset (default, extend, texture, texture-paper, flame, campfire, flamethrower, explosion,
+    /// swinging-torch) or a preset's file
     #[arg(long, value_name = "FILE|NAME")]
     pub preset: String,
     /// Main input
@@ -141,6 +142,9 @@ pub struct RenderArgs {
     /// Steps of parameters: time_s,id,value or sample,id,value
     #[arg(long, value_name = "FILE.csv")]
     pub automation: Option<PathBuf>,
+    /// Speed field for vortex sound, as simulate and flux write it; heard where vortex_flow is field
+    #[arg(long, value_name = "FILE.field")]
+    pub speed_field: Option<PathBuf>,
     /// File to write
     #[arg(long, value_name = "OUT.wav")]
     pub output: PathBuf,
@@ -215,12 +219,27 @@ pub struct FluxArgs {
     /// Kind of those files
     #[arg(long, value_enum, value_name = "KIND", default_value_t = MeshKind::Ply, requires = "mesh")]
     pub mesh_kind: MeshKind,
+    /// Also write how fast the gas flows where: a speed field for vortex sound
+    #[arg(long, value_name = "FILE.field")]
+    pub speed_field: Option<PathBuf>,
+    /// Axis of the simulation that points up, for the speed field
+    #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "speed_field")]
+    pub up: UpAxis,
     /// When its steps are.
     #[command(flatten)]
     pub timeline: TimelineArgs,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
+}
+
+/// Values of `--up`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum UpAxis {
+    /// As Houdini has it
+    Y,
+    /// As Blender and our own scenes have it
+    Z,
 }
 
 /// Options of `pyrophone flux-merge`.
@@ -359,6 +378,9 @@ pub struct SimulateArgs {
     /// Also write every frame, for `pyrophone flux` and other programs: DIR/SCENE_NUMBER.npz
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
+    /// Also write how fast the gas flows where: a speed field for vortex sound
+    #[arg(long, value_name = "FILE.field")]
+    pub speed_field: Option<PathBuf>,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,

@@ -2,6 +2,7 @@
 
 mod kept;
 mod measuring;
+pub mod motion;
 pub mod sound;
 
 use std::path::Path;
@@ -32,8 +33,8 @@ const SOUNDS: [&str; 9] = ["wav", "wave", "aif", "aiff", "aifc", "caf", "flac", 
 
 /// Measures the frames of `input`, or takes its series, and writes what was asked for.
 pub fn run(args: &FluxArgs, work: &Work) -> Result<(), Error> {
-    let partial: Vec<&Path> = args.partial.iter().map(|path| path.as_path()).collect();
-    sound::check(&args.sound, args.timeline.rate, &partial)?;
+    let others: Vec<&Path> = args.partial.iter().chain(&args.speed_field).map(|path| path.as_path()).collect();
+    sound::check(&args.sound, args.timeline.rate, &others)?;
     pyrophone_flame::Front::new(args.iso.unwrap_or(0.0), args.refine)?;
     let extension = args.input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let is_series = TABLES.contains(&extension.as_str()) || SOUNDS.contains(&extension.as_str());
@@ -52,6 +53,7 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<(), Error> {
         ("--partial", args.partial.is_some()),
         ("--mesh", args.mesh.is_some()),
         ("--flux-csv", args.sound.flux_csv.is_some()),
+        ("--speed-field", args.speed_field.is_some()),
         ("--rate", is_sound && args.timeline.rate.is_some()),
     ];
     let shown = args.input.display();
@@ -87,7 +89,8 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<(), Error> {
     if let (Some(start), Some(first)) = (args.timeline.start_frame, plan.first_frame()) {
         sound::frames_since(start, first)?;
     }
-    let outputs: Vec<&Path> = sound::files(&args.sound).chain(args.partial.as_deref()).collect();
+    let others = args.partial.as_deref().into_iter().chain(args.speed_field.as_deref());
+    let outputs: Vec<&Path> = sound::files(&args.sound).chain(others).collect();
     let inputs = plan.simulation_files();
     let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
     for output in &outputs {
@@ -110,12 +113,20 @@ fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<(), 
         let part = Partial { settings: plan.settings.clone(), steps: steps.clone() };
         write_file(path, |file| part.write(file))?;
     }
-    if args.sound.report.is_none() && sound::files(&args.sound).next().is_none() {
+    let is_sound = args.sound.report.is_some() || sound::files(&args.sound).next().is_some();
+    if !is_sound && args.speed_field.is_none() {
         return Ok(());
     }
     let flux = Flux::from_steps(&steps)?;
     sound::note_interpolated(&flux.interpolated);
     let signal = Signal::of_flux(&flux, args.timeline.rate).on_timeline(args.timeline.start_frame);
+    if let Some(path) = &args.speed_field {
+        let start_s = sound::time_reference(&args.sound, &signal)? as f64 / f64::from(args.sound.sample_rate);
+        motion::write_of_frames(path, plan, args.up, signal.rate_hz, start_s, work)?;
+    }
+    if !is_sound {
+        return Ok(());
+    }
     let surfaces = if args.sound.report.is_some() { surfaces(plan, signal.rate_hz, work)? } else { vec![] };
     let facts = vec![
         ("Simulation".into(), args.input.display().to_string()),

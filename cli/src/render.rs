@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use pyrophone_flame::live::{Inline, LiveFlow};
 use pyrophone_recording::{MAX_CHANNELS, Recording, check_finite, check_not_among, write_wav_f32};
 use pyrophone_settings::automation::Event;
 use pyrophone_settings::table::DYNAMIC_RANGES;
@@ -10,6 +11,7 @@ use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Distribution, Shape};
+use pyrophone_synthesis::vortex::{Simulator, SpeedField};
 
 use crate::args::RenderArgs;
 use crate::error::Error;
@@ -30,8 +32,9 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
         let message = "--learn contradicts --dynamic-range off and running; leave one of the two out";
         return Err(Error::Conflict(message.into()));
     }
-    let sources = [Some(&args.input), args.sidechain.as_ref(), args.training.as_ref(), args.learn.as_ref()];
-    let mut paths: Vec<&Path> = sources.into_iter().flatten().map(|path| path.as_path()).collect();
+    let sources = [&args.sidechain, &args.training, &args.learn, &args.speed_field].map(Option::as_ref);
+    let sources = sources.into_iter().chain([Some(&args.input)]);
+    let mut paths: Vec<&Path> = sources.flatten().map(|path| path.as_path()).collect();
     paths.extend([Some(Path::new(&args.preset)), args.automation.as_deref()].into_iter().flatten());
     check_not_among(&args.output, &paths)?;
 
@@ -52,6 +55,11 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
         let dictionary = texture::index(&training, path, &shape, structure.dynamics, work)?;
         drop(chain.swap_dictionary(Some(dictionary)));
     }
+    simulate_gas(&mut chain)?;
+    if let Some(path) = &args.speed_field {
+        let field = SpeedField::from_bytes(&pyrophone_recording::read(path)?).map_err(Error::of_file(path))?;
+        drop(chain.swap_field(Some(Arc::new(field))));
+    }
     if needs_learning(&values, &events) {
         let distribution = learned(args, &values, &main, &sidechain, work)?;
         drop(chain.swap_distribution(Some(Arc::new(distribution))));
@@ -60,6 +68,15 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
     check_finite(&args.output, &rendered)?;
     write_wav_f32(&args.output, &rendered, main.sample_rate_hz)?;
     Ok(())
+}
+
+/// Gas for vortex sound of the flow `live`, simulated as it is asked for.
+fn simulate_gas(chain: &mut Chain) -> Result<(), Error> {
+    let step_s = chain.live_step_s();
+    let flows = [LiveFlow::new(step_s)?, LiveFlow::new(step_s)?];
+    let places = flows[0].places();
+    let simulators = flows.map(|flow| Box::new(Inline::new(flow)) as Box<dyn Simulator>);
+    chain.set_simulators(simulators, &places).map_err(Error::Option)
 }
 
 /// The preset, then `--dynamic-range` (or `--learn`, which asks for the learned one), then `--set`.
@@ -105,7 +122,7 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
         note("there is no --training, so spectral extension stands in for texture");
         return Ok(());
     }
-    if may_sound(Id::LowLevel) || may_sound(Id::ExtensionLevel) {
+    if [Id::LowLevel, Id::ExtensionLevel, Id::VortexLevel].into_iter().any(may_sound) {
         note("there is no --training, so the texture layer stays silent");
         return Ok(());
     }

@@ -8,13 +8,15 @@ use pyrophone_flame::flux::{Flux, Row, Steps};
 use pyrophone_flame::front::Mesh;
 use pyrophone_flame::import::npz::{DenseFrame, write_frame};
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
+use pyrophone_flame::speed_field::{Regions, Up, stride};
 use pyrophone_flame::{Frame, Front};
 use pyrophone_recording::write_file;
+use pyrophone_synthesis::vortex::{End, SpeedField};
 
-use self::kept::Kept;
+use self::kept::{Flow, Kept};
 use crate::args::SimulateArgs;
 use crate::error::Error;
-use crate::flux::{make_folder, sound};
+use crate::flux::{make_folder, motion, sound};
 use crate::input::in_range;
 use crate::progress::{Stage, Work, note};
 use crate::report::View;
@@ -30,14 +32,23 @@ const KEEP_STEPS: u64 = 360;
 
 /// Simulates a scene and writes what was asked for.
 pub fn run(args: &SimulateArgs, work: &Work) -> Result<(), Error> {
-    sound::check(&args.sound, None, &[])?;
+    let field: Vec<&Path> = args.speed_field.iter().map(|path| path.as_path()).collect();
+    sound::check(&args.sound, None, &field)?;
     let plan = Plan::new(args)?;
-    let Some(beside) = sound::files(&args.sound).next().or(args.sound.report.as_deref()) else { return Ok(()) };
+    let outputs = sound::files(&args.sound).chain(args.speed_field.as_deref()).chain(args.sound.report.as_deref());
+    let Some(beside) = outputs.into_iter().next() else { return Ok(()) };
     let mut kept = Kept::open(beside, plan.settings());
-    let (steps, meshes) = match plan.simulate(&mut kept, work) {
+    let Simulated { steps, meshes, flow } = match plan.simulate(&mut kept, work) {
         Ok(simulated) => simulated,
         Err(error) => return Err(kept.unfinished(error)),
     };
+    if let Some(path) = &args.speed_field {
+        let start_s = args.sound.time_reference.unwrap_or(0) as f64 / f64::from(args.sound.sample_rate);
+        let written = plan.field(&flow).and_then(|field| motion::write(path, field.starting_at(start_s)));
+        if let Err(error) = written {
+            return Err(kept.unfinished(error));
+        }
+    }
     let flux = Flux::from_steps(&steps)?;
     let signal = sound::Signal::of_flux(&flux, Some(STEP_RATE_HZ));
     let view = View::of(meshes.iter().map(|(_, mesh)| mesh));
@@ -65,14 +76,25 @@ struct Plan {
     cache: Option<PathBuf>,
     /// Whether pictures are asked for.
     draws: bool,
+    /// Sub-volumes whose speeds are asked for.
+    regions: Option<Regions>,
 }
 
 /// Fronts to be drawn, with their frames.
 type Meshes = Vec<(u64, Mesh)>;
 
+/// All that was measured.
+struct Simulated {
+    steps: Steps,
+    meshes: Meshes,
+    flow: Flow,
+}
+
 /// What is kept of a step.
 struct Measured {
     row: Row,
+    /// Speeds of the sub-volumes, at every step that the field needs.
+    speeds: Option<Vec<f32>>,
     /// The front, where it is to be drawn.
     mesh: Option<Mesh>,
 }
@@ -99,6 +121,10 @@ impl Plan {
             count: ((args.seconds * STEP_RATE_HZ).round() as u64).max(1),
             cache: args.cache.clone(),
             draws: args.sound.report.is_some(),
+            regions: match args.speed_field {
+                Some(_) => Some(Regions::of_solver(Simulation::new(scene, options)?.solver())),
+                None => None,
+            },
         })
     }
 
@@ -114,7 +140,8 @@ impl Plan {
     /// What a run that goes on must have in common with the one that began. How long it is to be is not in it.
     fn settings(&self) -> String {
         let cache = self.cache.as_ref().map(|folder| format!(", cache {}", folder.display())).unwrap_or_default();
-        format!("{}, iso {ISO}, refine {}{cache}", self.options_text(), self.refine).replace(['\n', '\r'], " ")
+        let field = if self.regions.is_some() { ", speed field" } else { "" };
+        format!("{}, iso {ISO}, refine {}{cache}{field}", self.options_text(), self.refine).replace(['\n', '\r'], " ")
     }
 
     fn box_text(&self) -> Result<String, Error> {
@@ -125,23 +152,26 @@ impl Plan {
     }
 
     /// Flux and area of all steps that are kept, and the fronts to be drawn.
-    fn simulate(&self, kept: &mut Kept, work: &Work) -> Result<(Steps, Meshes), Error> {
+    fn simulate(&self, kept: &mut Kept, work: &Work) -> Result<Simulated, Error> {
         if let Some(folder) = &self.cache {
             make_folder(folder)?;
             self.check_cache(folder)?;
         }
         let mut simulation = Simulation::new(self.scene, self.options)?;
-        let mut steps = kept.restore(&mut simulation);
+        let (mut steps, mut flow) = kept.restore(&mut simulation);
         let is_kept = |frame: &u64| self.cache_path(*frame).is_none_or(|path| path.is_file());
         let frames = simulation.steps().saturating_sub(self.pre_roll);
-        if steps.len() as u64 != frames || !steps.keys().all(is_kept) {
+        let flow_is_whole = self.regions.is_none() || flow.len() as u64 == frames.div_ceil(stride(STEP_RATE_HZ));
+        if steps.len() as u64 != frames || !steps.keys().all(is_kept) || !flow_is_whole {
             note("what the run before has left is not complete; starting anew");
             simulation.reset();
             steps.clear();
+            flow.clear();
         }
         if simulation.steps() > 0 {
             note(&format!("{} steps were done by the run before", simulation.steps()));
             steps.retain(|frame, _| *frame < self.count);
+            flow.truncate(self.count.div_ceil(stride(STEP_RATE_HZ)) as usize);
         }
         let stage = work.stage("simulating");
         let mut meshes = vec![];
@@ -150,12 +180,13 @@ impl Plan {
             let end = (simulation.steps() / KEEP_STEPS + 1) * KEEP_STEPS;
             for measured in self.stretch(&mut simulation, end.min(total), &stage)? {
                 meshes.extend(measured.mesh.map(|mesh| (measured.row.frame, mesh)));
+                flow.extend(measured.speeds);
                 steps.insert(measured.row.frame, Some(measured.row));
             }
-            kept.keep(&simulation, &steps)?;
+            kept.keep(&simulation, &steps, &flow)?;
             work.check()?;
         }
-        Ok((steps, meshes))
+        Ok(Simulated { steps, meshes, flow })
     }
 
     /// Goes on up to step `end`, or until it is cancelled; the fronts of all steps are measured.
@@ -177,7 +208,19 @@ impl Plan {
         let row = Row::new(frame.number, &self.front.measure(frame)?);
         let every = self.count.div_ceil(PICTURES);
         let is_drawn = self.draws && frame.number % every == every / 2;
-        Ok(Measured { row, mesh: is_drawn.then(|| self.front.mesh(&frame.field)).transpose()? })
+        let regions = self.regions.as_ref().filter(|_| frame.number.is_multiple_of(stride(STEP_RATE_HZ)));
+        Ok(Measured {
+            row,
+            mesh: is_drawn.then(|| self.front.mesh(&frame.field)).transpose()?,
+            speeds: regions.map(|regions| regions.mean_speeds(&frame.velocity)),
+        })
+    }
+
+    /// The speed field of what was measured.
+    fn field(&self, flow: &Flow) -> Result<SpeedField, Error> {
+        let Some(regions) = &self.regions else { return Err(pyrophone_flame::Error::NoMotion.into()) };
+        let rate_hz = STEP_RATE_HZ / stride(STEP_RATE_HZ) as f64;
+        Ok(regions.field(flow, rate_hz, Up::Z, End::Clamped)?)
     }
 
     /// The last step, if it is one of those that are kept; numbered from the first of these, and in the cache.

@@ -100,8 +100,10 @@ fn options_out_of_range() {
         ("--set alpha", &["--set alpha", "no '='", "alpha=3.0"]),
         ("--set levels=20", &["levels", "20", "8"]),
         ("--channels 0", &["--channels", "0", "1"]),
-        ("--channels 9", &["--channels", "9", "8"]),
+        ("--channels 11", &["--channels", "11", "10"]),
         ("--preset no-such", &["no-such", "factory presets"]),
+        ("--speed-field good.wav", &["good.wav", "no speed field"]),
+        ("--speed-field none.field", &["none.field"]),
         ("--automation none.csv", &["none.csv"]),
         ("--dynamic-range off --learn good.wav", &["--learn", "--dynamic-range"]),
     ] {

@@ -5,6 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::{hiss, read, rumble, succeeds, write};
+use pyrophone_synthesis::vortex::SpeedField;
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -26,6 +27,76 @@ fn peak(path: &Path) -> f32 {
 fn made(folder: &TempDir, name: &str, arguments: &str) -> std::path::PathBuf {
     succeeds(folder.path(), &format!("{arguments} --output {name}"));
     folder.path().join(name)
+}
+
+/// Settings that leave vortex sound alone.
+const WHOOSH: &str = "--set texture_level=off --set vortex_level=0 --set threshold=off";
+
+#[test]
+fn vortex_sound_stands_where_it_is_put_in_every_layout() {
+    let folder = folder();
+    // Channels in the order of the layout, those that face an azimuth, and those that stay silent.
+    for (number, (channels, azimuth, louder, silent)) in [
+        (1, 0.0, vec![0], vec![]),
+        (2, -30.0, vec![0], vec![]),
+        (2, 30.0, vec![1], vec![]),
+        (6, 0.0, vec![2], vec![3]),
+        (6, 110.0, vec![5], vec![3]),
+        (8, -135.0, vec![4], vec![3]),
+        (8, 90.0, vec![7], vec![3]),
+        (10, -90.0, vec![6], vec![3]),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let place = format!("--set vortex_azimuth={azimuth} --set vortex_spread=0 --set vortex_distance=10");
+        let command = format!("render --preset default --input mono.wav --channels {channels} {WHOOSH} {place}");
+        let output = read(&made(&folder, &format!("place_{number}.wav"), &command));
+        assert_eq!(output.channels.len(), channels, "{command}");
+        let power = |channel: usize| output.channels[channel].iter().map(|x| x * x).sum::<f32>();
+        let most = (0..channels).max_by(|a, b| power(*a).total_cmp(&power(*b))).unwrap();
+        assert!(louder.contains(&most) && power(most) > 0.0, "{command}: channel {most} is the loudest");
+        assert!(silent.iter().all(|channel: &usize| power(*channel) == 0.0), "{command}: the LFE channel sounds");
+    }
+}
+
+#[test]
+fn a_speed_field_is_written_by_simulate_and_heard_by_render() {
+    let folder = folder();
+    succeeds(folder.path(), "simulate campfire --seconds 0.5 --resolution 16 --speed-field gas.field --output p.wav");
+    let field = "--set vortex_flow=field --speed-field gas.field";
+    let heard = made(&folder, "field.wav", &format!("render --preset default --input mono.wav {WHOOSH} {field}"));
+    assert!(peak(&heard) > 1e-6, "silence");
+    let envelope = made(&folder, "envelope.wav", &format!("render --preset default --input mono.wav {WHOOSH}"));
+    let live =
+        made(&folder, "live.wav", &format!("render --preset default --input mono.wav {WHOOSH} --set vortex_flow=live"));
+    let sounds = [&heard, &envelope, &live].map(|path| read(path).channels);
+    assert!(sounds[0] != sounds[1] && sounds[1] != sounds[2]);
+    // A later place on the timeline starts the field later.
+    succeeds(
+        folder.path(),
+        "simulate campfire --seconds 0.5 --resolution 16 --time-reference 44100 --speed-field later.field --output p.wav",
+    );
+    let later = std::fs::read(folder.path().join("later.field")).unwrap();
+    let gas = std::fs::read(folder.path().join("gas.field")).unwrap();
+    assert_eq!((&later[..16], &later[24..]), (&gas[..16], &gas[24..]));
+    assert_eq!(f64::from_le_bytes(later[16..24].try_into().unwrap()), 1.0);
+}
+
+#[test]
+fn flux_writes_the_speed_field_that_simulate_does() {
+    let folder = folder();
+    succeeds(
+        folder.path(),
+        "simulate campfire --seconds 0.2 --resolution 16 --cache frames --speed-field a.field --output p.wav",
+    );
+    succeeds(folder.path(), "flux --input frames --speed-field b.field --output q.wav");
+    let [a, b] = ["a.field", "b.field"]
+        .map(|name| SpeedField::from_bytes(&std::fs::read(folder.path().join(name)).unwrap()).unwrap());
+    assert_eq!((a.steps(), a.rate_hz(), a.start_s()), (b.steps(), b.rate_hz(), b.start_s()));
+    // Stored velocities lie at the voxels' centres, so their box ends half a voxel earlier.
+    let mean = |field: &SpeedField| field.speeds().iter().sum::<f32>() / field.speeds().len() as f32;
+    assert!((mean(&a) / mean(&b) - 1.0).abs() < 0.25, "{} and {}", mean(&a), mean(&b));
 }
 
 #[test]

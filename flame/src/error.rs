@@ -142,6 +142,12 @@ pub enum Error {
         /// The first frame missing.
         frame: u64,
     },
+    /// A flow stands still.
+    #[error("nothing moves in any step, so there is no speed field; check the velocity's grid")]
+    NoMotion,
+    /// An engine refused what was made for it.
+    #[error(transparent)]
+    Engine(#[from] pyrophone_synthesis::Error),
     /// Work was called off by its progress callback.
     #[error("cancelled")]
     Cancelled,

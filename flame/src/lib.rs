@@ -12,10 +12,12 @@ pub mod frame;
 pub mod front;
 pub mod grid;
 pub mod import;
+pub mod live;
 pub mod pressure;
 pub mod scenes;
 pub mod seam;
 pub mod solver;
+pub mod speed_field;
 pub mod velocity;
 pub mod vortex_texture;
 

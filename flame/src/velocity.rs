@@ -42,6 +42,22 @@ impl Velocity {
         }
     }
 
+    /// Lowest and highest corner in the world of all that is stored, up to a voxel; none where nothing is.
+    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        fn of<const N: usize>(grid: &Grid<N>) -> Option<[[f64; 3]; 2]> {
+            let (low, high) = grid.bounds()?;
+            let corner = |corner: usize| {
+                let index = std::array::from_fn(|axis| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
+                grid.transform().to_world(index.map(f64::from))
+            };
+            (0..8).map(|which| [corner(which); 2]).reduce(join)
+        }
+        match self {
+            Self::Vectors(grid, _) => of(grid),
+            Self::Components(grids) => grids.iter().filter_map(of).reduce(join),
+        }
+    }
+
     /// Whether every value is finite.
     pub fn is_finite(&self) -> bool {
         match self {
@@ -57,6 +73,11 @@ impl Velocity {
             Self::Components(grids) => grids[0].transform(),
         }
     }
+}
+
+/// The box around two boxes, each by its lowest and highest corner.
+pub fn join(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    [std::array::from_fn(|axis| a[0][axis].min(b[0][axis])), std::array::from_fn(|axis| a[1][axis].max(b[1][axis]))]
 }
 
 /// Trilinear interpolation at a fractional index.

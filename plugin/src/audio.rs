@@ -80,6 +80,7 @@ impl Audio {
             let retired = match update {
                 Update::Dictionary(new) => running.chain.swap_dictionary(new).map(Retired::Dictionary),
                 Update::Distribution(new) => running.chain.swap_distribution(new).map(Retired::Distribution),
+                Update::Field(new) => running.chain.swap_field(new).map(Retired::Field),
             };
             if let Some(retired) = retired {
                 self.link.retire(retired);

@@ -10,6 +10,7 @@ use pyrophone_synthesis::chain::{Chain, Channels};
 use crate::audio::{Audio, Tail};
 use crate::editor::{self, Window};
 use crate::fence::Fence;
+use crate::gas::Gas;
 use crate::host_clock::{HostClock, Reported};
 use crate::loader::{Engine, Loader};
 use crate::meters::Meters;
@@ -32,6 +33,7 @@ pub struct Pyrophone {
     probe: ProbeOut,
     clock: HostClock,
     fence: Fence,
+    gas: Option<Gas>,
     executor: Option<AsyncExecutor<Self>>,
     notifier: RepaintNotifier,
     window: Arc<EguiEditorState>,
@@ -56,6 +58,7 @@ impl Default for Pyrophone {
             probe,
             clock: HostClock::default(),
             fence: Fence::default(),
+            gas: None,
             executor: None,
             notifier,
             window: editor::initial_state(),
@@ -150,7 +153,7 @@ impl Plugin for Pyrophone {
         let sample_rate_hz = f64::from(config.sample_rate);
         let engine = Engine { sample_rate_hz, structure: values.structure(), channels };
         let ticket = self.loader.set_engine(engine);
-        let chain = match Chain::new(sample_rate_hz, channels, &engine.structure) {
+        let mut chain = match Chain::new(sample_rate_hz, channels, &engine.structure) {
             Ok(chain) => chain,
             Err(error) => {
                 nice_error!("Pyrophone cannot run: {error}");
@@ -159,6 +162,13 @@ impl Plugin for Pyrophone {
         };
         let latency_samples = chain.latency_samples() as u32;
         let offline = config.process_mode == ProcessMode::Offline;
+        self.gas = match Gas::start(&mut chain, offline) {
+            Ok(gas) => Some(gas),
+            Err(reason) => {
+                nice_warn!("Pyrophone's gas cannot be simulated live: {reason}");
+                None
+            }
+        };
         let began = Instant::now();
         let is_loaded = self.loader.wait(ticket, (!offline).then_some(ACTIVATION_WAIT));
         let waited_s = began.elapsed().as_secs_f32();
@@ -189,6 +199,9 @@ impl Plugin for Pyrophone {
         let began = self.audio.is_watched().then(Instant::now);
         self.audio.receive_updates();
         let values = self.params.values();
+        if let Some(gas) = &self.gas {
+            gas.set_used(values.is_live());
+        }
         let samples = buffer.samples();
         let transport = context.transport();
         let reported = Reported {

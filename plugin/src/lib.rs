@@ -17,6 +17,7 @@ pub mod audio;
 pub mod editor;
 pub mod effect;
 pub mod fence;
+pub mod gas;
 pub mod host_clock;
 pub mod loader;
 pub mod meters;

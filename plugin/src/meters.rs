@@ -36,9 +36,12 @@ pub struct Meters {
     pub extension: Peak,
     /// Texture layer.
     pub texture: Peak,
+    /// Vortex layer.
+    pub vortex: Peak,
     /// Output.
     pub output: Peak,
     cancels: AtomicBool,
+    late_steps: AtomicU32,
     latency_samples: AtomicU32,
     sample_rate_bits: AtomicU32,
 }
@@ -52,12 +55,14 @@ impl Meters {
             (&self.low, measured.low),
             (&self.extension, measured.extension),
             (&self.texture, measured.texture),
+            (&self.vortex, measured.vortex),
             (&self.output, measured.output),
         ];
         for (peak, magnitude) in peaks {
             peak.raise(magnitude);
         }
         self.cancels.store(measured.cancels, Ordering::Relaxed);
+        self.late_steps.fetch_add(u32::try_from(measured.late_steps).unwrap_or(u32::MAX), Ordering::Relaxed);
     }
 
     /// Whether the input's channels cancel in the mean that drives the engines.
@@ -65,10 +70,16 @@ impl Meters {
         self.cancels.load(Ordering::Relaxed)
     }
 
+    /// Steps of the live gas that came too late since the activation.
+    pub fn late_steps(&self) -> u32 {
+        self.late_steps.load(Ordering::Relaxed)
+    }
+
     /// Takes over what an activation has decided.
     pub fn set_engine(&self, sample_rate_hz: f32, latency_samples: u32) {
         self.sample_rate_bits.store(sample_rate_hz.to_bits(), Ordering::Relaxed);
         self.latency_samples.store(latency_samples, Ordering::Relaxed);
+        self.late_steps.store(0, Ordering::Relaxed);
     }
 
     /// Latency in samples and sample rate in Hz, once there was an activation.

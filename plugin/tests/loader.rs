@@ -269,6 +269,7 @@ fn a_missing_recording_is_named_and_the_session_saved_unharmed() {
         }),
         embed: true,
         learned: Some(Learned { sample_rate_hz: RATE_HZ, levels: 6, companded: true, quantiles: vec![0.0, 0.5, 1.0] }),
+        field: None,
     };
     instance.load_session(&session);
     let view = instance.view();

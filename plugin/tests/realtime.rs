@@ -91,7 +91,7 @@ fn session(folder: &Path, name: &str) -> String {
     let content_hash = pyrophone_recording::content_hash(&pyrophone_recording::read(&path).unwrap());
     let path = path.to_str().unwrap().to_owned();
     let recording = Some(RecordingReference { path, content_hash, embedded: None });
-    serde_json::to_string(&Session { recording, embed: false, learned: None }.to_json()).unwrap()
+    serde_json::to_string(&Session { recording, ..Session::default() }.to_json()).unwrap()
 }
 
 fn run(sidechain_channels: usize) {

@@ -21,7 +21,7 @@ pub use resample::resample;
 pub use write::{check_finite, check_not_among, write_file, write_wav_f32};
 
 /// Most channels a recording may have.
-pub const MAX_CHANNELS: usize = 8;
+pub const MAX_CHANNELS: usize = 10;
 /// Lowest sample rate of a recording in Hz.
 pub const MIN_SAMPLE_RATE_HZ: u32 = 1_000;
 /// Highest sample rate of a recording in Hz.

@@ -49,6 +49,10 @@ pub const FACTORY: &[(&str, &str)] = &[
     ("default", include_str!("../../presets/default.toml")),
     ("extend", include_str!("../../presets/extend.toml")),
     ("flame", include_str!("../../presets/flame.toml")),
+    ("campfire", include_str!("../../presets/campfire.toml")),
+    ("flamethrower", include_str!("../../presets/flamethrower.toml")),
+    ("explosion", include_str!("../../presets/explosion.toml")),
+    ("swinging-torch", include_str!("../../presets/swinging-torch.toml")),
     ("texture", include_str!("../../presets/texture.toml")),
     ("texture-paper", include_str!("../../presets/texture-paper.toml")),
 ];

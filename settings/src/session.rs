@@ -1,4 +1,4 @@
-//! What a session keeps besides the parameters: the recording and the learned distribution.
+//! What a session keeps besides the parameters: the recording, the learned distribution, the speed field.
 //!
 //! It is kept as JSON text, in the plugin's state as its field [`FIELD`]. A text that this
 //! version does not understand is refused as a whole; whoever holds it keeps it as it was.
@@ -37,6 +37,8 @@ pub struct Session {
     pub embed: bool,
     /// The learned distribution of the drive's amplitudes.
     pub learned: Option<Learned>,
+    /// The speed field that vortex sound follows.
+    pub field: Option<FieldReference>,
 }
 
 /// Where a recording is, and which it is.
@@ -49,6 +51,25 @@ pub struct RecordingReference {
     /// The file itself, packed by the `recording` crate; none where the user does not want it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub embedded: Option<String>,
+}
+
+/// A speed field, itself in the session: it is small.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FieldReference {
+    /// Absolute path when it was loaded.
+    pub path: String,
+    /// The file's bytes, at most [`MAX_FIELD_BYTES`].
+    pub bytes: Vec<u8>,
+}
+
+/// Most bytes that a session takes of a speed field: half an hour of 80 sources at 30 steps per second.
+pub const MAX_FIELD_BYTES: usize = 4 << 20;
+
+/// A field's bytes in Base64.
+#[derive(Serialize, Deserialize)]
+struct PackedField {
+    path: String,
+    bytes: String,
 }
 
 /// Quantiles of the drive pyramid's top level, in the companded mode of its loudness, and what they hold for.
@@ -73,6 +94,8 @@ struct File {
     embed: bool,
     #[serde(default)]
     learned: Option<PackedLearned>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    field: Option<PackedField>,
 }
 
 /// Quantiles as little-endian 64-bit floats in Base64: exact, and an eighth of their size as text.
@@ -94,7 +117,11 @@ impl Session {
             companded: learned.companded,
             quantiles: STANDARD.encode(learned.quantiles.iter().flat_map(|q| q.to_le_bytes()).collect::<Vec<u8>>()),
         });
-        let file = File { version: VERSION, recording: self.recording.clone(), embed: self.embed, learned };
+        let field = self
+            .field
+            .as_ref()
+            .map(|field| PackedField { path: field.path.clone(), bytes: STANDARD.encode(&field.bytes) });
+        let file = File { version: VERSION, recording: self.recording.clone(), embed: self.embed, learned, field };
         // Strings, numbers and booleans always have a JSON form.
         serde_json::to_string(&file).unwrap_or_default()
     }
@@ -113,7 +140,19 @@ impl Session {
         }
         let file: File = serde_json::from_value(value).map_err(|error| damaged(error.to_string()))?;
         let learned = file.learned.map(PackedLearned::unpack).transpose().map_err(damaged)?;
-        Ok(Self { recording: file.recording, embed: file.embed, learned })
+        let field = file.field.map(PackedField::unpack).transpose().map_err(damaged)?;
+        Ok(Self { recording: file.recording, embed: file.embed, learned, field })
+    }
+}
+
+impl PackedField {
+    fn unpack(self) -> Result<FieldReference, String> {
+        // Four characters hold three bytes.
+        if self.bytes.len() / 4 > MAX_FIELD_BYTES / 3 + 1 {
+            return Err(format!("its speed field is larger than {} MB", MAX_FIELD_BYTES >> 20));
+        }
+        let bytes = STANDARD.decode(&self.bytes).map_err(|error| error.to_string())?;
+        Ok(FieldReference { path: self.path, bytes })
     }
 }
 

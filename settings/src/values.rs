@@ -2,11 +2,11 @@
 
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::{
-    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, FlameControls, MixControls,
-    Quality, TextureControls,
+    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, FlameControls, Flow,
+    MixControls, Quality, TextureControls, VortexControls,
 };
-
 use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::vortex::shipped::OUTPUT_PER_PA;
 
 use crate::{COUNT, Error, Id, PARAMETERS, index_of};
 
@@ -124,15 +124,52 @@ impl Values {
                     spectrum_match: self.get(Id::SpectrumMatch),
                 },
             },
+            vortex: self.vortex(),
             mix: MixControls {
                 low: self.factor(Id::LowLevel),
                 extension: self.factor(Id::ExtensionLevel),
                 texture: self.factor(Id::TextureLevel),
+                vortex: self.factor(Id::VortexLevel),
                 width: self.get(Id::TextureWidth),
                 output: self.factor(Id::OutputLevel),
                 bypass: on(Id::Bypass),
             },
         }
+    }
+
+    fn vortex(&self) -> VortexControls {
+        let texture = (self.get(Id::VortexTexture) as usize).min(OUTPUT_PER_PA.len() - 1);
+        VortexControls {
+            texture,
+            flow: match self.get(Id::VortexFlow) as usize {
+                0 => Flow::Envelope,
+                1 => Flow::Field,
+                _ => Flow::Live,
+            },
+            attack_s: self.get(Id::Attack) / 1000.0,
+            release_s: self.get(Id::Release) / 1000.0,
+            threshold: self.factor(Id::Threshold),
+            speed_m_s: self.get(Id::VortexSpeed),
+            field_speed: self.get(Id::VortexSpeed) / Id::VortexSpeed.parameter().default_value(),
+            curve: self.get(Id::VortexCurve),
+            range: self.get(Id::VortexRange),
+            variation: self.get(Id::VortexVariation),
+            count: self.get(Id::VortexSources) as usize,
+            seed: self.get(Id::VortexSeed) as u32,
+            distance_m: self.get(Id::VortexDistance),
+            spread_m: self.get(Id::VortexSpread),
+            azimuth_deg: self.get(Id::VortexAzimuth),
+            elevation_deg: self.get(Id::VortexElevation),
+            exponent: self.get(Id::VortexFalloff),
+            level: OUTPUT_PER_PA[texture],
+            max_pressure_pa: 10f64.powf(self.get(Id::VortexLimit) / 20.0) / OUTPUT_PER_PA[texture],
+            ..VortexControls::default()
+        }
+    }
+
+    /// Whether vortex sound of the flow `live` is heard.
+    pub fn is_live(&self) -> bool {
+        self.get(Id::VortexFlow) as usize == 2 && !Id::VortexLevel.parameter().is_off(self.get(Id::VortexLevel))
     }
 
     /// What decides sizes and latency.

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use pyrophone_settings::{COUNT, Error, Id, Kind, PARAMETERS, Parameter, Values, index_of};
-use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Quality};
+use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Quality, VortexControls};
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::{Controls, Structure};
 
@@ -67,6 +67,21 @@ fn every_id_is_at_its_place() {
         (Id::FlameIntensity, "flame_intensity"),
         (Id::FlameWind, "flame_wind"),
         (Id::FlameOffset, "flame_offset"),
+        (Id::VortexLevel, "vortex_level"),
+        (Id::VortexTexture, "vortex_texture"),
+        (Id::VortexFlow, "vortex_flow"),
+        (Id::VortexSpeed, "vortex_speed"),
+        (Id::VortexCurve, "vortex_curve"),
+        (Id::VortexRange, "vortex_range"),
+        (Id::VortexVariation, "vortex_variation"),
+        (Id::VortexSources, "vortex_sources"),
+        (Id::VortexDistance, "vortex_distance"),
+        (Id::VortexSpread, "vortex_spread"),
+        (Id::VortexAzimuth, "vortex_azimuth"),
+        (Id::VortexElevation, "vortex_elevation"),
+        (Id::VortexFalloff, "vortex_falloff"),
+        (Id::VortexLimit, "vortex_limit"),
+        (Id::VortexSeed, "vortex_seed"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {
@@ -105,6 +120,11 @@ fn defaults_are_those_of_the_engines() {
     // The engines' own defaults are the paper's, all layers at full level; a fresh instance is the default preset.
     assert_eq!((controls.mix.low, controls.mix.extension), (0.0, 0.0));
     same.mix = engine.mix;
+    // A level per pascal and a limit are the texture's own.
+    assert!(controls.vortex.level > 0.0 && controls.vortex.max_pressure_pa > 0.0);
+    assert!((controls.vortex.threshold - engine.vortex.threshold).abs() < 1e-15);
+    let VortexControls { level, max_pressure_pa, threshold, .. } = engine.vortex;
+    same.vortex = VortexControls { level, max_pressure_pa, threshold, ..same.vortex };
     same.drive.high_pass_hz = engine.drive.high_pass_hz;
     same.texture.scaling_alpha = engine.texture.scaling_alpha;
     same.texture.gate = engine.texture.gate;

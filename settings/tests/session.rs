@@ -1,7 +1,7 @@
 //! What a session keeps: round trips, and damaged ones.
 
 use proptest::prelude::*;
-use pyrophone_settings::session::{Learned, RecordingReference, Session, plugin_state};
+use pyrophone_settings::session::{FieldReference, Learned, RecordingReference, Session, plugin_state};
 use pyrophone_settings::{Error, Values};
 
 fn full() -> Session {
@@ -18,6 +18,7 @@ fn full() -> Session {
             companded: true,
             quantiles: vec![0.0, 1e-300, 0.1, 0.3],
         }),
+        field: Some(FieldReference { path: "/caches/flame.field".to_owned(), bytes: vec![0, 255, 7] }),
     }
 }
 
@@ -38,6 +39,8 @@ fn damaged_texts_are_refused() {
     bad.push(good[..good.len() / 2].to_owned());
     bad.push(good.replace("\"path\"", "\"pfad\""));
     bad.push(good.replace("true", "\"yes\""));
+    bad.push(good.replace("AP8H", "A*8H"));
+    assert!(good.contains("AP8H"), "a field's bytes are Base64");
     bad.push(good.replace("\"levels\":6", "\"levels\":-6"));
     bad.push(good.replace("\"quantiles\":\"AAAA", "\"quantiles\":\"A*AA"));
     let with = |quantiles: Vec<f64>| {

@@ -12,6 +12,8 @@ pub struct Controls {
     pub extend: ExtendControls,
     /// Texture synthesis.
     pub texture: TextureControls,
+    /// Vortex sound.
+    pub vortex: VortexControls,
     /// Levels of the layers.
     pub mix: MixControls,
 }
@@ -199,12 +201,17 @@ pub enum Flow {
     Envelope,
     /// A speed field, for each of them; nothing sounds without one.
     Field,
+    /// A flow that is simulated meanwhile, into which the drive's envelope blows; nothing sounds without a simulator.
+    Live,
 }
 
 /// Controls of [`crate::vortex`]. What lies out of its range is taken at its end, what is not a number at the lowest
 /// value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VortexControls {
+    /// Place in [`crate::vortex::TEXTURES`] of what a source sounds like; beyond its end the last. [`crate::chain::Chain`]
+    /// heeds it; the renderer plays the bank that it has.
+    pub texture: usize,
     /// What tells the flow speeds.
     pub flow: Flow,
     /// Envelope attack in seconds, 0.0001-1.
@@ -221,6 +228,8 @@ pub struct VortexControls {
     pub variation: f64,
     /// Factor on a field's speeds, 0-10.
     pub field_speed: f64,
+    /// Seconds by which a field is ahead of the timeline, -3600 to 3600.
+    pub field_offset_s: f64,
     /// Number of sources, up to what the renderer has room for; a field brings its own. They add by power: twice as
     /// many are 3 dB louder.
     pub count: usize,
@@ -249,14 +258,16 @@ pub struct VortexControls {
 impl Default for VortexControls {
     fn default() -> Self {
         Self {
+            texture: 0,
             flow: Flow::Envelope,
             attack_s: 0.005,
             release_s: 0.08,
             threshold: 0.001,
             speed_m_s: 16.0,
-            curve: 0.5,
+            curve: 0.4,
             variation: 0.25,
             field_speed: 1.0,
+            field_offset_s: 0.0,
             count: 64,
             seed: 42,
             distance_m: 3.0,
@@ -281,6 +292,8 @@ pub struct MixControls {
     pub extension: f64,
     /// Factor on the texture.
     pub texture: f64,
+    /// Factor on vortex sound.
+    pub vortex: f64,
     /// Stereo width of the texture: 0 = mono, 1 = as recorded.
     pub width: f64,
     /// Factor on the sum.
@@ -291,6 +304,6 @@ pub struct MixControls {
 
 impl Default for MixControls {
     fn default() -> Self {
-        Self { low: 1.0, extension: 1.0, texture: 1.0, width: 1.0, output: 1.0, bypass: false }
+        Self { low: 1.0, extension: 1.0, texture: 1.0, vortex: 0.0, width: 1.0, output: 1.0, bypass: false }
     }
 }

@@ -15,6 +15,8 @@ pub struct Layers<'a> {
     pub extension: &'a [Vec<f64>],
     /// Texture, by channel.
     pub texture: &'a [Vec<f64>],
+    /// Vortex sound, by channel.
+    pub vortex: &'a [Vec<f64>],
     /// The input, by channel of the output, delayed likewise.
     pub dry: &'a [Vec<f32>],
 }
@@ -28,6 +30,8 @@ pub struct Peaks {
     pub extension: f64,
     /// Texture layer.
     pub texture: f64,
+    /// Vortex layer.
+    pub vortex: f64,
     /// Output.
     pub output: f64,
 }
@@ -41,6 +45,7 @@ pub struct Mix {
     low: Smoothed,
     extension: Smoothed,
     texture: Smoothed,
+    vortex: Smoothed,
     width: Smoothed,
     output: Smoothed,
     bypass: Smoothed,
@@ -58,6 +63,7 @@ impl Mix {
             low: smoothed,
             extension: smoothed,
             texture: smoothed,
+            vortex: smoothed,
             width: smoothed,
             output: smoothed,
             bypass: smoothed,
@@ -99,6 +105,7 @@ impl Mix {
         self.low.value = controls.low;
         self.extension.value = controls.extension;
         self.texture.value = controls.texture;
+        self.vortex.value = controls.vortex;
         self.width.value = controls.width;
         self.output.value = controls.output;
         self.bypass.value = f64::from(u8::from(controls.bypass));
@@ -116,6 +123,7 @@ impl Mix {
         let low = self.low.next(controls.low) * layers.low[i];
         let extension_level = self.extension.next(controls.extension);
         let texture_level = self.texture.next(controls.texture);
+        let vortex_level = self.vortex.next(controls.vortex);
         let width = self.width.next(controls.width);
         let output_level = self.output.next(controls.output);
         let bypass = self.bypass.next(f64::from(u8::from(controls.bypass)));
@@ -127,7 +135,8 @@ impl Mix {
             let texture = layers.texture[channel][i];
             let texture = if narrowed { middle + width * (texture - middle) } else { texture } * texture_level;
             let extension = layers.extension[channel][i] * extension_level;
-            let wet = (low + extension + texture) * output_level;
+            let vortex = layers.vortex[channel][i] * vortex_level;
+            let wet = (low + extension + texture + vortex) * output_level;
             let dry = layers.dry[channel][i];
             output[i] = match bypass {
                 0.0 => wet as f32,
@@ -136,6 +145,7 @@ impl Mix {
             };
             peaks.extension = peaks.extension.max(extension.abs());
             peaks.texture = peaks.texture.max(texture.abs());
+            peaks.vortex = peaks.vortex.max(vortex.abs());
             peaks.output = peaks.output.max(f64::from(output[i]).abs());
         }
     }
@@ -160,10 +170,15 @@ mod tests {
                 while start < end {
                     let stop = end.min(start + cut);
                     let part = |x: &Vec<f64>| x[start..stop].to_vec();
-                    let (extension, texture) =
-                        (silent.iter().map(part).collect::<Vec<_>>(), silent.iter().map(part).collect::<Vec<_>>());
+                    let silent: Vec<Vec<f64>> = silent.iter().map(part).collect();
                     let dry: Vec<_> = dry.iter().map(|x| x[start..stop].to_vec()).collect();
-                    let layers = Layers { low: &low[start..stop], extension: &extension, texture: &texture, dry: &dry };
+                    let layers = Layers {
+                        low: &low[start..stop],
+                        extension: &silent,
+                        texture: &silent,
+                        vortex: &silent,
+                        dry: &dry,
+                    };
                     let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(|x| &mut x[start..stop]).collect();
                     mix.process(&layers, &MixControls { low: gain, ..MixControls::default() }, &mut outs);
                     start = stop;
@@ -185,7 +200,7 @@ mod tests {
         let (low, silent, dry) = layers_of_ones(100);
         let mut mix = Mix::new(10, 48_000.0);
         let mut outputs = [vec![0.0f32; 100], vec![0.0f32; 100]];
-        let layers = Layers { low: &low, extension: &silent, texture: &silent, dry: &dry };
+        let layers = Layers { low: &low, extension: &silent, texture: &silent, vortex: &silent, dry: &dry };
         let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
         mix.process(&layers, &MixControls { bypass: true, ..MixControls::default() }, &mut outs);
         assert_eq!(outputs[0], dry[0]);

@@ -10,9 +10,12 @@ use std::sync::Arc;
 use effect::{Event, MODES, STEREO, any_controls, chain, channels, dictionary, play};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
-use pyrophone_synthesis::controls::{Controls, DynamicRange, MixControls, Quality, TextureControls};
+use pyrophone_synthesis::controls::{
+    Controls, DriveMode, DynamicRange, Flow, MixControls, Quality, TextureControls, VortexControls,
+};
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Shape, offline, shape::Padding};
+use pyrophone_synthesis::vortex::{End, SpeedField};
 use signals::Random;
 
 const RATE_HZ: f64 = 44_100.0;
@@ -24,7 +27,8 @@ fn first(controls: Controls) -> Event {
 /// All layers audible, nothing random.
 fn plain() -> Controls {
     let texture = TextureControls { quality: Quality::Bounded { candidates: 128 }, ..TextureControls::default() };
-    Controls { texture, ..Controls::default() }
+    let vortex = VortexControls { level: 10.0, ..VortexControls::default() };
+    Controls { texture, vortex, mix: MixControls { vortex: 1.0, ..MixControls::default() }, ..Controls::default() }
 }
 
 #[test]
@@ -268,7 +272,7 @@ fn bad_configurations_are_refused() {
     assert!(Chain::new(f64::NAN, stereo, &structure).is_err());
     assert!(Chain::new(RATE_HZ, Channels { input: 0, ..stereo }, &structure).is_err());
     assert!(Chain::new(RATE_HZ, Channels { output: 1, ..stereo }, &structure).is_err());
-    assert!(Chain::new(RATE_HZ, Channels { output: 9, ..stereo }, &structure).is_err());
+    assert!(Chain::new(RATE_HZ, Channels { output: 11, ..stereo }, &structure).is_err());
     assert!(Chain::new(RATE_HZ, stereo, &Structure { levels: 9, ..structure }).is_err());
     assert!(Chain::new(RATE_HZ, stereo, &Structure { falloff: f64::NAN, ..structure }).is_err());
     assert!(learn(RATE_HZ, &structure, &Controls::default(), &[vec![0.0; 20]], &[]).is_err());
@@ -280,4 +284,114 @@ fn a_recording_of_another_rate_is_never_used() {
     let wrong = dictionary(44_100.0, &Structure::default(), 1);
     assert!(Arc::ptr_eq(&chain.swap_dictionary(Some(Arc::clone(&wrong))).unwrap(), &wrong));
     assert!(chain.take_meters().no_recording);
+}
+
+/// Vortex sound alone.
+fn whoosh(flow: Flow) -> Controls {
+    let mix = MixControls { low: 0.0, extension: 0.0, texture: 0.0, vortex: 1.0, ..MixControls::default() };
+    let vortex = VortexControls { flow, level: 10.0, ..VortexControls::default() };
+    let mut controls = Controls { mix, vortex, ..Controls::default() };
+    controls.drive.high_pass_hz = 0.0;
+    controls
+}
+
+#[test]
+fn vortex_sound_is_as_late_as_the_rest_and_ends_with_its_tail() {
+    let (at, end, samples) = (9_000, 20_000, 90_000);
+    let mut input = channels(3, 2, samples);
+    input.iter_mut().for_each(|channel| {
+        channel[..at].fill(0.0);
+        channel[at..end].iter_mut().for_each(|x| *x = x.signum() * x.abs().max(0.1));
+        channel[end..].fill(0.0);
+    });
+    let mut chain = chain(RATE_HZ, STEREO, Dynamics::Companded);
+    let out = play(&mut chain, &input, &[], 2, &[first(whoosh(Flow::Envelope))], 0, || 480);
+    let heard =
+        |range: std::ops::Range<usize>| out.iter().any(|channel| channel[range.clone()].iter().any(|x| *x != 0.0));
+    let start = at + chain.latency_samples();
+    assert!(!heard(0..start), "it comes before its drive");
+    assert!(heard(start..start + 200), "it comes later than a few hops");
+    let tail = chain.tail_samples().unwrap();
+    assert!(tail < samples - end, "{tail}");
+    assert!(!heard(end + tail..samples) && heard(end + chain.latency_samples()..end + tail));
+    assert!(chain.is_silent());
+}
+
+#[test]
+fn vortex_sound_follows_the_field_of_the_scene_that_burns_or_the_users_and_without_both_the_envelope() {
+    let (samples, silence) = (40_000, vec![vec![0.0f32; 40_000]; 2]);
+    let burning = |scene: usize| {
+        let mut controls = whoosh(Flow::Field);
+        (controls.drive.mode, controls.drive.flame.scene) = (DriveMode::Flame, scene);
+        controls
+    };
+    let own = |speed: f32| {
+        let field = SpeedField::new(30.0, 2, vec![[0.0; 3]; 2], vec![speed; 2], End::Clamped).unwrap();
+        Some(Arc::new(field))
+    };
+    let run = |controls: Controls, field: Option<Arc<SpeedField>>| {
+        let mut chain = chain(RATE_HZ, STEREO, Dynamics::Companded);
+        chain.swap_field(field);
+        let out = play(&mut chain, &silence, &[], 2, &[first(controls)], 0, || 512);
+        (out, chain.tail_samples(), chain.is_silent())
+    };
+    let sounds = |out: &[Vec<f32>]| out[0][samples / 2..].iter().any(|x| *x != 0.0);
+    let (campfire, tail, is_silent) = run(burning(5), None);
+    assert!(sounds(&campfire) && tail.is_none() && !is_silent);
+    let (torch, ..) = run(burning(1), None);
+    assert!(torch != campfire, "each scene has a field of its own");
+    let (mine, tail, is_silent) = run(whoosh(Flow::Field), own(5.0));
+    assert!(sounds(&mine) && tail.is_none() && !is_silent, "the user's needs neither input nor scene");
+    let mut at_campfire = run(burning(5), own(5.0)).0;
+    assert!(at_campfire == mine, "the user's goes before a scene's");
+    let (nothing, tail, is_silent) = run(whoosh(Flow::Field), None);
+    assert!(!sounds(&nothing) && tail.is_some() && is_silent);
+    // With neither, it is the envelope's.
+    let input = channels(8, 2, samples);
+    let enveloped = |flow: Flow| {
+        let mut chain = chain(RATE_HZ, STEREO, Dynamics::Companded);
+        play(&mut chain, &input, &[], 2, &[first(whoosh(flow))], 0, || 512)
+    };
+    at_campfire = enveloped(Flow::Field);
+    assert!(at_campfire == enveloped(Flow::Envelope) && sounds(&at_campfire));
+    // A fire that is out makes no wind.
+    let mut out = burning(5);
+    out.drive.flame.intensity = 0.0;
+    assert!(!sounds(&run(out, None).0));
+}
+
+#[test]
+fn an_exchange_of_fields_and_textures_gives_back_what_was_there_and_does_not_click() {
+    let samples = 60_000;
+    let silence = vec![vec![0.0f32; samples]; 2];
+    let field = |speed: f32| {
+        let places = (0..24).map(|n| [0.1 * n as f32, 0.0, 0.0]).collect();
+        Arc::new(SpeedField::new(30.0, 24, places, vec![speed; 24], End::Clamped).unwrap())
+    };
+    let (slow, fast) = (field(5.0), field(6.0));
+    let mut chain = chain(RATE_HZ, STEREO, Dynamics::Companded);
+    assert!(chain.swap_field(Some(slow.clone())).is_none());
+    let part = |chain: &mut Chain, from: usize, to: usize, texture: usize| {
+        let mut controls = whoosh(Flow::Field);
+        controls.vortex.texture = texture;
+        let input: Vec<Vec<f32>> = silence.iter().map(|x| x[from..to].to_vec()).collect();
+        play(chain, &input, &[], 2, &[first(controls)], from as i64, || 333).swap_remove(0)
+    };
+    let mut heard = part(&mut chain, 0, 20_000, 0);
+    let back = chain.swap_field(Some(fast.clone())).unwrap();
+    assert!(Arc::ptr_eq(&back, &slow));
+    heard.extend(part(&mut chain, 20_000, 40_000, 0));
+    heard.extend(part(&mut chain, 40_000, 60_000, 1));
+    let back = chain.swap_field(None).unwrap();
+    assert!(Arc::ptr_eq(&back, &fast));
+    drop(back);
+    assert_eq!(Arc::strong_count(&fast), 1, "nothing is kept");
+    let start = chain.latency_samples();
+    let step =
+        |range: std::ops::Range<usize>| heard[range].windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0f32, f32::max);
+    let steady = step(start + 4_000..start + 19_000).max(step(start + 44_000..60_000));
+    for at in [20_000, 40_000] {
+        let change = step(start + at - 100..start + at + 1_000);
+        assert!(change < 1.5 * steady, "{change} at {at}, else {steady}");
+    }
 }

@@ -334,6 +334,8 @@ fn bad_input_leaves_finite_output_and_no_trace() {
     for (which, bad) in bads.iter().copied().cycle().take(36).enumerate() {
         let drive: Vec<f64> = (0..700).map(|at| if at % 3 == 0 { bad } else { 0.5 }).collect();
         let controls = VortexControls {
+            texture: usize::MAX,
+            field_offset_s: bad,
             flow: if which % 2 == 0 { Flow::Envelope } else { Flow::Field },
             attack_s: bad,
             release_s: bad,

@@ -76,7 +76,7 @@ pub fn session(recording: Option<&Path>, learned: Option<Learned>) -> Session {
         content_hash: pyrophone_recording::decode(path, &|_| true).expect("a good recording").content_hash,
         embedded: None,
     };
-    Session { recording: recording.map(reference), embed: false, learned }
+    Session { recording: recording.map(reference), learned, ..Session::default() }
 }
 
 /// What texture would learn from these channels played through `values`.

@@ -31,7 +31,7 @@ fn bad_recordings(folder: &Path) -> Vec<(&'static str, PathBuf)> {
     backwards[16..20].copy_from_slice(&0x7fff_fff0u32.to_le_bytes());
     let mut picture = b"\x89PNG\r\n\x1a\n".to_vec();
     picture.extend([7; 3000]);
-    let nine_channels = wav(&wav_format(INTEGER, 9, 44_100, 16), &vec![1; 18 * 5000]);
+    let eleven_channels = wav(&wav_format(INTEGER, 11, 44_100, 16), &vec![1; 22 * 5000]);
     let no_channels = wav(&wav_format(INTEGER, 0, 44_100, 16), &[1; 2000]);
     let bytes: Vec<(&str, &str, Vec<u8>)> = vec![
         ("empty", "empty.wav", vec![]),
@@ -41,7 +41,7 @@ fn bad_recordings(folder: &Path) -> Vec<(&'static str, PathBuf)> {
         ("says it is 4 GB", "lying.wav", lying),
         ("has a chunk of 2 GB", "backwards.wav", backwards),
         ("no channels", "no_channels.wav", no_channels),
-        ("nine channels", "nine_channels.wav", nine_channels),
+        ("eleven channels", "eleven_channels.wav", eleven_channels),
         ("NaN", "nan.wav", wav_f32(&not_a_number, 44_100)),
         ("infinity", "infinite.wav", wav_f32(&infinite, 44_100)),
         ("no samples", "no_samples.wav", wav_f32(&[], 44_100)),

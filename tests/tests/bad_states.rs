@@ -234,7 +234,12 @@ fn a_session_whose_recording_is_not_found_is_saved_unharmed() {
         let options = BounceOptions::new(RATE_HZ, MONO);
         let expected = play(extension.as_mut(), &input, &options);
         for recording in [&nowhere, &damaged, &other, &no_hash, &no_path] {
-            let session = Session { recording: Some(recording.clone()), embed: true, learned: Some(learned.clone()) };
+            let session = Session {
+                recording: Some(recording.clone()),
+                embed: true,
+                learned: Some(learned.clone()),
+                ..Session::default()
+            };
             let mut plugin = open(format);
             load_session(plugin.as_mut(), &preset("default", &[]), &session);
             let context = format!("{format}, {:.80}", format!("{recording:?}"));
@@ -246,7 +251,7 @@ fn a_session_whose_recording_is_not_found_is_saved_unharmed() {
         // Where the file is gone but the session holds it, it is heard.
         let hash = pyrophone_recording::content_hash(&std::fs::read(&path).expect("read"));
         let whole = reference(lost, hash, Some(packed.clone()));
-        let session = Session { recording: Some(whole), embed: true, learned: None };
+        let session = Session { recording: Some(whole), embed: true, ..Session::default() };
         let mut plugin = open(format);
         load_session(plugin.as_mut(), &preset("default", &[]), &session);
         let found = play(plugin.as_mut(), &input, &options);

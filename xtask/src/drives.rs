@@ -1,7 +1,8 @@
 //! `cargo xtask drives`: the flames that burn in the plugin without any input.
 //!
 //! Each scene is simulated in two ways, and the flux of every step written as a loop: `presets/drives/SCENE.wav`, a
-//! channel per way, a sample per step. The synthesis crate takes these files into the build.
+//! channel per way, a sample per step. How fast the gas flows where, in the flame as designed, is written beside it as a
+//! speed field of the same loop: `presets/fields/SCENE.field`. The synthesis crate takes these files into the build.
 
 use std::path::{Path, PathBuf};
 
@@ -9,8 +10,11 @@ use anyhow::{Context, Result, bail};
 use hound::{SampleFormat, WavSpec, WavWriter};
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene};
 use pyrophone_flame::seam::seamless;
+use pyrophone_flame::speed_field::Up;
+use pyrophone_synthesis::vortex::{End, SpeedField};
 
-use crate::{project, simulated};
+use crate::project;
+use crate::simulated::{self, Burnt, MOTION_RATE_HZ};
 
 /// Length of a loop in seconds, at most: whole periods of scenes that have one.
 const LOOP_S: f64 = 10.0;
@@ -29,35 +33,62 @@ const WAYS: [(&str, Way); 2] =
 pub struct Args {
     /// Scenes to simulate, by name [default: all, which takes some 40 minutes on two cores]
     scenes: Vec<String>,
-    /// Folder to write to [default: presets/drives]
+    /// Folder that `drives` and `fields` are written in [default: presets]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
+    /// Write only the speed fields, for which each scene is simulated only once
+    #[arg(long)]
+    fields_only: bool,
 }
 
 /// Simulates and writes.
 pub fn run(args: &Args) -> Result<()> {
     let named = |name: &String| Scene::from_name(name).with_context(|| format!("there is no scene {name}"));
     let scenes: Vec<Scene> = args.scenes.iter().map(named).collect::<Result<_>>()?;
-    let folder = args.output.clone().unwrap_or_else(|| project::root().join("presets/drives"));
-    std::fs::create_dir_all(&folder).with_context(|| format!("creating {}", folder.display()))?;
+    let presets = args.output.clone().unwrap_or_else(|| project::root().join("presets"));
+    let (drives, fields) = (presets.join("drives"), presets.join("fields"));
+    for folder in [&drives, &fields] {
+        std::fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
+    }
     for scene in if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes } {
-        let ways = WAYS.map(|(way, options)| burn(scene, way, options));
-        let ways: Vec<Vec<f64>> = ways.into_iter().collect::<Result<_>>()?;
-        let path = folder.join(format!("{}.wav", scene.name()));
-        write(&path, &ways).with_context(|| format!("writing {}", path.display()))?;
+        let wanted = if args.fields_only { 1 } else { WAYS.len() };
+        let ways: Vec<Burnt> =
+            WAYS[..wanted].iter().map(|(way, options)| burn(scene, way, *options)).collect::<Result<_>>()?;
+        let path = fields.join(format!("{}.field", scene.name()));
+        std::fs::write(&path, field(&ways[0])?.to_bytes()).with_context(|| format!("writing {}", path.display()))?;
+        println!("{}", path.display());
+        if args.fields_only {
+            continue;
+        }
+        let loops: Vec<Vec<f64>> =
+            ways.iter().map(|way| seamless(&way.flux, (FADE_S * STEP_RATE_HZ) as usize)).collect();
+        let path = drives.join(format!("{}.wav", scene.name()));
+        write(&path, &loops).with_context(|| format!("writing {}", path.display()))?;
         println!("{}", path.display());
     }
     Ok(())
 }
 
-/// A loop of one scene's flux.
-fn burn(scene: Scene, way: &str, options: Way) -> Result<Vec<f64>> {
+/// One scene over a loop and the second in which it fades.
+fn burn(scene: Scene, way: &str, options: Way) -> Result<Burnt> {
     let options = options(Options { resolution: simulated::RESOLUTION, ..Options::default() });
     // A loop goes on from its end, not from an unlit box.
     let pre_roll_s = scene.period_s().unwrap_or(scene.default_pre_roll_s());
     let what = format!("{}, {way}", scene.name());
-    let flux = simulated::flux(scene, options, pre_roll_s, loop_s(scene) + FADE_S, &what)?;
-    Ok(seamless(&flux, (FADE_S * STEP_RATE_HZ) as usize))
+    simulated::burn(scene, options, pre_roll_s, loop_s(scene) + FADE_S, &what)
+}
+
+/// The loop's speed field.
+fn field(burnt: &Burnt) -> Result<SpeedField> {
+    let series = |region: usize| {
+        let speeds: Vec<f64> = burnt.motion.iter().map(|step| f64::from(step[region])).collect();
+        // An equal-power fade may go below the slowest speed, and below none.
+        seamless(&speeds, (FADE_S * MOTION_RATE_HZ) as usize).into_iter().map(|speed| speed.max(0.0) as f32)
+    };
+    let looped: Vec<Vec<f32>> = (0..burnt.regions.len()).map(|region| series(region).collect()).collect();
+    let steps = looped.first().map_or(0, Vec::len);
+    let steps: Vec<Vec<f32>> = (0..steps).map(|step| looped.iter().map(|series| series[step]).collect()).collect();
+    Ok(burnt.regions.field(&steps, MOTION_RATE_HZ, Up::Z, End::Periodic)?)
 }
 
 fn loop_s(scene: Scene) -> f64 {

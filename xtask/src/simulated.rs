@@ -1,19 +1,40 @@
-//! Flux of simulated flames.
+//! Flux and motion of simulated flames.
 
 use std::io::{IsTerminal, Write};
 
 use anyhow::Result;
 use pyrophone_flame::Front;
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
+use pyrophone_flame::speed_field::{Regions, stride};
 
 /// Cells along the box in which a second of a flame takes less than ten, and parts of a cell in which its front is
 /// looked for.
 pub const RESOLUTION: usize = 32;
 const REFINE: usize = 2;
 
-/// Flux at every step over `seconds`, after `pre_roll_s` that are not kept; `what` names it where progress is shown.
+/// What was seen of a flame.
+pub struct Burnt {
+    /// Flux at every step.
+    pub flux: Vec<f64>,
+    /// Speeds of the sub-volumes, [`MOTION_RATE_HZ`] times a second.
+    pub motion: Vec<Vec<f32>>,
+    /// Those sub-volumes.
+    pub regions: Regions,
+}
+
+/// How often per second motion is seen.
+pub const MOTION_RATE_HZ: f64 = 30.0;
+
+/// Flux at every step over `seconds`, after `pre_roll_s` that are not kept.
 pub fn flux(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what: &str) -> Result<Vec<f64>> {
+    Ok(burn(scene, options, pre_roll_s, seconds, what)?.flux)
+}
+
+/// Flux and motion over `seconds`, after `pre_roll_s` that are not kept; `what` names it where progress is shown.
+pub fn burn(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what: &str) -> Result<Burnt> {
     let mut simulation = Simulation::new(scene, options)?;
+    let regions = Regions::of_solver(simulation.solver());
+    let mut motion = vec![];
     let front = Front::new(0.5, REFINE)?;
     let steps = |seconds: f64| (seconds * STEP_RATE_HZ).round() as u64;
     let pre_roll = steps(pre_roll_s);
@@ -23,7 +44,11 @@ pub fn flux(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what:
     while simulation.steps() < total {
         simulation.step();
         if simulation.steps() > pre_roll {
-            flux.push(front.measure(&simulation.frame()?)?.flux);
+            let frame = simulation.frame()?;
+            if (flux.len() as u64).is_multiple_of(stride(STEP_RATE_HZ)) {
+                motion.push(regions.mean_speeds(&frame.velocity));
+            }
+            flux.push(front.measure(&frame)?.flux);
         }
         if shown && simulation.steps().is_multiple_of(36) {
             eprint!("\rsimulating {what}: {:3} %", 100 * simulation.steps() / total);
@@ -33,5 +58,5 @@ pub fn flux(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what:
     if shown {
         eprintln!();
     }
-    Ok(flux)
+    Ok(Burnt { flux, motion, regions })
 }

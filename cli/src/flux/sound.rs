@@ -186,7 +186,7 @@ fn remove(written: &[&Path]) {
 }
 
 /// Where the first sample stands on the timeline.
-fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
+pub fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
     let Some(start) = signal.start_frame else { return Ok(args.time_reference.unwrap_or(0)) };
     let frames = frames_since(start, signal.first_frame)?;
     Ok((frames as f64 / signal.rate_hz * f64::from(args.sample_rate)).round() as u64)

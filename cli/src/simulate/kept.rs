@@ -13,7 +13,10 @@ use crate::progress::note;
 /// Longest table that is believed, in bytes: ten million steps.
 const MOST_TABLE_BYTES: u64 = 1 << 30;
 
-/// A table of flux, and the gas as it was after the last step in it.
+/// Speeds of sub-volumes, step by step.
+pub type Flow = Vec<Vec<f32>>;
+
+/// A table of flux, speeds, and the gas as it was after the last step in it.
 pub struct Kept {
     path: PathBuf,
     settings: String,
@@ -30,49 +33,63 @@ impl Kept {
 
     /// Brings `simulation` to where the run before was stopped, if it was one of the same settings; answers what was
     /// measured until then.
-    pub fn restore(&mut self, simulation: &mut Simulation) -> Steps {
+    pub fn restore(&mut self, simulation: &mut Simulation) -> (Steps, Flow) {
         if !self.path.is_file() {
-            return Steps::new();
+            return Default::default();
         }
         match self.try_restore(simulation) {
-            Ok(steps) => {
+            Ok((steps, flow)) => {
                 self.done = steps.len();
-                steps
+                (steps, flow)
             }
             Err(reason) => {
                 simulation.reset();
                 note(&format!("{}: not gone on with ({reason})", self.path.display()));
-                Steps::new()
+                Default::default()
             }
         }
     }
 
-    fn try_restore(&self, simulation: &mut Simulation) -> Result<Steps, String> {
+    fn try_restore(&self, simulation: &mut Simulation) -> Result<(Steps, Flow), String> {
         let said = |error: std::io::Error| error.kind().to_string();
         let mut file = std::io::BufReader::new(std::fs::File::open(&self.path).map_err(said)?);
-        let mut size = String::new();
-        file.by_ref().take(32).read_line(&mut size).map_err(said)?;
-        let size =
-            size.trim().parse().ok().filter(|size| *size <= MOST_TABLE_BYTES).ok_or("it is not of this program")?;
+        let mut line = String::new();
+        file.by_ref().take(64).read_line(&mut line).map_err(said)?;
+        let mut numbers = line.split_whitespace().map(|number| number.parse::<u64>().ok());
+        let mut number =
+            |most: u64| numbers.next().flatten().filter(|number| *number <= most).ok_or("it is not of this program");
+        let size = number(MOST_TABLE_BYTES)?;
+        let (rows, columns) = (number(MOST_TABLE_BYTES)?, number(1 << 16)?);
         let mut table = String::new();
         file.by_ref().take(size).read_to_string(&mut table).map_err(said)?;
         let partial = Partial::read(&table, &self.path.display().to_string()).map_err(|error| error.to_string())?;
         if partial.settings != self.settings {
             return Err(format!("it belongs to {}", partial.settings));
         }
+        let mut speeds = vec![];
+        let bytes = (4 * rows).checked_mul(columns).filter(|bytes| *bytes <= MOST_TABLE_BYTES);
+        let bytes = bytes.ok_or("it is not of this program")?;
+        file.by_ref().take(bytes).read_to_end(&mut speeds).map_err(said)?;
+        if speeds.len() as u64 != bytes {
+            return Err("it ends early".to_owned());
+        }
+        let speeds: Vec<f32> = speeds.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
         simulation.load(file).map_err(|error| error.to_string())?;
-        Ok(partial.steps)
+        Ok((partial.steps, speeds.chunks_exact((columns as usize).max(1)).map(<[f32]>::to_vec).collect()))
     }
 
     /// Keeps what is done.
-    pub fn keep(&mut self, simulation: &Simulation, steps: &Steps) -> Result<(), Error> {
+    pub fn keep(&mut self, simulation: &Simulation, steps: &Steps, flow: &Flow) -> Result<(), Error> {
         let mut table = vec![];
         let partial = Partial { settings: self.settings.clone(), steps: steps.clone() };
         write_file(&self.path, |file| {
             partial.write(&mut table)?;
             let mut file = std::io::BufWriter::new(file);
-            writeln!(file, "{}", table.len())?;
+            writeln!(file, "{} {} {}", table.len(), flow.len(), flow.first().map_or(0, Vec::len))?;
             file.write_all(&table)?;
+            for speed in flow.iter().flatten() {
+                file.write_all(&speed.to_le_bytes())?;
+            }
             simulation.save(&mut file)?;
             file.flush()
         })?;

@@ -8,12 +8,13 @@ use super::theme;
 use super::widgets::{KNOB, PICK_WIDTH, choice, knob, toggle};
 
 /// Groups in the order of the signal, with a word on what they do.
-const GROUPS: [Group; 5] = [
+const GROUPS: [Group; 6] = [
     Group { name: "Drive", note: "what goes in" },
     Group { name: "Flame", note: "what burns where nothing goes in (drive flame)" },
     Group { name: "Extension", note: "noise above the cutoff" },
     Group { name: "Levels", note: "what is heard" },
     Group { name: "Texture", note: "fire from the recording" },
+    Group { name: "Vortex", note: "the whoosh of turbulent gas" },
 ];
 
 /// What decides sizes and latency.

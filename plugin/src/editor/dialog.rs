@@ -44,6 +44,7 @@ impl Dialog {
             let mut dialog = rfd::AsyncFileDialog::new()
                 .set_title("Load a recording of fire")
                 .add_filter("Sound files", EXTENSIONS)
+                .add_filter("Speed fields", &["field"])
                 .add_filter("All files", &["*"]);
             if let Some(folder) = folder {
                 dialog = dialog.set_directory(folder);

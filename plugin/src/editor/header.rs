@@ -102,8 +102,10 @@ fn cost(ui: &mut Ui, meters: &Meters, (load, worst): (f32, f32)) {
     };
     let ms = 1000.0 * samples as f32 / rate_hz;
     let color = if worst >= 1.0 { theme::ALARM } else { theme::WEAK };
-    let text = format!("{ms:.1} ms   {:.0} % (worst {:.0} %)", 100.0 * load, 100.0 * worst);
+    let late = meters.late_steps();
+    let late = if late > 0 { format!("   {late} late") } else { String::new() };
+    let text = format!("{ms:.1} ms   {:.0} % (worst {:.0} %){late}", 100.0 * load, 100.0 * worst);
     ui.label(RichText::new(text).font(theme::small()).color(color)).on_hover_text(format!(
-        "Latency: {samples} samples. Part of their time that blocks take, and the costliest of the last second."
+        "Latency: {samples} samples. Part of their time that blocks take, and the costliest of the last second. Late: steps of the live gas that this machine did not simulate in time."
     ));
 }

@@ -11,7 +11,7 @@ const TOP_DB: f32 = 6.0;
 /// How fast a meter falls, in dB per second.
 const FALL_DB_PER_S: f64 = 40.0;
 
-const NAMES: [&str; 6] = ["in", "drive", "low", "ext", "tex", "out"];
+const NAMES: [&str; 7] = ["in", "drive", "low", "ext", "tex", "vtx", "out"];
 
 /// The meters' falling levels.
 pub struct Levels {
@@ -31,7 +31,8 @@ impl Levels {
         let now_s = ui.input(|input| input.time);
         let fall_db = ((now_s - self.last_s).clamp(0.0, 1.0) * FALL_DB_PER_S) as f32;
         self.last_s = now_s;
-        let peaks = [&meters.input, &meters.drive, &meters.low, &meters.extension, &meters.texture, &meters.output];
+        let fire = [&meters.low, &meters.extension, &meters.texture, &meters.vortex];
+        let peaks = [&meters.input, &meters.drive].into_iter().chain(fire).chain([&meters.output]);
         let painter = ui.painter();
         painter.rect_filled(rect, 3.0, theme::WELL);
         let step = rect.width() / NAMES.len() as f32;

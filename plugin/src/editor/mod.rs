@@ -140,7 +140,7 @@ const GAP: f32 = 6.0;
 const HEAD: f32 = 26.0;
 const WORDS: f32 = 54.0;
 /// Width of the meters, in points.
-const METERS: f32 = 150.0;
+const METERS: f32 = 172.0;
 
 impl Window {
     fn contents(&mut self, ui: &mut egui::Ui, all: Rect, setter: &ParamSetter) {

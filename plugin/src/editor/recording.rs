@@ -1,4 +1,4 @@
-//! The recording: loading it, its name, progress and messages; learning the dynamic range.
+//! The recording and the speed field: loading them, names, progress and messages; learning the dynamic range.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -15,6 +15,9 @@ use super::theme;
 use crate::loader::LoaderHandle;
 use crate::loader::status::View;
 use crate::parameters::EffectParams;
+
+/// How the names of speed fields end.
+const FIELD_EXTENSION: &str = "field";
 
 /// The panel, with what is typed into it.
 pub struct RecordingPanel {
@@ -42,7 +45,7 @@ impl RecordingPanel {
         self.course.clear();
     }
 
-    /// The panel. A sound file that is dropped on the window is loaded.
+    /// The panel. A file that is dropped on the window is loaded: as a speed field by its name, else as the recording.
     pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams) {
         let view = loader.status.view();
         if view.path != self.followed {
@@ -51,14 +54,12 @@ impl RecordingPanel {
         }
         let dropped = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
         if let Some(path) = dropped.filter(|path| !path.as_os_str().is_empty()) {
-            self.path = path.to_string_lossy().into_owned();
-            loader.load(path);
+            self.take(path, loader);
         }
         if let Some(chosen) = self.dialog.as_mut().and_then(Dialog::poll) {
             self.dialog = None;
             if let Some(path) = chosen {
-                self.path = path.to_string_lossy().into_owned();
-                loader.load(path);
+                self.take(path, loader);
             }
         }
         ui.horizontal(|ui| {
@@ -72,15 +73,35 @@ impl RecordingPanel {
             }
             ui.separator();
             learning(ui, loader, params, &view);
+            if let Some(field) = &view.field {
+                ui.separator();
+                ui.label(RichText::new(field).color(theme::WEAK)).on_hover_text("Speed field: set Flow to field");
+                if ui.small_button("Remove").on_hover_text("Does without the speed field").clicked() {
+                    loader.unload_field();
+                }
+            }
         });
         if let Some(error) = &view.error {
             ui.add(egui::Label::new(RichText::new(error).color(theme::ALARM)).wrap());
         }
     }
 
+    /// Loads a file that was dropped, chosen or typed.
+    fn take(&mut self, path: PathBuf, loader: &LoaderHandle) {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(FIELD_EXTENSION)) {
+            loader.load_field(path);
+        } else {
+            self.path = path.to_string_lossy().into_owned();
+            loader.load(path);
+        }
+    }
+
     fn loading(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
         let browse = ui.add_enabled(self.dialog.is_none(), egui::Button::new("Load recording…"));
-        if browse.on_hover_text("Or drop a sound file on the window").clicked() {
+        if browse
+            .on_hover_text("Or drop a sound file on the window; a .field file is the speed field of vortex sound")
+            .clicked()
+        {
             self.dialog = Some(Dialog::open(&self.path, self.notifier.clone()));
         }
         let width = (ui.available_width() - 76.0).max(80.0);
@@ -91,7 +112,7 @@ impl RecordingPanel {
         let entered = typed.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let path = self.path.trim();
         if entered && !path.is_empty() {
-            loader.load(PathBuf::from(path));
+            self.take(PathBuf::from(path), loader);
         }
         if ui.add_enabled(view.path.is_some(), egui::Button::new("Remove")).clicked() {
             loader.unload();

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::texture::{Dictionary, Distribution};
+use pyrophone_synthesis::vortex::SpeedField;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
@@ -17,6 +18,8 @@ pub enum Update {
     Dictionary(Option<Arc<Dictionary>>),
     /// The learned distribution, or none.
     Distribution(Option<Arc<Distribution>>),
+    /// The speed field, or none.
+    Field(Option<Arc<SpeedField>>),
 }
 
 /// Something that the audio thread no longer needs.
@@ -25,6 +28,8 @@ pub enum Retired {
     Dictionary(Arc<Dictionary>),
     /// A distribution.
     Distribution(Arc<Distribution>),
+    /// A speed field.
+    Field(Arc<SpeedField>),
 }
 
 /// Updates that may be under way; a few suffice, since the loader tries again.

@@ -24,6 +24,10 @@ pub enum Order {
     Embed(bool),
     /// Forget the learned distribution.
     ForgetLearned,
+    /// Take the speed field from this file.
+    LoadField(PathBuf),
+    /// Do without a speed field.
+    UnloadField,
 }
 
 /// A place in the sequence of orders.
@@ -73,7 +77,7 @@ impl Mailbox {
         let calls_off = match &order {
             Order::Load(_) | Order::Unload | Order::ReadSession => true,
             Order::Engine(engine) => inner.engine.replace(*engine) != Some(*engine),
-            Order::Embed(_) | Order::ForgetLearned => false,
+            Order::Embed(_) | Order::ForgetLearned | Order::LoadField(_) | Order::UnloadField => false,
         };
         if calls_off {
             self.epoch.fetch_add(1, Ordering::Relaxed);

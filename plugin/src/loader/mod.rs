@@ -8,6 +8,7 @@
 //! | [`source`] | from a path or a session to a decoded recording |
 //! | [`cache`] | what instances of one process share |
 //! | [`learner`] | the learned distribution |
+//! | [`motion`] | the speed field |
 //! | [`link`] | rings between the thread and the audio thread |
 //! | [`status`] | what the editor shows of it |
 
@@ -16,6 +17,7 @@ pub mod exchange;
 pub mod learner;
 pub mod link;
 pub mod mailbox;
+pub mod motion;
 pub mod source;
 pub mod status;
 pub mod worker;
@@ -114,6 +116,16 @@ impl LoaderHandle {
     /// Keeps the recording itself in the session, or not.
     pub fn set_embed(&self, embed: bool) {
         self.mailbox.post(Order::Embed(embed));
+    }
+
+    /// Takes the speed field of vortex sound from a file.
+    pub fn load_field(&self, path: PathBuf) {
+        self.mailbox.post(Order::LoadField(path));
+    }
+
+    /// Does without a speed field.
+    pub fn unload_field(&self) {
+        self.mailbox.post(Order::UnloadField);
     }
 
     /// Forgets the learned distribution.

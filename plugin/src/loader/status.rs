@@ -23,6 +23,8 @@ pub struct View {
     pub learned: Option<String>,
     /// Amplitudes learned so far, while learning.
     pub learning: Option<usize>,
+    /// The speed field: name, length, sources.
+    pub field: Option<String>,
     /// Whether the recording itself is kept in the session.
     pub embed: bool,
 }

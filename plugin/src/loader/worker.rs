@@ -20,6 +20,7 @@ use super::cache::{DICTIONARIES, DictionaryKey};
 use super::learner::Learner;
 use super::link::{LoaderLink, Update};
 use super::mailbox::{Mailbox, Order};
+use super::motion::Motion;
 use super::source::{self, Failure, Found};
 use super::status::Status;
 use crate::analysis::Portrait;
@@ -86,6 +87,7 @@ pub struct Worker {
     dictionary_is_sent: bool,
     prepared: Option<Engine>,
     learner: Learner,
+    motion: Motion,
 }
 
 impl Drop for Worker {
@@ -112,6 +114,7 @@ impl Worker {
             dictionary_is_sent: true,
             prepared: None,
             learner: Learner::default(),
+            motion: Motion::default(),
         }
     }
 
@@ -164,11 +167,24 @@ impl Worker {
                 self.failed = None;
                 self.dictionary_is_sent = false;
                 self.learner.resend();
+                self.motion.resend();
             }
             Order::Embed(embed) => self.set_embed(embed),
             Order::ForgetLearned => {
                 self.session.learned = None;
                 self.learner.resend();
+                self.params.session.store(&self.session);
+            }
+            Order::LoadField(path) => match self.motion.load(&path, &mut self.session, &self.status) {
+                Ok(()) => {
+                    self.status.update(|view| view.error = None);
+                    self.params.session.store(&self.session);
+                }
+                Err(message) => self.status.fail(message),
+            },
+            Order::UnloadField => {
+                self.session.field = None;
+                self.motion.read(&self.session, &self.status);
                 self.params.session.store(&self.session);
             }
         }
@@ -184,6 +200,7 @@ impl Worker {
                 self.pending = Some(Pending::Session);
                 self.learner.resend();
                 self.status.update(|view| view.error = None);
+                self.motion.read(&self.session, &self.status);
             }
             Err(error) => {
                 self.status.fail(error.to_string());
@@ -369,5 +386,6 @@ impl Worker {
             };
         }
         self.learner.send(&mut self.link, &self.session, &engine, &self.status);
+        self.motion.send(&mut self.link);
     }
 }

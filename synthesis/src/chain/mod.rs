@@ -1,4 +1,4 @@
-//! The whole effect: drive, both engines, mix, with transport and automation.
+//! The whole effect: drive, engines, mix, with transport and automation.
 //!
 //! Time is an internal sample counter, anchored to the host's position at reset; it runs free when
 //! the host stops or tells nothing. A jump, a loop or a start of playback elsewhere starts a second
@@ -8,6 +8,7 @@
 
 pub(crate) mod delay;
 mod voice;
+mod vortex_layer;
 
 use std::sync::Arc;
 
@@ -16,7 +17,8 @@ use crate::error::in_range;
 use crate::mix::{Layers, Mix};
 use crate::structure::Dynamics;
 use crate::texture::{Dictionary, Distribution, Shape, offline};
-use crate::{Controls, Error, Structure, controls::DriveMode, drive::Drive};
+use crate::vortex::{Simulator, SpeedField};
+use crate::{Controls, Error, Structure, drive::Drive};
 use delay::Delay;
 use voice::{MAX_CHANNELS, Voice};
 
@@ -34,11 +36,11 @@ const SMALLEST_INPUT: f32 = 1e-15;
 /// Channels of the effect's buses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Channels {
-    /// Channels of the main input, 1-8.
+    /// Channels of the main input, 1-10.
     pub input: usize,
-    /// Channels of the sidechain, 0-8; 0 = not connected.
+    /// Channels of the sidechain, 0-10; 0 = not connected.
     pub sidechain: usize,
-    /// Channels of the output, 1-8, at least as many as of the input.
+    /// Channels of the output, 1-10, at least as many as of the input.
     pub output: usize,
 }
 
@@ -64,6 +66,8 @@ pub struct Meters {
     pub extension: f32,
     /// Texture layer, after its level.
     pub texture: f32,
+    /// Vortex layer, after its level.
+    pub vortex: f32,
     /// Output.
     pub output: f32,
     /// The last window's fitted noise factor beta (§4).
@@ -72,6 +76,8 @@ pub struct Meters {
     pub cancels: bool,
     /// Whether texture lacks a recording.
     pub no_recording: bool,
+    /// Steps of the live simulation that came too late.
+    pub late_steps: u64,
 }
 
 /// A jump under way: the other voice was started and takes over later.
@@ -105,7 +111,7 @@ pub struct Chain {
     tail_samples: usize,
     /// Whether it sounds over silence too: a flame burns, or texture's gate is off.
     endless: bool,
-    /// Whether the drive needs no input.
+    /// Whether it sounds without any input.
     burns: bool,
     meters: Meters,
     main: Vec<Vec<f64>>,
@@ -228,6 +234,29 @@ impl Chain {
         second.swap_distribution(distribution)
     }
 
+    /// Exchanges the user's speed field, likewise. Without one, vortex sound of the flow `field` follows the scene that
+    /// burns as the drive, or else the envelope.
+    pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
+        let [first, second] = &mut self.voices;
+        drop(first.vortex_layer().swap_field(field.clone()));
+        second.vortex_layer().swap_field(field)
+    }
+
+    /// Takes the simulations of gas for vortex sound of the flow `live`, one for what is heard and one for what comes
+    /// after a jump; `places` tell where their sources stand, in m to the right, to the front and up. Without them such
+    /// vortex sound follows the envelope. Not for the audio thread.
+    ///
+    /// Fails without a place, and where one is no number or farther than 100 km.
+    pub fn set_simulators(&mut self, simulators: [Box<dyn Simulator>; 2], places: &[[f32; 3]]) -> Result<(), Error> {
+        let mut voices = self.voices.iter_mut().zip(simulators);
+        voices.try_for_each(|(voice, simulator)| voice.vortex_layer().set_simulator(simulator, places))
+    }
+
+    /// Seconds that a step of these simulations lasts, about 1/60.
+    pub fn live_step_s(&mut self) -> f64 {
+        self.voices[0].vortex_layer().live_step_s()
+    }
+
     /// Processes one block of any length in place. `main` has as many channels as the output; the
     /// first `channels.input` of them hold the input. A sidechain channel that is missing is
     /// silent. `controls` hold for the whole call.
@@ -245,8 +274,8 @@ impl Chain {
             return;
         }
         self.tail_samples = self.voices[0].tail_samples(controls) + self.crossfade_samples;
-        self.burns = controls.drive.mode == DriveMode::Flame;
-        self.endless = self.burns || (self.has_dictionary && controls.texture.gate <= 0.0);
+        self.burns = self.voices[0].is_self_driven(controls);
+        self.endless = self.voices[0].is_endless(controls) || (self.has_dictionary && controls.texture.gate <= 0.0);
         self.follow(transport);
         let mut start = 0;
         while start < samples {
@@ -374,8 +403,13 @@ impl Chain {
     fn mix_down(&mut self, main: &mut [&mut [f32]], controls: &Controls, start: usize, end: usize) {
         let samples = end - start;
         let heard = &self.voices[self.active].layers;
-        let layers =
-            Layers { low: &heard.low[..samples], extension: &heard.extension, texture: &heard.texture, dry: &self.dry };
+        let layers = Layers {
+            low: &heard.low[..samples],
+            extension: &heard.extension,
+            texture: &heard.texture,
+            vortex: &heard.vortex,
+            dry: &self.dry,
+        };
         let mut outputs: [&mut [f32]; MAX_CHANNELS] = Default::default();
         for (output, channel) in outputs.iter_mut().zip(main.iter_mut()) {
             *output = &mut channel[start..end];
@@ -384,6 +418,7 @@ impl Chain {
         self.meters.low = self.meters.low.max(peaks.low as f32);
         self.meters.extension = self.meters.extension.max(peaks.extension as f32);
         self.meters.texture = self.meters.texture.max(peaks.texture as f32);
+        self.meters.vortex = self.meters.vortex.max(peaks.vortex as f32);
         self.meters.output = self.meters.output.max(peaks.output as f32);
         self.silent_samples = if peaks.output == 0.0 { self.silent_samples.saturating_add(samples) } else { 0 };
     }
@@ -391,7 +426,8 @@ impl Chain {
     /// The meters since the last call, which are then cleared.
     pub fn take_meters(&mut self) -> Meters {
         let no_recording = !self.has_dictionary;
-        Meters { no_recording, ..std::mem::take(&mut self.meters) }
+        let late_steps = self.voices.iter_mut().map(|voice| voice.vortex_layer().take_late()).sum();
+        Meters { no_recording, late_steps, ..std::mem::take(&mut self.meters) }
     }
 
     /// The drive, after its high-pass, in the last call of `process`; it is [`latency_samples`](Self::latency_samples)

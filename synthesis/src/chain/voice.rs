@@ -1,11 +1,12 @@
-//! Drive and both engines, from one starting point on the host's timeline.
+//! Drive and engines, from one starting point on the host's timeline.
 
 use std::sync::Arc;
 
 use super::delay::Delay;
+use super::vortex_layer::VortexLayer;
 use super::{CHUNK, Channels};
 use crate::companding::Companding;
-use crate::controls::TextureControls;
+use crate::controls::{DriveMode, TextureControls};
 use crate::drive::Drive;
 use crate::extend::Extend;
 use crate::smoothed::Smoothed;
@@ -22,19 +23,22 @@ pub struct VoiceLayers {
     pub extension: Vec<Vec<f64>>,
     /// Texture by channel.
     pub texture: Vec<Vec<f64>>,
+    /// Vortex sound by channel.
+    pub vortex: Vec<Vec<f64>>,
 }
 
 impl VoiceLayers {
     fn new(channels: usize) -> Self {
         let channel = || vec![0.0; CHUNK];
         let all = || (0..channels).map(|_| channel()).collect();
-        Self { low: channel(), extension: all(), texture: all() }
+        Self { low: channel(), extension: all(), texture: all(), vortex: all() }
     }
 
     /// Replaces these layers by `other` at the part that `ramp` tells for every sample, 0-1.
     pub fn fade_to(&mut self, other: &Self, samples: usize, ramp: impl Fn(usize) -> f64) {
-        let channels = self.extension.iter_mut().chain(&mut self.texture).chain([&mut self.low]);
-        let others = other.extension.iter().chain(&other.texture).chain([&other.low]);
+        let channels =
+            self.extension.iter_mut().chain(&mut self.texture).chain(&mut self.vortex).chain([&mut self.low]);
+        let others = other.extension.iter().chain(&other.texture).chain(&other.vortex).chain([&other.low]);
         for (mine, theirs) in channels.zip(others) {
             for i in 0..samples {
                 let part = ramp(i);
@@ -63,12 +67,13 @@ struct Companded {
     is_fresh: bool,
 }
 
-/// Drive and both engines, their outputs aligned to the larger latency of the two.
+/// Drive and engines, their outputs aligned to the largest latency.
 pub struct Voice {
     drive: Drive,
     extend: Extend,
     texture: Texture,
     companded: Option<Companded>,
+    vortex: VortexLayer,
     drive_block: Vec<f64>,
     /// What it made of the last chunk.
     pub layers: VoiceLayers,
@@ -99,6 +104,7 @@ impl Voice {
         let texture_wait = if companded.is_some() { 0 } else { wait };
         Ok(Self {
             companded,
+            vortex: VortexLayer::new(sample_rate_hz, outputs, latency)?,
             drive: Drive::new(sample_rate_hz)?,
             extend,
             texture,
@@ -121,7 +127,23 @@ impl Voice {
     pub fn tail_samples(&self, controls: &Controls) -> usize {
         let drive = self.drive.tail_samples(&controls.drive);
         let companding = self.companded.as_ref().map_or(0, |companded| companded.companding.tail_samples());
-        self.latency_samples + drive + (self.texture.tail_samples() + companding).max(self.extend.tail_samples())
+        let fire = (self.texture.tail_samples() + companding).max(self.extend.tail_samples());
+        self.latency_samples + drive + fire.max(self.vortex.tail_samples(controls).unwrap_or(0))
+    }
+
+    /// Whether it sounds without any input.
+    pub fn is_self_driven(&self, controls: &Controls) -> bool {
+        controls.drive.mode == DriveMode::Flame || self.vortex.is_self_driven(controls)
+    }
+
+    /// Whether nobody can tell when it will have ended.
+    pub fn is_endless(&self, controls: &Controls) -> bool {
+        self.is_self_driven(controls) || self.vortex.tail_samples(controls).is_none()
+    }
+
+    /// Vortex sound.
+    pub fn vortex_layer(&mut self) -> &mut VortexLayer {
+        &mut self.vortex
     }
 
     /// Starts anew at `position` of the host's timeline.
@@ -133,6 +155,7 @@ impl Voice {
             companded.companding.reset(position);
             companded.is_fresh = true;
         }
+        self.vortex.reset(position);
         self.low_delay.reset();
         self.extension_delays.iter_mut().chain(&mut self.texture_delays).for_each(Delay::reset);
     }
@@ -210,6 +233,8 @@ impl Voice {
             }
         }
 
+        with_blocks(&mut self.layers.vortex, samples, |outputs| self.vortex.process(drive, controls, outputs));
+
         self.low_delay.process(low);
         for (delay, channel) in self.extension_delays.iter_mut().zip(&mut self.layers.extension) {
             delay.process(&mut channel[..samples]);
@@ -274,7 +299,7 @@ impl Companded {
 }
 
 /// Most channels of any bus.
-pub(super) const MAX_CHANNELS: usize = 8;
+pub(super) const MAX_CHANNELS: usize = 10;
 
 /// Calls `process` with the first `samples` of every channel, without allocating.
 fn with_blocks(channels: &mut [Vec<f64>], samples: usize, process: impl FnOnce(&mut [&mut [f64]])) {

@@ -39,7 +39,7 @@ use crate::structure::Structure;
 use crate::timeline::Timeline;
 
 /// Largest number of channels.
-const MAX_CHANNELS: usize = 8;
+const MAX_CHANNELS: usize = 10;
 
 /// Drive below this amplitude counts as silence, which keeps denormals out.
 const SILENCE: f64 = 1e-30;
@@ -67,7 +67,7 @@ pub struct Extend<N = PowerLaw> {
 impl Extend {
     /// An engine at position 0.
     ///
-    /// Fails where a structure's value is out of its range, `channels` is not 1-8, or
+    /// Fails where a structure's value is out of its range, `channels` is not 1-10, or
     /// `sample_rate_hz` is not 8,000-384,000.
     pub fn new(structure: &Structure, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
         in_range("number of channels", channels as f64, 1.0, MAX_CHANNELS as f64)?;

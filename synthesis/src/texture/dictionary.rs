@@ -96,7 +96,7 @@ impl Dictionary {
         calibrate::calibrate(dictionary, &mean_of(channels), &trial)
     }
 
-    /// Analyses a recording: `channels` equally long (1-8), finite samples at `sample_rate_hz`.
+    /// Analyses a recording: `channels` equally long (1-10), finite samples at `sample_rate_hz`.
     /// Fails where the recording is too short for the levels, and when `progress` calls it off.
     pub fn new(
         channels: &[Vec<f64>],
@@ -234,7 +234,7 @@ impl Dictionary {
 
 fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &Shape) -> Result<(), Error> {
     shape.validate()?;
-    crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 8.0)?;
+    crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 10.0)?;
     crate::error::in_range("sample rate of the recording in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
     for (channel, samples) in channels.iter().enumerate() {
         if samples.len() != channels[0].len() {

@@ -94,10 +94,10 @@ const DYNAMICS_S: f64 = 0.02;
 const TOP_CAPACITY: usize = 8192;
 
 impl Texture {
-    /// An engine of `shape` with `channels` outputs (1-8) at `sample_rate_hz`.
+    /// An engine of `shape` with `channels` outputs (1-10) at `sample_rate_hz`.
     pub fn new(shape: &Shape, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
         shape.validate()?;
-        crate::error::in_range("output channels", channels as f64, 1.0, 8.0)?;
+        crate::error::in_range("output channels", channels as f64, 1.0, 10.0)?;
         crate::error::in_range("sample rate in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
         let latency = shape.latency_samples();
         let schedule = Schedule::new(shape);

@@ -12,7 +12,7 @@ const MOST_VALUES: usize = 1 << 26;
 /// Bounds of the rate in Hz; a step lasts longer than four hops.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=120.0;
 /// Bounds of a coordinate in m and of a speed in m/s.
-const FARTHEST_M: f32 = 1e5;
+pub(super) const FARTHEST_M: f32 = 1e5;
 const FASTEST_FLOW_M_S: f32 = 1e4;
 
 /// What a field does beyond its last step.
@@ -27,10 +27,12 @@ pub enum End {
 
 /// Positions and flow speeds of sources by time: the speed field of a simulated flow (Dobashi et al. 2004, §6).
 ///
-/// Step k stands at k / `rate_hz` seconds of the host's timeline; between steps positions and speeds are linear.
+/// Step k stands `start_s` + k / `rate_hz` seconds after the timeline's start; between steps positions and speeds are
+/// linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedField {
     rate_hz: f64,
+    start_s: f64,
     end: End,
     sources: usize,
     positions: Vec<[f32; 3]>,
@@ -79,7 +81,32 @@ impl SpeedField {
         if let Some(bad) = positions.iter().position(|position| position.iter().any(far)) {
             return refuse(format!("position {bad} is {:?} m", positions[bad]));
         }
-        Ok(Self { rate_hz, end, sources, positions, speeds })
+        Ok(Self { rate_hz, start_s: 0.0, end, sources, positions, speeds })
+    }
+
+    /// The same field, its first step `start_s` seconds after the timeline's start; what is not finite is taken as 0.
+    pub fn starting_at(self, start_s: f64) -> Self {
+        Self { start_s: if start_s.is_finite() { start_s } else { 0.0 }, ..self }
+    }
+
+    /// Seconds from the timeline's start to the first step.
+    pub fn start_s(&self) -> f64 {
+        self.start_s
+    }
+
+    /// What it does beyond its last step.
+    pub fn end(&self) -> End {
+        self.end
+    }
+
+    /// Places of the sources in m: of one step, which holds for all, or step by step.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+
+    /// Speeds in m/s, step by step.
+    pub fn speeds(&self) -> &[f32] {
+        &self.speeds
     }
 
     /// Steps per second.
@@ -100,7 +127,7 @@ impl SpeedField {
     /// The steps around a time in seconds, and how far it is from one to the other (0-1).
     pub(super) fn place(&self, time_s: f64) -> (usize, usize, f64) {
         let steps = self.steps();
-        let at = time_s * self.rate_hz;
+        let at = (time_s - self.start_s) * self.rate_hz;
         match self.end {
             End::Periodic => {
                 let at = at.rem_euclid(steps as f64);

@@ -9,26 +9,35 @@
 //! | [`texture`] | what a region radiates, by flow speed |
 //! | [`bank`] | a texture made ready for an output rate |
 //! | `level` | the rows and the level of a speed |
-//! | [`field`] | places and speeds that a simulation told |
+//! | [`field`] | places and speeds that a simulation told; `field_file`: as bytes |
+//! | [`live`] | a flow that is simulated while it sounds |
 //! | `source` | what a seed decides of a source |
+//! | `motion` | which of these two tells the sources |
 //! | `moving` | controls without jumps |
 //! | `read` | the inner loop |
 //! | [`layout`] | receivers and channels |
 //! | `microphone` | the largest pressure |
+//! | [`shipped`] | the textures that come with the engines |
 
 pub mod bank;
 pub mod field;
+mod field_file;
 pub mod layout;
 mod level;
+pub mod live;
 mod microphone;
+mod motion;
 mod moving;
 mod read;
+pub mod shipped;
 mod source;
 pub mod texture;
 
 pub use bank::Bank;
 pub use field::{End, SpeedField};
 pub use layout::Layout;
+pub use live::{Asked, Simulator};
+pub use shipped::TEXTURES;
 pub use texture::VortexTexture;
 
 use std::sync::Arc;
@@ -38,7 +47,9 @@ use crate::drive::envelope::Envelope;
 use crate::error::{Error, in_range, within};
 use layout::{MOST_CHANNELS, Panner};
 use level::Blend;
+use live::Live;
 use microphone::limited;
+use motion::Motion;
 use moving::{Frame, Moving, Stand};
 use read::{Gain, Part, Reader};
 use source::{Edge, Identity, Source};
@@ -81,6 +92,7 @@ pub struct Vortex {
     panner: Panner,
     bank: Option<Arc<Bank>>,
     field: Option<Arc<SpeedField>>,
+    live: Option<Live>,
     sources: Vec<Source>,
     envelope: Envelope,
     /// The envelope after the last sample.
@@ -106,11 +118,9 @@ pub struct Vortex {
 /// What is the same for all sources in a hop.
 struct Hop<'a> {
     bank: &'a Bank,
-    field: Option<&'a SpeedField>,
+    motion: Motion<'a>,
     frame: Frame,
     stand: Stand,
-    /// The field's steps around the hop's start and end.
-    told: [(usize, usize, f64); 2],
     index: i64,
     /// Step of the bank's period at the hop's start, for a source at no distance.
     start: f64,
@@ -137,6 +147,7 @@ impl Vortex {
             panner: Panner::new(layout),
             bank: None,
             field: None,
+            live: None,
             sources: vec![Source::default(); sources],
             envelope: Envelope::new(sample_rate_hz),
             envelope_now: 0.0,
@@ -195,6 +206,25 @@ impl Vortex {
         std::mem::replace(&mut self.field, field)
     }
 
+    /// Takes a simulation for [`Flow::Live`], whose sources stand at `places`, in m to the right, to the front and up from
+    /// where the controls place the middle. Its steps last [`live_step_s`](Self::live_step_s). Not for the audio thread.
+    ///
+    /// Fails without a place, and where one is no number or farther than 100 km.
+    pub fn set_simulator(&mut self, simulator: Box<dyn Simulator>, places: &[[f32; 3]]) -> Result<(), Error> {
+        self.live = Some(Live::new(simulator, places, live::hops_per_step(self.sample_rate_hz, self.hop))?);
+        Ok(())
+    }
+
+    /// Seconds that a step of a live simulation lasts, about 1/60.
+    pub fn live_step_s(&self) -> f64 {
+        live::hops_per_step(self.sample_rate_hz, self.hop) as f64 * self.hop as f64 / self.sample_rate_hz
+    }
+
+    /// Steps of the live simulation that came too late since the last call.
+    pub fn take_late(&mut self) -> u64 {
+        self.live.as_mut().map_or(0, Live::take_late)
+    }
+
     /// Back to silence; the next sample stands at `position` on the host's timeline. Bank and field stay.
     pub fn reset(&mut self, position: i64) {
         // Room for centuries of sound on either side, whose places in the period are still exact enough.
@@ -205,6 +235,9 @@ impl Vortex {
         self.is_fresh = true;
         self.is_exchanged = false;
         self.farewell_hop = FAREWELL_HOPS;
+        if let Some(live) = &mut self.live {
+            live.stop();
+        }
     }
 
     /// Renders one block of any length into `outputs`, whose channels are as long as `drive`; channels that the layout
@@ -255,35 +288,45 @@ impl Vortex {
             }
             self.farewell_hop = 0;
         }
-        let field = self.field.take();
+        // Out of the way of what changes meanwhile; neither takes anything from the heap.
+        let (field, mut live) = (self.field.take(), self.live.take());
         let identity = Identity { seed: controls.seed, flow: controls.flow };
-        let wanted = match controls.flow {
-            Flow::Envelope => controls.count,
-            Flow::Field => field.as_ref().map_or(0, |field| field.sources()),
-        };
         if was_fresh {
             self.moving.jump(controls);
+        }
+        let before = self.moving.now();
+        let frame = self.moving.next(controls);
+        let speed_m_s = frame.speed_m_s * self.envelope_now.powf(frame.curve);
+        if let Some(live) = &mut live {
+            if controls.flow == Flow::Live { live.advance(speed_m_s) } else { live.stop() }
+        }
+        let motion = match (controls.flow, &field, &live) {
+            (Flow::Field, Some(field), _) => {
+                let ends = [start, start + self.hop as i64];
+                let offset_s = within(controls.field_offset_s, -3600.0, 3600.0);
+                Motion::Field(field, ends.map(|at| field.place(at as f64 / self.sample_rate_hz + offset_s)))
+            }
+            (Flow::Live, _, Some(live)) => Motion::Live(live),
+            _ => Motion::None,
+        };
+        let wanted = if controls.flow == Flow::Envelope { controls.count } else { motion.sources() };
+        if was_fresh {
             for (index, source) in self.sources.iter_mut().enumerate() {
                 *source = Source::new(index, identity);
                 source.presence = f32::from(u8::from(index < wanted));
             }
         }
-        let before = self.moving.now();
-        let frame = self.moving.next(controls);
         self.pressures.iter_mut().for_each(|channel| channel.fill(0.0));
         let bank = self.bank.take();
         if let Some(bank) = bank.as_deref().filter(|bank| bank.sample_rate_hz() == self.sample_rate_hz) {
-            let speed = frame.speed_m_s * self.envelope_now.powf(frame.curve);
             let hop = Hop {
                 bank,
-                field: field.as_deref(),
+                motion,
                 frame,
                 stand: frame.place.stand(),
-                told: [start, start + self.hop as i64]
-                    .map(|at| field.as_ref().map_or((0, 0, 0.0), |field| field.place(at as f64 / self.sample_rate_hz))),
                 index: start.div_euclid(self.hop as i64),
                 start: start as f64 * (bank.rate_hz() / self.sample_rate_hz) % bank.period() as f64,
-                ln_speed: if self.envelope_now > 0.0 { speed.ln() as f32 } else { f32::NEG_INFINITY },
+                ln_speed: if self.envelope_now > 0.0 { speed_m_s.ln() as f32 } else { f32::NEG_INFINITY },
                 ln_reference: bank.levels().ln_gain(frame.ln_reference as f32),
                 stays: frame.place == before.place && !was_fresh,
             };
@@ -297,19 +340,18 @@ impl Vortex {
             self.sources = sources;
         }
         self.bank = bank;
-        self.field = field;
+        (self.field, self.live) = (field, live);
         self.finish(&before, &frame);
     }
 
     /// Adds one source, whose presence was `present` at the hop's start.
     fn render_source(&mut self, hop: &Hop<'_>, index: usize, source: &mut Source, present: f32, is_fresh: bool) {
-        let [told_first, told_last] = hop.told;
         if is_fresh {
             // Sound starts in its midst.
-            source.edge = self.edge(hop, told_first, index, source, false);
+            source.edge = self.edge(hop, false, index, source, false);
         }
         let heard = present > 0.0 && source.edge.gains.iter().any(|gain| *gain != 0.0);
-        let end = self.edge(hop, told_last, index, source, heard);
+        let end = self.edge(hop, true, index, source, heard);
         // What was not heard may have stood anywhere.
         let start = if heard { source.edge } else { Edge { gains: [0.0; MOST_CHANNELS], ..end } };
         source.edge = end;
@@ -359,20 +401,17 @@ impl Vortex {
         self.reader.process(&parts[..count], phase, step as f32, &gains[..audible], &mut self.pressures);
     }
 
-    /// What a source sounds like at one end of the hop; `heard` tells whether its edge is what it sounded like before.
-    fn edge(&self, hop: &Hop<'_>, told: (usize, usize, f64), index: usize, source: &Source, heard: bool) -> Edge {
+    /// What a source sounds like at the start of the hop, or at its `end`; `heard` tells whether its edge is what it sounded like before.
+    fn edge(&self, hop: &Hop<'_>, end: bool, index: usize, source: &Source, heard: bool) -> Edge {
         let place = &hop.stand;
-        let (position, ln_speed, presence) = match (source.identity.flow, hop.field) {
-            (Flow::Envelope, _) => {
-                let deviation = hop.frame.variation as f32 * source.deviation;
-                (None, hop.ln_speed + deviation.ln_1p(), 1.0)
-            }
-            (Flow::Field, Some(field)) if index < field.sources() => {
-                let told = field.at(index, told);
-                let speed = hop.frame.field_speed * told.speed_m_s;
-                (Some(place.at(told.position)), speed.ln() as f32, told.presence)
-            }
-            _ => return Edge { distance_m: source.edge.distance_m, ..Edge::default() },
+        let (position, ln_speed, presence) = if source.identity.flow == Flow::Envelope {
+            let deviation = hop.frame.variation as f32 * source.deviation;
+            (None, hop.ln_speed + deviation.ln_1p(), 1.0)
+        } else if let Some(told) = hop.motion.at(index, end) {
+            let speed = hop.frame.field_speed * told.speed_m_s;
+            (Some(place.at(told.position)), speed.ln() as f32, told.presence)
+        } else {
+            return Edge { distance_m: source.edge.distance_m, ..Edge::default() };
         };
         let blend = hop.bank.levels().at(ln_speed, hop.frame.range as f32, hop.ln_reference);
         if heard && source.edge.settled && hop.stays && position.is_none() {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
-    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, FlameControls, MixControls,
-    Quality, TextureControls,
+    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, FlameControls, Flow,
+    MixControls, Quality, TextureControls, VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
@@ -80,10 +80,34 @@ pub fn any_controls(random: &mut Random) -> Controls {
                 spectrum_match: random.unit(),
             },
         },
+        vortex: VortexControls {
+            texture: random.below(3),
+            flow: [Flow::Envelope, Flow::Field][random.below(2)],
+            attack_s: 0.001 + random.unit() * 0.1,
+            release_s: 0.001 + random.unit(),
+            threshold: random.unit() * 0.1,
+            speed_m_s: 20.0 * random.unit(),
+            curve: 0.1 + random.unit(),
+            variation: random.unit(),
+            field_speed: 2.0 * random.unit(),
+            field_offset_s: random.unit(),
+            count: 1 + random.below(100),
+            seed: random.below(100) as u32,
+            distance_m: 10.0 * random.unit(),
+            spread_m: 3.0 * random.unit(),
+            azimuth_deg: 360.0 * random.unit(),
+            elevation_deg: 180.0 * random.unit() - 90.0,
+            exponent: 1.0 + 2.0 * random.unit(),
+            range: random.unit(),
+            reference_m_s: 1.0 + 10.0 * random.unit(),
+            level: 1000.0 * random.unit(),
+            max_pressure_pa: 1e-3,
+        },
         mix: MixControls {
             low: level(random),
             extension: level(random),
             texture: level(random),
+            vortex: level(random),
             width: random.unit(),
             output: level(random),
             bypass: random.below(5) == 0,

@@ -96,7 +96,8 @@ pub fn play(request: &Request<'_>) -> Result<Played> {
 
 /// Puts the recording and the learned distribution into the plugin's state.
 fn set_session(plugin: &mut dyn Plugin, request: &Request<'_>) -> Result<()> {
-    let session = Session { recording: request.training.clone(), embed: false, learned: request.learned.clone() };
+    let session =
+        Session { recording: request.training.clone(), learned: request.learned.clone(), ..Session::default() };
     let mut state = State::from_bytes(request.format, &plugin.state()?)?;
     // A field of a state is JSON, and this one's content is JSON text.
     state.fields.insert(FIELD.to_owned(), serde_json::to_string(&session.to_json())?);

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use pyrophone_recording::{Recording, write_wav_f32};
+use pyrophone_synthesis::controls::DriveMode;
 
 use crate::bounce::{load, preset};
 use crate::project;
@@ -32,11 +33,8 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
-/// The preset that needs no input.
-const FLAME: &str = "flame";
-
 /// What each factory preset is to its listener.
-const PRESETS: [(&str, &str, &str); 5] = [
+const PRESETS: [(&str, &str, &str); 9] = [
     (
         "extend",
         "Extension",
@@ -58,10 +56,18 @@ const PRESETS: [(&str, &str, &str); 5] = [
         "Exact search, the input's loudness learned in a first pass, no gate: in silence the recording's quietest moment repeats.",
     ),
     (
-        FLAME,
+        "flame",
         "A flame of its own",
         "Over silence: the plugin burns without any input, here a simulated campfire. Scene, intensity and wind are parameters.",
     ),
+    (
+        "campfire",
+        "Campfire",
+        "Over silence: the same campfire with vortex sound of the hot gas above it, which follows the simulated motion.",
+    ),
+    ("flamethrower", "Flamethrower", "Over silence: a long jet, its roar vortex sound of the simulated motion."),
+    ("explosion", "Explosion", "Over silence: bursts, then rising gas, as loud as a microphone takes."),
+    ("swinging-torch", "Swinging torch", "Over silence: a torch that is swung, its whoosh vortex sound of the motion."),
 ];
 
 /// Makes the page and says where it is.
@@ -69,7 +75,8 @@ pub fn run(args: &Args) -> Result<()> {
     let folder = args.output.clone().unwrap_or_else(|| project::target_dir().join("demo"));
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let studio = Studio::new(folder);
-    let mut sections = vec![engines(&studio, args)?];
+    let (heard, training) = sources(&studio, args)?;
+    let mut sections = vec![engines(&studio, args, &heard, &training)?, systems(&studio, &heard.0, &training.0)?];
     match comparisons::reference_folder() {
         Some(reference) => sections.extend(comparisons::sections(&studio, &reference)?),
         None => eprintln!("no reference data (PYROPHONE_REFERENCE), so the page has no comparisons with the paper"),
@@ -81,16 +88,17 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// One input through every factory preset.
-fn engines(studio: &Studio, args: &Args) -> Result<Section> {
-    let (flame_path, input_note) = source(studio, args.input.as_deref(), "flame", || {
-        Ok(vec![flame::simulate(signals::RATE_HZ, flame::SECONDS)?])
-    })?;
-    let (fire, training_note) = source(studio, args.training.as_deref(), "fire", || Ok(signals::fire()))?;
+fn engines(
+    studio: &Studio,
+    args: &Args,
+    (flame_path, input_note): &Source,
+    (fire, training_note): &Source,
+) -> Result<Section> {
     let is_generated = args.input.is_none() || args.training.is_none();
 
-    let input = load(&flame_path, None)?;
+    let input = load(flame_path, None)?;
     let input_sound = Sound::of(input.channels.clone(), input.sample_rate_hz);
-    let training = load(&fire, None)?;
+    let training = load(fire, None)?;
     let training_sound = Sound::of(training.channels, training.sample_rate_hz);
     let mut rows = vec![
         studio.row(
@@ -100,14 +108,15 @@ fn engines(studio: &Studio, args: &Args) -> Result<Section> {
             &input_sound,
             &Beside::Input,
         )?,
-        studio.row("training", "Recording", &training_note, &training_sound, &Beside::Training)?,
+        studio.row("training", "Recording", training_note, &training_sound, &Beside::Training)?,
     ];
-    let silence = Recording { channels: vec![vec![0.0; input.len_samples()]], ..input.clone() };
+    let silence = Recording { channels: vec![vec![0.0; input.len_samples()]; 2], ..input.clone() };
     let silence_sound = Sound::of(silence.channels.clone(), silence.sample_rate_hz);
     for (name, title, note) in PRESETS {
         let values = preset(name, [])?;
         let uses_recording = name != "extend";
-        let (played, heard) = if name == FLAME { (&silence, &silence_sound) } else { (&input, &input_sound) };
+        let burns = values.controls().drive.mode == DriveMode::Flame;
+        let (played, heard) = if burns { (&silence, &silence_sound) } else { (&input, &input_sound) };
         let burnt = studio.burn(&Job {
             input: played,
             training: uses_recording.then_some(fire.as_path()),
@@ -132,6 +141,74 @@ fn engines(studio: &Studio, args: &Args) -> Result<Section> {
         "Your sounds, bounced through the CLAP plugin with each factory preset."
     };
     Ok(Section { title: "One flame, every engine".into(), intro: intro.into(), rows, table: None })
+}
+
+/// A sound's file, and what the page says of it.
+type Source = (PathBuf, String);
+
+/// Input and recording.
+fn sources(studio: &Studio, args: &Args) -> Result<(Source, Source)> {
+    let flame = source(studio, args.input.as_deref(), "flame", || {
+        Ok(vec![flame::simulate(signals::RATE_HZ, flame::SECONDS)?])
+    })?;
+    Ok((flame, source(studio, args.training.as_deref(), "fire", || Ok(signals::fire()))?))
+}
+
+/// The three papers' systems, each alone and all together: their names, what they are, and their layers' levels.
+const SYSTEMS: [(&str, &str, &str, [&str; 3]); 4] = [
+    (
+        "system-extension",
+        "Spectral bandwidth extension",
+        "Chadwick & James 2011, §4: the flame's lows, and noise that continues their spectrum.",
+        ["0", "off", "off"],
+    ),
+    (
+        "system-texture",
+        "Synchronized texture",
+        "Chadwick & James 2011, §5, matched without slow loudness: a recording that moves with the flame.",
+        ["off", "0", "off"],
+    ),
+    (
+        "system-vortex",
+        "Vortex sound",
+        "Dobashi, Yamamoto & Nishita 2004: what turbulent hot gas radiates, as fast as the flame's loudness tells.",
+        ["off", "off", "0"],
+    ),
+    (
+        "system-together",
+        "All together",
+        "Texture over the flame's lows, extension for air, vortex sound for the whoosh between them.",
+        ["-9", "0", "0"],
+    ),
+];
+
+/// One input through the three papers' systems.
+fn systems(studio: &Studio, flame_path: &Path, fire: &Path) -> Result<Section> {
+    let input = load(flame_path, None)?;
+    let input_sound = Sound::of(input.channels.clone(), input.sample_rate_hz);
+    let training = load(fire, None)?;
+    let training_sound = Sound::of(training.channels, training.sample_rate_hz);
+    let mut rows = vec![];
+    for (name, title, note, [extension, texture, vortex]) in SYSTEMS {
+        let low = if name == "system-extension" { extension } else { "off" };
+        let levels = [("low", low), ("extension", extension), ("texture", texture), ("vortex", vortex)];
+        let levels = levels.map(|(layer, level)| format!("{layer}_level={level}"));
+        let values = preset("default", levels.iter().map(String::as_str))?;
+        let uses_recording = texture != "off";
+        let burnt = studio.burn(&Job {
+            input: &input,
+            training: uses_recording.then_some(fire),
+            values: &values,
+            output_channels: 2,
+        })?;
+        let beside =
+            Beside::Result { input: &input_sound, training: uses_recording.then_some(&training_sound), alpha: None };
+        let mut row = studio.row(name, title, note, &burnt.sound, &beside)?;
+        row.facts.push(burnt.speed());
+        rows.push(row);
+    }
+    let intro = "Each system alone, on the input above, and all of them as layers of one plugin.";
+    Ok(Section { title: "Three systems, side by side".into(), intro: intro.into(), rows, table: None })
 }
 
 /// A file that the user gave, or one that is generated; with what the page says of it.

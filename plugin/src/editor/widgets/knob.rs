@@ -159,7 +159,9 @@ fn value(ui: &mut Ui, rect: Rect, parameter: &Parameter, index: usize, plain: f6
         .font(theme::small())
         .text_color(if is_valid { theme::TEXT } else { theme::ALARM })
         .align(egui::Align2::CENTER_CENTER);
-    let response = ui.put(rect, field);
+    // In a place of its own: what is beside it stays where it is.
+    let mut place = ui.new_child(egui::UiBuilder::new().id_salt(id).max_rect(rect));
+    let response = place.put(rect, field);
     if response.lost_focus() {
         let is_refused = ui.input(|input| input.key_pressed(Key::Escape));
         if let (Ok(plain), false) = (parameter.parse(&typed), is_refused) {

@@ -1,0 +1,64 @@
+//! How fast a simulation's gas flows where: a speed field for vortex sound.
+
+use std::path::Path;
+
+use pyrophone_flame::speed_field::{Regions, Up, stride};
+use pyrophone_flame::velocity::join;
+use pyrophone_recording::write_file;
+use pyrophone_synthesis::vortex::{End, SpeedField};
+use rayon::prelude::*;
+
+use super::measuring::Plan;
+use crate::args::UpAxis;
+use crate::error::Error;
+use crate::progress::Work;
+
+/// Frames whose boxes are looked at, at even distances.
+const LOOKS: usize = 24;
+
+/// Writes the speed field of frames that come `rate_hz` times per second, the first at `start_s` of the timeline.
+pub fn write_of_frames(
+    path: &Path,
+    plan: &Plan,
+    up: UpAxis,
+    rate_hz: f64,
+    start_s: f64,
+    work: &Work,
+) -> Result<(), Error> {
+    let stage = work.stage("measuring the flow");
+    let every = stride(rate_hz) as usize;
+    let chosen: Vec<usize> = plan.indices.iter().copied().step_by(every).collect();
+    let looks: Vec<usize> = chosen.iter().copied().step_by(chosen.len().div_ceil(LOOKS).max(1)).collect();
+    // Frames that were skipped have no flow either: it goes on as it was.
+    let read = |index: usize| work.check().map(|()| plan.read(index).ok());
+    let boxes: Vec<_> = looks.par_iter().map(|index| read(*index)).collect::<Result<_, Error>>()?;
+    let voxel = boxes.iter().flatten().map(|frame| frame.velocity.transform().voxel_edges()[0]).next();
+    let around = boxes.iter().flatten().filter_map(|frame| frame.velocity.bounds()).reduce(join);
+    let (Some(voxel), Some([low, high])) = (voxel, around) else { return Err(pyrophone_flame::Error::NoMotion.into()) };
+    drop(boxes);
+    let regions = Regions::new(low, high, voxel);
+    let mut steps: Vec<Vec<f32>> = Vec::with_capacity(chosen.len());
+    for portion in chosen.chunks(4 * rayon::current_num_threads()) {
+        let speeds: Result<Vec<_>, Error> = portion
+            .par_iter()
+            .map(|index| Ok(read(*index)?.map(|frame| regions.mean_speeds(&frame.velocity))))
+            .collect();
+        for speeds in speeds? {
+            let last = || steps.last().cloned().unwrap_or_else(|| vec![0.0; regions.len()]);
+            let speeds = speeds.unwrap_or_else(last);
+            steps.push(speeds);
+        }
+        stage.at(steps.len() as f32 / chosen.len() as f32);
+    }
+    let up = match up {
+        UpAxis::Y => Up::Y,
+        UpAxis::Z => Up::Z,
+    };
+    let field = regions.field(&steps, rate_hz / every as f64, up, End::Clamped)?;
+    write(path, field.starting_at(start_s))
+}
+
+/// Writes a field's file.
+pub fn write(path: &Path, field: SpeedField) -> Result<(), Error> {
+    Ok(write_file(path, |file| std::io::Write::write_all(file, &field.to_bytes()))?)
+}

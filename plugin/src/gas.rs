@@ -1,0 +1,169 @@
+//! The gas of vortex sound's flow `live`: simulated on a thread of its own, in time for the audio thread.
+//!
+//! What is asked for goes one way through a ring, what was simulated the other way. Off line the audio thread waits for
+//! what it needs; in real time it holds the last step and counts those that are late.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use pyrophone_flame::live::LiveFlow;
+use pyrophone_synthesis::chain::Chain;
+use pyrophone_synthesis::vortex::{Asked, Simulator};
+use ringbuf::traits::{Consumer, Observer, Producer, Split};
+use ringbuf::{HeapCons, HeapProd, HeapRb};
+
+/// Most sources of the simulation.
+const MOST_SOURCES: usize = 160;
+
+/// Steps that may be under way; a block of 8192 samples at 44.1 kHz asks for twelve.
+const STEPS: usize = 64;
+
+/// How often the thread looks whether something is asked for, while the flow is used and while it is not.
+const GLANCE: Duration = Duration::from_millis(1);
+const REST: Duration = Duration::from_millis(40);
+
+/// How often an offline render looks whether its step is there.
+const PATIENCE: Duration = Duration::from_micros(100);
+
+/// What one step has come to.
+#[derive(Debug, Clone, Copy)]
+struct Answer {
+    run: u64,
+    step: u64,
+    speeds_m_s: [f32; MOST_SOURCES],
+}
+
+/// The audio thread's end.
+struct Remote {
+    asked: HeapProd<Asked>,
+    answers: HeapCons<Answer>,
+    /// The newest answer that was taken.
+    newest: Option<Answer>,
+    /// Whether this is an offline render.
+    waits: bool,
+}
+
+impl Remote {
+    /// Takes the answer to a step, if it is there; those to earlier ones are of no use any more.
+    fn poll(&mut self, run: u64, step: u64) -> Option<&Answer> {
+        let is_wanted = |answer: &Answer| (answer.run, answer.step) >= (run, step);
+        while !self.newest.as_ref().is_some_and(is_wanted) {
+            self.newest = Some(self.answers.try_pop()?);
+        }
+        self.newest.as_ref().filter(|answer| (answer.run, answer.step) == (run, step))
+    }
+}
+
+impl Simulator for Remote {
+    fn ask(&mut self, asked: Asked) {
+        while self.asked.try_push(asked).is_err() && self.waits && self.asked.read_is_held() {
+            std::thread::sleep(PATIENCE);
+        }
+    }
+
+    fn answer(&mut self, run: u64, step: u64, speeds_m_s: &mut [f32]) -> bool {
+        loop {
+            // Looked at before the ring: what is pushed before a thread ends is there.
+            let goes_on = self.waits && self.answers.write_is_held();
+            if let Some(answer) = self.poll(run, step) {
+                let count = speeds_m_s.len().min(MOST_SOURCES);
+                speeds_m_s[..count].copy_from_slice(&answer.speeds_m_s[..count]);
+                return true;
+            }
+            if !goes_on || self.newest.as_ref().is_some_and(|answer| (answer.run, answer.step) > (run, step)) {
+                return false;
+            }
+            std::thread::sleep(PATIENCE);
+        }
+    }
+}
+
+/// The thread's end of one simulation.
+struct Desk {
+    asked: HeapCons<Asked>,
+    answers: HeapProd<Answer>,
+    flow: LiveFlow,
+    run: u64,
+}
+
+impl Desk {
+    /// Simulates a step that is asked for, if there is one.
+    fn work(&mut self) -> bool {
+        let Some(asked) = self.asked.try_pop() else { return false };
+        if asked.run != self.run {
+            self.run = asked.run;
+            self.flow.reset();
+        }
+        // A step that fails is late for ever.
+        if let Ok(speeds) = self.flow.step(asked.speed_m_s) {
+            let mut speeds_m_s = [0.0; MOST_SOURCES];
+            speeds_m_s.iter_mut().zip(speeds).for_each(|(to, speed)| *to = speed);
+            let _ = self.answers.try_push(Answer { run: asked.run, step: asked.step, speeds_m_s });
+        }
+        true
+    }
+}
+
+/// Switches that both threads look at.
+#[derive(Debug, Default)]
+struct Switches {
+    /// Whether the flow is used.
+    used: AtomicBool,
+    quit: AtomicBool,
+}
+
+/// The thread that simulates for one chain; dropping it ends it.
+#[derive(Debug)]
+pub struct Gas {
+    switches: Arc<Switches>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Gas {
+    /// Starts the thread for `chain`, which waits for every step where it renders off line (`waits`). Where that fails,
+    /// the flow `live` follows the envelope.
+    pub fn start(chain: &mut Chain, waits: bool) -> Result<Self, String> {
+        let step_s = chain.live_step_s();
+        let flow = || LiveFlow::new(step_s).map_err(|error| error.to_string());
+        let flows = [flow()?, flow()?];
+        let places = flows[0].places();
+        let mut desks = Vec::with_capacity(flows.len());
+        let remotes = flows.map(|flow| {
+            let (asked_in, asked_out) = HeapRb::new(STEPS).split();
+            let (answers_in, answers_out) = HeapRb::new(STEPS).split();
+            desks.push(Desk { asked: asked_out, answers: answers_in, flow, run: 0 });
+            Box::new(Remote { asked: asked_in, answers: answers_out, newest: None, waits }) as Box<dyn Simulator>
+        });
+        chain.set_simulators(remotes, &places[..places.len().min(MOST_SOURCES)]).map_err(|error| error.to_string())?;
+        let switches = Arc::new(Switches::default());
+        let theirs = switches.clone();
+        let work = move || {
+            while !theirs.quit.load(Ordering::Relaxed) {
+                // Both, whatever the first one finds.
+                let found = desks.iter_mut().filter_map(|desk| desk.work().then_some(())).count();
+                if found == 0 {
+                    std::thread::sleep(if theirs.used.load(Ordering::Relaxed) { GLANCE } else { REST });
+                }
+            }
+        };
+        let thread = std::thread::Builder::new().name("pyrophone-gas".to_owned()).spawn(work);
+        Ok(Self { switches, thread: Some(thread.map_err(|error| error.to_string())?) })
+    }
+
+    /// Tells whether the flow is used; real-time safe.
+    pub fn set_used(&self, used: bool) {
+        self.switches.used.store(used, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Gas {
+    fn drop(&mut self) {
+        self.switches.quit.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A panic in the thread has been reported by the thread itself.
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Vortex sound as a layer: fed by the drive or by a speed field, as late as the other layers.
+
+use std::sync::Arc;
+
+use super::delay::Delay;
+use crate::controls::{DriveMode, Flow, VortexControls};
+use crate::vortex::{Bank, Layout, Simulator, SpeedField, TEXTURES, Vortex, shipped};
+use crate::{Controls, Error};
+
+/// Most sources that an envelope drives.
+const SOURCES: usize = 500;
+
+/// Speed of the eddies in live gas, as a multiple of the mean over a sub-volume.
+const LIVE_SPEED: f64 = 2.5;
+
+/// The field that tells the sources' speeds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Told {
+    /// None: the envelope does.
+    Nothing,
+    /// The user's.
+    Own,
+    /// That of a scene which burns as the drive.
+    Scene(usize),
+}
+
+/// The renderer, what it may play, and its delay.
+#[derive(Debug)]
+pub struct VortexLayer {
+    vortex: Vortex,
+    banks: [Arc<Bank>; TEXTURES.len()],
+    /// Place of the bank that plays.
+    playing: usize,
+    scenes: &'static [Arc<SpeedField>],
+    own: Option<Arc<SpeedField>>,
+    /// The field that the renderer has.
+    told: Told,
+    /// Whether it has a simulation.
+    is_live: bool,
+    delays: Vec<Delay<f64>>,
+}
+
+impl VortexLayer {
+    /// A layer that is `latency_samples` late. The first one at a rate makes the banks.
+    pub fn new(sample_rate_hz: f64, channels: usize, latency_samples: usize) -> Result<Self, Error> {
+        let mut vortex = Vortex::new(sample_rate_hz, Layout::of_channels(channels)?, SOURCES)?;
+        let banks = shipped::banks(sample_rate_hz)?;
+        drop(vortex.swap_bank(Some(banks[0].clone())));
+        Ok(Self {
+            vortex,
+            banks,
+            playing: 0,
+            scenes: shipped::fields()?,
+            own: None,
+            told: Told::Nothing,
+            is_live: false,
+            delays: vec![Delay::new(latency_samples); channels],
+        })
+    }
+
+    /// Exchanges the user's field; as many of its sources are heard as there is room for.
+    pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
+        if self.told == Told::Own {
+            drop(self.vortex.swap_field(field.clone()));
+            if field.is_none() {
+                self.told = Told::Nothing;
+            }
+        }
+        std::mem::replace(&mut self.own, field)
+    }
+
+    /// Takes a simulation for the flow `live`. Not for the audio thread.
+    pub fn set_simulator(&mut self, simulator: Box<dyn Simulator>, places: &[[f32; 3]]) -> Result<(), Error> {
+        self.vortex.set_simulator(simulator, places)?;
+        self.is_live = true;
+        Ok(())
+    }
+
+    /// Seconds that a step of that simulation lasts.
+    pub fn live_step_s(&self) -> f64 {
+        self.vortex.live_step_s()
+    }
+
+    /// Its steps that came too late since the last call.
+    pub fn take_late(&mut self) -> u64 {
+        self.vortex.take_late()
+    }
+
+    /// Samples for which it sounds on after the drive has ended, without its delay; none where it never ends.
+    pub fn tail_samples(&self, controls: &Controls) -> Option<usize> {
+        self.vortex.tail_samples(&self.effective(controls))
+    }
+
+    /// Starts anew at `position` of the host's timeline.
+    pub fn reset(&mut self, position: i64) {
+        self.vortex.reset(position);
+        self.delays.iter_mut().for_each(Delay::reset);
+    }
+
+    /// Makes the layer of one chunk.
+    pub fn process(&mut self, drive: &[f64], controls: &Controls, outputs: &mut [&mut [f64]]) {
+        let effective = self.effective(controls);
+        // Whatever is exchanged here has another owner, so nothing is freed.
+        let wanted = controls.vortex.texture.min(TEXTURES.len() - 1);
+        if std::mem::replace(&mut self.playing, wanted) != wanted {
+            drop(self.vortex.swap_bank(Some(self.banks[wanted].clone())));
+        }
+        if effective.flow == Flow::Field {
+            let wanted = self.wanted(controls);
+            if std::mem::replace(&mut self.told, wanted) != wanted {
+                drop(self.vortex.swap_field(self.field(wanted).cloned()));
+            }
+        }
+        self.vortex.process(drive, &effective, outputs);
+        for (delay, output) in self.delays.iter_mut().zip(outputs) {
+            delay.process(output);
+        }
+    }
+
+    /// The field for these controls.
+    fn wanted(&self, controls: &Controls) -> Told {
+        match (&self.own, controls.drive.mode) {
+            (Some(_), _) => Told::Own,
+            (None, DriveMode::Flame) => Told::Scene(controls.drive.flame.scene.min(self.scenes.len() - 1)),
+            (None, _) => Told::Nothing,
+        }
+    }
+
+    fn field(&self, told: Told) -> Option<&Arc<SpeedField>> {
+        match told {
+            Told::Nothing => None,
+            Told::Own => self.own.as_ref(),
+            Told::Scene(scene) => self.scenes.get(scene),
+        }
+    }
+
+    /// Whether it sounds without any input.
+    pub fn is_self_driven(&self, controls: &Controls) -> bool {
+        self.effective(controls).flow == Flow::Field
+    }
+
+    /// What the renderer is told: the envelope where there is no field or simulation, a scene's field as the scene burns, and nothing
+    /// where the layer is off and need not be computed.
+    fn effective(&self, controls: &Controls) -> VortexControls {
+        let mut effective = controls.vortex;
+        if controls.mix.vortex == 0.0 {
+            (effective.flow, effective.count) = (Flow::Envelope, 0);
+        } else if effective.flow == Flow::Live {
+            // What blows has the speed already, but means over sub-volumes hold still air too.
+            effective.field_speed = LIVE_SPEED;
+            if !self.is_live {
+                effective.flow = Flow::Envelope;
+            }
+        } else if effective.flow == Flow::Field {
+            match self.wanted(controls) {
+                Told::Nothing => effective.flow = Flow::Envelope,
+                Told::Own => {}
+                Told::Scene(_) => {
+                    let flame = &controls.drive.flame;
+                    effective.field_offset_s += flame.offset_s;
+                    // Twice the fuel lifts gas of twice the buoyancy, and speed goes with its root.
+                    effective.field_speed *= flame.intensity.max(0.0).sqrt();
+                }
+            }
+        }
+        effective
+    }
+}

@@ -1,0 +1,112 @@
+//! The textures, and the scenes' speed fields, that come with the engines.
+
+use std::collections::HashMap;
+use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
+
+use super::bank::Bank;
+use super::field::SpeedField;
+use super::texture::VortexTexture;
+use crate::drive::SCENES;
+use crate::error::Error;
+
+/// Names of the shipped textures.
+pub const TEXTURES: &[&str] = &["fire", "jet"];
+
+/// Output per Pa at which gas that flows at 8 m/s, with the default controls else, gives an rms of about 0.1 (-20 dBFS).
+pub const OUTPUT_PER_PA: [f64; TEXTURES.len()] = [132.0, 89.0];
+
+/// Files in the order of [`TEXTURES`].
+const FILES: [&[u8]; TEXTURES.len()] =
+    [include_bytes!("../../../presets/vortex/fire.vtx"), include_bytes!("../../../presets/vortex/jet.vtx")];
+
+/// Speed fields in the order of [`SCENES`], of the very flames whose pressure the drive has; written by
+/// `cargo xtask drives`.
+const FIELDS: [&[u8]; SCENES.len()] = [
+    include_bytes!("../../../presets/fields/candle.field"),
+    include_bytes!("../../../presets/fields/torch.field"),
+    include_bytes!("../../../presets/fields/flame_jet.field"),
+    include_bytes!("../../../presets/fields/burning_brick.field"),
+    include_bytes!("../../../presets/fields/dragon.field"),
+    include_bytes!("../../../presets/fields/campfire.field"),
+    include_bytes!("../../../presets/fields/flamethrower.field"),
+    include_bytes!("../../../presets/fields/explosion.field"),
+];
+
+static READ_FIELDS: LazyLock<Result<Vec<Arc<SpeedField>>, Error>> =
+    LazyLock::new(|| FIELDS.into_iter().map(|file| SpeedField::from_bytes(file).map(Arc::new)).collect());
+
+/// All scenes' speed fields, in the order of [`SCENES`]; read at the first call.
+pub fn fields() -> Result<&'static [Arc<SpeedField>], Error> {
+    READ_FIELDS.as_deref().map_err(Error::clone)
+}
+
+/// Banks by texture and rate, as long as somebody plays them.
+static BANKS: Mutex<Option<Banks>> = Mutex::new(None);
+
+/// By place in [`TEXTURES`] and bits of the rate.
+type Banks = HashMap<(usize, u64), Weak<Bank>>;
+
+/// The shipped textures, made ready for output at `sample_rate_hz` (8,000-384,000); those that are in use already are
+/// shared. Not for the audio thread.
+pub fn banks(sample_rate_hz: f64) -> Result<[Arc<Bank>; TEXTURES.len()], Error> {
+    let mut banks = Vec::with_capacity(TEXTURES.len());
+    // Whoever asks meanwhile needs the same ones, mostly.
+    let mut guard = BANKS.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = guard.get_or_insert_default();
+    for (which, file) in FILES.into_iter().enumerate() {
+        let key = (which, sample_rate_hz.to_bits());
+        let bank = match known.get(&key).and_then(Weak::upgrade) {
+            Some(bank) => bank,
+            None => Arc::new(Bank::new(&VortexTexture::from_bytes(file)?, sample_rate_hz)?),
+        };
+        known.insert(key, Arc::downgrade(&bank));
+        banks.push(bank);
+    }
+    known.retain(|_, bank| bank.strong_count() > 0);
+    Ok(std::array::from_fn(|which| banks[which].clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controls::VortexControls;
+    use crate::vortex::{Layout, Vortex};
+
+    #[test]
+    fn gas_of_medium_speed_gives_a_tenth_of_full_scale() {
+        let sample_rate_hz = 48_000.0;
+        for (which, bank) in banks(sample_rate_hz).unwrap().into_iter().enumerate() {
+            let mut vortex = Vortex::new(sample_rate_hz, Layout::Mono, 500).unwrap();
+            drop(vortex.swap_bank(Some(bank)));
+            vortex.reset(0);
+            let controls = VortexControls { speed_m_s: 8.0, level: OUTPUT_PER_PA[which], ..VortexControls::default() };
+            let mut output = vec![0.0; 4 * 48_000];
+            vortex.process(&vec![1.0; output.len()], &controls, &mut [&mut output]);
+            let rms = (output.iter().map(|x| x * x).sum::<f64>() / output.len() as f64).sqrt();
+            println!(
+                "{}: rms {rms:.4}; {:.0} per Pa would be exact",
+                TEXTURES[which],
+                OUTPUT_PER_PA[which] * 0.1 / rms
+            );
+            assert!((0.08..0.125).contains(&rms), "{}: {rms}", TEXTURES[which]);
+        }
+    }
+
+    #[test]
+    fn every_scene_has_a_field_that_repeats() {
+        for (scene, field) in SCENES.iter().zip(fields().unwrap()) {
+            assert_eq!(field.end(), crate::vortex::End::Periodic, "{scene}");
+            assert!((4..=160).contains(&field.sources()), "{scene}: {} sources", field.sources());
+            let seconds = field.steps() as f64 / field.rate_hz();
+            assert!((5.0..=10.0).contains(&seconds), "{scene}: {seconds} s");
+            assert!(field.positions().iter().all(|[_, _, up]| *up >= 0.0), "{scene} lies below its bottom");
+        }
+    }
+
+    #[test]
+    fn banks_are_shared_while_in_use() {
+        let first = banks(47_999.0).unwrap();
+        let second = banks(47_999.0).unwrap();
+        assert!(first.iter().zip(&second).all(|(a, b)| Arc::ptr_eq(a, b)));
+    }
+}
