@@ -12,11 +12,12 @@ use pyrophone::loader::status::View;
 use pyrophone::loader::{Engine, Loader};
 use pyrophone::parameters::EffectParams;
 use pyrophone::persist;
-use pyrophone_settings::session::{Learned, RecordingReference};
+use pyrophone_settings::session::{FieldReference, Learned, RecordingReference};
 use pyrophone_settings::{Session, session};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::Channels;
 use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::vortex::{End, SpeedField};
 
 const RATE_HZ: f64 = 44_100.0;
 
@@ -85,6 +86,17 @@ impl Instance {
 
     fn saved(&self) -> Session {
         persist::decode(&self.params.serialize_fields()[session::FIELD]).unwrap()
+    }
+
+    /// The speed field that the audio thread would have: the last one that has arrived.
+    fn field(&mut self) -> Option<Option<Arc<SpeedField>>> {
+        let mut last = None;
+        while let Some(update) = self.link.receive() {
+            if let Update::Field(field) = update {
+                last = Some(field);
+            }
+        }
+        last
     }
 
     /// The dictionary that the audio thread would have: the last one that has arrived.
@@ -398,4 +410,50 @@ fn many_instances_come_and_go_with_loads_under_way() {
         }
         std::thread::sleep(Duration::from_millis(round % 7));
     }
+}
+
+#[test]
+fn a_speed_field_is_loaded_kept_in_the_session_and_taken_away() {
+    let sounds = Sounds::new();
+    let mut instance = Instance::running();
+    let field =
+        |speed: f32| SpeedField::new(30.0, 2, vec![[0.0; 3]; 2], vec![speed; 60], End::Clamped).unwrap().to_bytes();
+    let path = sounds.0.path().join("torch.field");
+    std::fs::write(&path, field(3.0)).unwrap();
+    let loader = instance.loader.handle();
+    loader.load_field(path.clone());
+    let shown = instance.wait_for("the field", |view| view.field.is_some()).field.unwrap();
+    assert_eq!(shown, "torch.field: 1.0 s, 2 sources");
+    instance.activate(RATE_HZ);
+    let saved = instance.saved();
+    assert_eq!(saved.field.as_ref().unwrap().bytes, field(3.0));
+    let speed = |field: Option<Option<Arc<SpeedField>>>| field.unwrap().map(|field| field.speeds()[0]);
+    assert_eq!(speed(instance.field()), Some(3.0));
+    // What is no field is named, and the old one stays.
+    for (name, bytes) in
+        [("empty.field", vec![]), ("cut.field", field(4.0)[..50].to_vec()), ("big.field", vec![0; 5 << 20])]
+    {
+        let path = sounds.0.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        loader.load_field(path);
+        let view = instance.wait_for(name, |view| view.error.as_ref().is_some_and(|error| error.contains(name)));
+        assert!(view.field.is_some());
+    }
+    loader.load_field("/no/such/lost.field".into());
+    instance.wait_for("the missing one", |view| view.error.as_ref().is_some_and(|error| error.contains("lost.field")));
+    assert_eq!(instance.saved(), saved);
+    // The session alone brings it back, wherever its file is.
+    std::fs::remove_file(&path).unwrap();
+    let mut other = Instance::running();
+    other.load_session(&saved);
+    assert_eq!(speed(other.field()), Some(3.0));
+    assert_eq!(other.saved(), saved);
+    other.loader.handle().unload_field();
+    other.wait_for("no field", |view| view.field.is_none());
+    other.activate(RATE_HZ);
+    assert_eq!((other.saved().field, speed(other.field())), (None, None));
+    // A damaged one in a session is told, and the rest of the session holds.
+    let damaged = Session { field: Some(FieldReference { path: "x.field".into(), bytes: vec![1, 2] }), ..saved };
+    other.load_session(&damaged);
+    assert!(other.view().error.unwrap().contains("speed field"));
 }

@@ -18,8 +18,9 @@ use nice_plug::prelude::*;
 use nice_plug_core::context::process::SendEventError;
 use pyrophone::Pyrophone;
 use pyrophone::effect::PassFence;
-use pyrophone_settings::session::{FIELD, RecordingReference, Session};
+use pyrophone_settings::session::{FIELD, FieldReference, RecordingReference, Session};
 use pyrophone_settings::{COUNT, PARAMETERS};
+use pyrophone_synthesis::vortex::{End, SpeedField};
 
 const RATE_HZ: f32 = 48_000.0;
 const BLOCKS: [usize; 8] = [0, 1, 17, 64, 480, 1024, 4096, 8192];
@@ -91,7 +92,12 @@ fn session(folder: &Path, name: &str) -> String {
     let content_hash = pyrophone_recording::content_hash(&pyrophone_recording::read(&path).unwrap());
     let path = path.to_str().unwrap().to_owned();
     let recording = Some(RecordingReference { path, content_hash, embedded: None });
-    serde_json::to_string(&Session { recording, ..Session::default() }.to_json()).unwrap()
+    // A speed field of its own for each.
+    let places = vec![[0.5, 1.0, 0.0]; name.len()];
+    let speeds = vec![name.len() as f32; 7 * name.len()];
+    let field = SpeedField::new(30.0, name.len(), places, speeds, End::Periodic).unwrap();
+    let field = Some(FieldReference { path: name.to_owned(), bytes: field.to_bytes() });
+    serde_json::to_string(&Session { recording, field, ..Session::default() }.to_json()).unwrap()
 }
 
 fn run(sidechain_channels: usize) {

@@ -200,7 +200,6 @@ impl Worker {
                 self.pending = Some(Pending::Session);
                 self.learner.resend();
                 self.status.update(|view| view.error = None);
-                self.motion.read(&self.session, &self.status);
             }
             Err(error) => {
                 self.status.fail(error.to_string());
@@ -274,7 +273,10 @@ impl Worker {
                 self.set_recording(recording);
             }
         }
-        self.pending = None;
+        if matches!(self.pending.take(), Some(Pending::Session)) {
+            // Last, so that what is wrong with it is still shown.
+            self.motion.read(&self.session, &self.status);
+        }
         self.show_session();
         Ok(())
     }
