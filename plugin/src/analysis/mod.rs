@@ -4,12 +4,15 @@
 //! |---|---|
 //! | [`bands`] | the frequencies of all plots |
 //! | [`analyser`] | a running spectrum |
+//! | [`fidelity`] | how near the output is to the recording, and how well it follows the drive |
 //! | [`portrait`] | a whole recording at a glance |
 
 pub mod analyser;
 pub mod bands;
+pub mod fidelity;
 pub mod portrait;
 
 pub use analyser::Analyser;
 pub use bands::{BANDS, FLOOR_DB};
+pub use fidelity::{Character, Fidelity, Figures};
 pub use portrait::Portrait;

@@ -4,6 +4,7 @@ use pyrophone_recording::Recording;
 
 use super::analyser::Analyser;
 use super::bands::{BANDS, decibels};
+use super::fidelity::Character;
 
 /// Columns of outline and course.
 pub const COLUMNS: usize = 512;
@@ -11,7 +12,10 @@ pub const COLUMNS: usize = 512;
 /// Longest stretch, in seconds, whose spectrum is looked at in every column: an hour is not worth a minute's work.
 const GLANCE_S: f64 = 0.1;
 
-/// What is drawn of a recording.
+/// Longest stretch, in seconds, from a recording's middle by which an output is judged.
+const JUDGED_S: f64 = 12.0;
+
+/// What is drawn of a recording, and judged by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Portrait {
     /// Least and largest sample by column.
@@ -20,6 +24,8 @@ pub struct Portrait {
     pub spectrum_db: [f32; BANDS],
     /// Power density in dB, by column, then band.
     pub course_db: Vec<[f32; BANDS]>,
+    /// Figures by which an output is judged.
+    pub character: Character,
     /// Length in seconds.
     pub duration_s: f64,
 }
@@ -58,10 +64,13 @@ impl Portrait {
             here.map(decibels)
         });
         let course_db: Vec<[f32; BANDS]> = course.collect();
+        let judged = samples.min((JUDGED_S * rate_hz) as usize);
+        let first = (samples - judged) / 2;
         Self {
             outline: outline.collect(),
             spectrum_db: sum.map(|sum| decibels((sum / COLUMNS as f64) as f32)),
             course_db,
+            character: Character::of((first..first + judged).map(mean), rate_hz),
             duration_s: recording.duration_s(),
         }
     }

@@ -165,7 +165,8 @@ impl Window {
         };
 
         part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
-        self.monitor.spectra.show(ui, spectra, view.portrait.as_deref(), &mut hand);
+        let figures = self.monitor.figures(view.portrait.as_deref().map(|portrait| &portrait.character));
+        self.monitor.spectra.show(ui, spectra, view.portrait.as_deref(), &figures, &mut hand);
         self.monitor.drive.show(ui, row(0.0), theme::BLUE);
         self.monitor.output.show(ui, row(1.0), theme::EMBER);
         self.recording.show_pictures(ui, [row(2.0), row(3.0)], &view);

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::plots::course::Course;
 use super::plots::spectrum::Spectra;
-use crate::analysis::Analyser;
+use crate::analysis::{Analyser, Character, Fidelity, Figures};
 use crate::probe::{Frame, ProbeOut};
 
 /// Windows of the spectra and of the courses, in seconds.
@@ -38,6 +38,7 @@ pub struct Monitor {
 struct Sides {
     drive: Side,
     output: Side,
+    fidelity: Fidelity,
     /// The drive waits until the output has caught up.
     waiting: VecDeque<f32>,
     latency_samples: usize,
@@ -81,6 +82,7 @@ impl Monitor {
             self.sides = engine.map(|(latency, rate_hz)| Sides {
                 drive: Side::new(f64::from(rate_hz)),
                 output: Side::new(f64::from(rate_hz)),
+                fidelity: Fidelity::new(f64::from(rate_hz)),
                 waiting: VecDeque::with_capacity(latency as usize + 1),
                 latency_samples: latency as usize,
             });
@@ -96,6 +98,7 @@ impl Monitor {
                 return;
             }
             let drive = sides.waiting.pop_front().unwrap_or(0.0);
+            sides.fidelity.push(drive, output);
             if let Some(density) = sides.drive.spectrum.push(drive) {
                 spectra.drive.take(density, SPECTRUM_STEP_S as f32);
             }
@@ -109,6 +112,11 @@ impl Monitor {
                 output_course.push(density);
             }
         });
+    }
+
+    /// How near the output is to a recording, and how well it follows the drive.
+    pub fn figures(&self, recording: Option<&Character>) -> Figures {
+        self.sides.as_ref().map(|sides| sides.fidelity.figures(recording)).unwrap_or_default()
     }
 
     /// Part of their time that blocks take, and the most in the last second; `now_s` is the window's clock.

@@ -6,7 +6,7 @@ use pyrophone_settings::Id;
 use super::super::hand::Hand;
 use super::super::theme;
 use crate::analysis::bands::{BANDS, decibels, frequency_hz, place};
-use crate::analysis::{FLOOR_DB, Portrait};
+use crate::analysis::{FLOOR_DB, Figures, Portrait};
 
 /// Time constant in seconds of the curves, and how fast their peaks fall.
 const SMOOTHING_S: f32 = 0.5;
@@ -90,7 +90,7 @@ impl Axes {
 
 impl Spectra {
     /// Draws the plot; handles on it move parameters.
-    pub fn show(&mut self, ui: &Ui, rect: Rect, recording: Option<&Portrait>, hand: &mut Hand<'_>) {
+    pub fn show(&mut self, ui: &Ui, rect: Rect, recording: Option<&Portrait>, figures: &Figures, hand: &mut Hand<'_>) {
         let (drive, output) = (self.drive.levels_db(), self.output.levels_db());
         let loudest = drive.iter().chain(&output).copied().fold(FLOOR_DB, f32::max);
         let wanted = (loudest + HEADROOM_DB).max(REST_DB);
@@ -108,6 +108,7 @@ impl Spectra {
             curve(&painter, &axes, levels, Stroke::new(1.6, color));
         }
         extension(ui, &painter, &axes, &drive, hand);
+        told(ui, &painter, rect, figures);
         legend(&painter, rect, matched.as_ref().and_then(|(_, likeness)| *likeness), recording.is_some());
         read_out(ui, &painter, &axes, &drive, &output);
     }
@@ -259,6 +260,29 @@ fn legend(painter: &egui::Painter, rect: Rect, apart_db: Option<f32>, has_record
             }
             None => word("recording", theme::ASH),
         }
+    }
+}
+
+/// The output's figures, and what to change.
+fn told(ui: &Ui, painter: &egui::Painter, rect: Rect, figures: &Figures) {
+    let mut words = vec![];
+    words.extend(figures.follows.map(|follows| format!("follows {follows:.2}")));
+    words.extend(figures.lines_db.map(|lines_db| format!("tones +{lines_db:.1} dB")));
+    words.extend(figures.crackle.map(|crackle| format!("crackle ×{crackle:.1}")));
+    if words.is_empty() {
+        return;
+    }
+    let at = rect.left_top() + Vec2::new(8.0, 21.0);
+    let drawn = painter.text(at, Align2::LEFT_TOP, words.join("   "), theme::small(), theme::WEAK);
+    let area = ui.interact(drawn, Place::unique("figures"), Sense::hover());
+    area.on_hover_text(
+        "Over the last eight seconds. Follows: correlation of the output's loudness with the drive's, 1 at best. \
+         Tones: how far the output's strongest tones stand out beyond the recording's; noise has none, a buzz some 3 dB and more. \
+         Crackle: how sudden the output is, as a multiple of the recording; 1 at best.",
+    );
+    if let Some(advice) = figures.advice() {
+        let at = at + Vec2::new(0.0, 15.0);
+        painter.text(at, Align2::LEFT_TOP, advice, theme::small(), theme::EMBER);
     }
 }
 
