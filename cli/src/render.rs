@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyrophone_flame::live::{Inline, LiveFlow};
 use pyrophone_recording::{MAX_CHANNELS, Recording, check_finite, check_not_among, write_wav_f32};
 use pyrophone_settings::automation::Event;
-use pyrophone_settings::table::DYNAMIC_RANGES;
+use pyrophone_settings::table::{DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::structure::Dynamics;
@@ -115,6 +115,12 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
         let off = |plain: f64| id.parameter().is_off(plain);
         !off(values.get(id)) || events.iter().any(|event| event.parameter == id as usize && !off(event.value))
     };
+    let field = |plain: f64| VORTEX_FLOWS.get(plain as usize) == Some(&"field");
+    let mut flows = events.iter().filter(|event| event.parameter == Id::VortexFlow as usize);
+    let follows = field(values.get(Id::VortexFlow)) || flows.any(|event| field(event.value));
+    if args.speed_field.is_some() && !(follows && may_sound(Id::VortexLevel)) {
+        note("the speed field is not heard: that takes vortex_flow=field and a vortex_level");
+    }
     if args.training.is_some() || !may_sound(Id::TextureLevel) {
         return Ok(());
     }

@@ -37,7 +37,7 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<(), Error> {
     let plan = Plan::new(args)?;
     let outputs = sound::files(&args.sound).chain(args.speed_field.as_deref()).chain(args.sound.report.as_deref());
     let Some(beside) = outputs.into_iter().next() else { return Ok(()) };
-    let mut kept = Kept::open(beside, plan.settings());
+    let mut kept = Kept::open(beside, plan.settings(), plan.regions.as_ref().map_or(0, Regions::len));
     let Simulated { steps, meshes, flow } = match plan.simulate(&mut kept, work) {
         Ok(simulated) => simulated,
         Err(error) => return Err(kept.unfinished(error)),

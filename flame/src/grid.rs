@@ -206,6 +206,26 @@ impl<const N: usize> Grid<N> {
         Some((low.map(|key| key * BLOCK), high.map(|key| key * BLOCK + BLOCK - 1)))
     }
 
+    /// Lowest and highest index (inclusive) in any block of a value that differs from the background; none where none does.
+    pub fn extent(&self) -> Option<([i32; 3], [i32; 3])> {
+        let mut extent: Option<([i32; 3], [i32; 3])> = None;
+        for (key, block) in self.blocks() {
+            for place in 0..BLOCK_VOXELS as i32 {
+                let within = [place / (BLOCK * BLOCK), place / BLOCK % BLOCK, place % BLOCK];
+                if block[slot(within)] == self.background {
+                    continue;
+                }
+                let index: [i32; 3] = std::array::from_fn(|axis| key[axis] * BLOCK + within[axis]);
+                let (low, high) = extent.unwrap_or((index, index));
+                extent = Some((
+                    std::array::from_fn(|axis| low[axis].min(index[axis])),
+                    std::array::from_fn(|axis| high[axis].max(index[axis])),
+                ));
+            }
+        }
+        extent
+    }
+
     /// Whether every value is finite.
     pub fn is_finite(&self) -> bool {
         let blocks = self.blocks.values().flat_map(|block| block.iter());

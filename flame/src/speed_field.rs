@@ -131,7 +131,7 @@ impl Regions {
 
 /// Of a flow that is known `rate_hz` times per second, every how many-eth step a field needs.
 pub fn stride(rate_hz: f64) -> u64 {
-    (rate_hz / RATE_HZ).round().max(1.0) as u64
+    (rate_hz / RATE_HZ).floor().max(1.0) as u64
 }
 
 #[cfg(test)]

@@ -237,6 +237,7 @@ impl Plugin for Pyrophone {
     }
 
     fn deactivate(&mut self) {
+        self.gas = None;
         if let Some(executor) = &self.executor
             && !self.fence.wait(|| executor.execute_background(PassFence))
         {

@@ -1,7 +1,8 @@
 //! The gas of vortex sound's flow `live`: simulated on a thread of its own, in time for the audio thread.
 //!
 //! What is asked for goes one way through a ring, what was simulated the other way. Off line the audio thread waits for
-//! what it needs; in real time it holds the last step and counts those that are late.
+//! what it needs; in real time it holds the last step and counts those that are late. A block longer than a step (16 ms)
+//! leaves no time to simulate in, so some of its steps are late on any machine.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,6 +12,7 @@ use std::time::Duration;
 use pyrophone_flame::live::LiveFlow;
 use pyrophone_synthesis::chain::Chain;
 use pyrophone_synthesis::vortex::{Asked, Simulator};
+use rayon::ThreadPoolBuilder;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
@@ -22,7 +24,7 @@ const STEPS: usize = 64;
 
 /// How often the thread looks whether something is asked for, while the flow is used and while it is not.
 const GLANCE: Duration = Duration::from_millis(1);
-const REST: Duration = Duration::from_millis(40);
+const REST: Duration = Duration::from_millis(8);
 
 /// How often an offline render looks whether its step is there.
 const PATIENCE: Duration = Duration::from_micros(100);
@@ -32,7 +34,8 @@ const PATIENCE: Duration = Duration::from_micros(100);
 struct Answer {
     run: u64,
     step: u64,
-    speeds_m_s: [f32; MOST_SOURCES],
+    /// None where the gas could not be simulated.
+    speeds_m_s: Option<[f32; MOST_SOURCES]>,
 }
 
 /// The audio thread's end.
@@ -58,6 +61,11 @@ impl Remote {
 
 impl Simulator for Remote {
     fn ask(&mut self, asked: Asked) {
+        // Answers that came too late to be of use make room.
+        while self.newest.is_none_or(|answer| answer.run < asked.run) {
+            let Some(answer) = self.answers.try_pop() else { break };
+            self.newest = Some(answer);
+        }
         while self.asked.try_push(asked).is_err() && self.waits && self.asked.read_is_held() {
             std::thread::sleep(PATIENCE);
         }
@@ -68,8 +76,9 @@ impl Simulator for Remote {
             // Looked at before the ring: what is pushed before a thread ends is there.
             let goes_on = self.waits && self.answers.write_is_held();
             if let Some(answer) = self.poll(run, step) {
+                let Some(speeds) = &answer.speeds_m_s else { return false };
                 let count = speeds_m_s.len().min(MOST_SOURCES);
-                speeds_m_s[..count].copy_from_slice(&answer.speeds_m_s[..count]);
+                speeds_m_s[..count].copy_from_slice(&speeds[..count]);
                 return true;
             }
             if !goes_on || self.newest.as_ref().is_some_and(|answer| (answer.run, answer.step) > (run, step)) {
@@ -86,22 +95,28 @@ struct Desk {
     answers: HeapProd<Answer>,
     flow: LiveFlow,
     run: u64,
+    /// An answer for which there was no room yet.
+    held: Option<Answer>,
 }
 
 impl Desk {
     /// Simulates a step that is asked for, if there is one.
     fn work(&mut self) -> bool {
+        if let Some(answer) = self.held.take() {
+            self.held = self.answers.try_push(answer).err();
+            return self.held.is_none();
+        }
         let Some(asked) = self.asked.try_pop() else { return false };
         if asked.run != self.run {
             self.run = asked.run;
             self.flow.reset();
         }
-        // A step that fails is late for ever.
-        if let Ok(speeds) = self.flow.step(asked.speed_m_s) {
+        let speeds_m_s = self.flow.step(asked.speed_m_s).ok().map(|speeds| {
             let mut speeds_m_s = [0.0; MOST_SOURCES];
             speeds_m_s.iter_mut().zip(speeds).for_each(|(to, speed)| *to = speed);
-            let _ = self.answers.try_push(Answer { run: asked.run, step: asked.step, speeds_m_s });
-        }
+            speeds_m_s
+        });
+        self.held = self.answers.try_push(Answer { run: asked.run, step: asked.step, speeds_m_s }).err();
         true
     }
 }
@@ -133,13 +148,18 @@ impl Gas {
         let remotes = flows.map(|flow| {
             let (asked_in, asked_out) = HeapRb::new(STEPS).split();
             let (answers_in, answers_out) = HeapRb::new(STEPS).split();
-            desks.push(Desk { asked: asked_out, answers: answers_in, flow, run: 0 });
+            desks.push(Desk { asked: asked_out, answers: answers_in, flow, run: 0, held: None });
             Box::new(Remote { asked: asked_in, answers: answers_out, newest: None, waits }) as Box<dyn Simulator>
         });
         chain.set_simulators(remotes, &places[..places.len().min(MOST_SOURCES)]).map_err(|error| error.to_string())?;
         let switches = Arc::new(Switches::default());
         let theirs = switches.clone();
         let work = move || {
+            // Alone, it waits for nobody: in the common pool it would queue behind the indexing of recordings.
+            let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
+            if let Err(error) = &alone {
+                nice_plug::prelude::nice_warn!("live gas shares its threads: {error}");
+            }
             while !theirs.quit.load(Ordering::Relaxed) {
                 // Both, whatever the first one finds.
                 let found = desks.iter_mut().filter_map(|desk| desk.work().then_some(())).count();

@@ -448,6 +448,19 @@ fn a_speed_field_is_loaded_kept_in_the_session_and_taken_away() {
     other.load_session(&saved);
     assert_eq!(speed(other.field()), Some(3.0));
     assert_eq!(other.saved(), saved);
+    // Also where the session's recording is taken away before it is there.
+    let recording = RecordingReference {
+        path: sounds.wav("long.wav", 5.0, 9).to_string_lossy().into_owned(),
+        content_hash: "34".repeat(32),
+        embedded: None,
+    };
+    let with_both = Session { recording: Some(recording), ..saved.clone() };
+    let mut third = Instance::running();
+    let field_text = serde_json::to_string(&with_both.to_json()).unwrap();
+    third.params.deserialize_fields(&[(session::FIELD.to_owned(), field_text)].into());
+    third.loader.handle().unload();
+    third.activate(RATE_HZ);
+    assert_eq!(speed(third.field()), Some(3.0));
     other.loader.handle().unload_field();
     other.wait_for("no field", |view| view.field.is_none());
     other.activate(RATE_HZ);

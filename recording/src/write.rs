@@ -1,6 +1,6 @@
 //! Files that appear whole or not at all.
 
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use crate::Error;
@@ -20,14 +20,38 @@ pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) ->
         sample_format: hound::SampleFormat::Float,
     };
     write_file(path, |file| {
-        let mut writer = hound::WavWriter::new(BufWriter::new(file), spec)?;
+        let mut writer = hound::WavWriter::new(BufWriter::new(&mut *file), spec)?;
         for index in 0..expected {
             for samples in channels {
                 writer.write_sample(samples[index])?;
             }
         }
-        writer.finalize()
+        writer.finalize()?;
+        set_channel_mask(file, channels.len())?;
+        Ok::<(), hound::Error>(())
     })
+}
+
+/// Place of the channel mask in the extensible header that more than two channels have.
+const MASK_AT: u64 = 40;
+
+/// Says which loudspeakers the channels are for: the usual layout of so many (left, right, centre, LFE, rear, side, top).
+/// Without it programs would take them in the order of the mask's bits.
+fn set_channel_mask(file: &mut std::fs::File, channels: usize) -> std::io::Result<()> {
+    let mask: u32 = match channels {
+        0..=2 => return Ok(()),
+        3 => 0x7,
+        4 => 0x33,
+        5 => 0x37,
+        6 => 0x3f,
+        7 => 0x637,
+        8 => 0x63f,
+        9 => 0x5637,
+        10 => 0x563f,
+        _ => 0,
+    };
+    file.seek(SeekFrom::Start(MASK_AT))?;
+    file.write_all(&mask.to_le_bytes())
 }
 
 /// The channels' length; fails where they are missing, too many or unequal.

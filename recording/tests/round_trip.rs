@@ -179,3 +179,20 @@ fn failed_writing_leaves_what_was_there() {
     let onto_folder = write_wav_f32(folder.path(), &[vec![0.0]], 44_100);
     assert!(matches!(onto_folder, Err(Error::NotWritten { .. })), "{onto_folder:?}");
 }
+
+#[test]
+fn more_than_two_channels_name_their_loudspeakers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("surround.wav");
+    for (channels, mask) in
+        [(3, 0x7), (4, 0x33), (5, 0x37), (6, 0x3f), (7, 0x637), (8, 0x63f), (9, 0x5637), (10, 0x563f)]
+    {
+        let sound: Vec<Vec<f32>> = (0..channels).map(|channel| vec![channel as f32 * 0.01; 7]).collect();
+        write_wav_f32(&path, &sound, 48_000).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        assert_eq!(&bytes[20..22], &[0xfe, 0xff], "{channels}: the header is the extensible one");
+        assert_eq!(u32::from_le_bytes(bytes[40..44].try_into().unwrap()), mask, "{channels} channels");
+        assert_eq!(u32::count_ones(mask), channels, "a loudspeaker each");
+        assert_eq!(decode(&path, &no_progress).unwrap().channels, sound);
+    }
+}

@@ -315,6 +315,11 @@ fn vortex_sound_is_as_late_as_the_rest_and_ends_with_its_tail() {
     assert!(tail < samples - end, "{tail}");
     assert!(!heard(end + tail..samples) && heard(end + chain.latency_samples()..end + tail));
     assert!(chain.is_silent());
+    // A layer that is off has no tail, whatever its release.
+    let mut off = whoosh(Flow::Envelope);
+    (off.mix.vortex, off.vortex.release_s, off.vortex.threshold) = (0.0, 5.0, 0.0);
+    play(&mut chain, &input, &[], 2, &[first(off)], 0, || 480);
+    assert!(chain.tail_samples().unwrap() < 40_000, "{:?}", chain.tail_samples());
 }
 
 #[test]

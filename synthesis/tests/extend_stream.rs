@@ -237,7 +237,7 @@ fn width_keeps_the_level_and_sets_the_correlation() {
 fn refuses_what_it_cannot_do() {
     let structure = Structure::default();
     assert!(Extend::new(&structure, 0, 44_100.0).is_err());
-    assert!(Extend::new(&structure, 9, 44_100.0).is_err());
+    assert!(Extend::new(&structure, 11, 44_100.0).is_err());
     assert!(Extend::new(&structure, 1, 7_000.0).is_err());
     assert!(Extend::new(&Structure { half_width: 99, ..structure }, 1, 44_100.0).is_err());
 }

@@ -132,6 +132,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_scene_has_a_speed_field_as_long_as_its_loop() {
+        let presets = crate::project::root().join("presets");
+        for scene in Scene::ALL {
+            let drive = hound::WavReader::open(presets.join(format!("drives/{}.wav", scene.name()))).unwrap();
+            let seconds = f64::from(drive.duration()) / f64::from(drive.spec().sample_rate);
+            let field = std::fs::read(presets.join(format!("fields/{}.field", scene.name()))).unwrap();
+            let field = SpeedField::from_bytes(&field).unwrap();
+            assert_eq!(field.steps() as f64 / field.rate_hz(), seconds, "{}", scene.name());
+        }
+    }
+
+    #[test]
     fn the_plugin_knows_these_scenes() {
         assert_eq!(Scene::ALL.map(Scene::name), SCENES);
     }

@@ -204,6 +204,12 @@ impl Plan {
         found.into_iter().chain(self.missing.iter().copied()).min()
     }
 
+    /// Number of the last frame that is asked for, missing ones included.
+    pub fn last_frame(&self) -> Option<u64> {
+        let found = self.indices.last().and_then(|index| self.sequence.numbers().nth(*index));
+        found.into_iter().chain(self.missing.iter().copied()).max()
+    }
+
     /// All files of the simulation, whether or not they are asked for.
     pub fn simulation_files(&self) -> Vec<PathBuf> {
         let mut files: Vec<PathBuf> =

@@ -26,22 +26,31 @@ pub fn write_of_frames(
     work: &Work,
 ) -> Result<(), Error> {
     let stage = work.stage("measuring the flow");
-    let every = stride(rate_hz) as usize;
-    let chosen: Vec<usize> = plan.indices.iter().copied().step_by(every).collect();
-    let looks: Vec<usize> = chosen.iter().copied().step_by(chosen.len().div_ceil(LOOKS).max(1)).collect();
-    // Frames that were skipped have no flow either: it goes on as it was.
-    let read = |index: usize| work.check().map(|()| plan.read(index).ok());
-    let boxes: Vec<_> = looks.par_iter().map(|index| read(*index)).collect::<Result<_, Error>>()?;
-    let voxel = boxes.iter().flatten().map(|frame| frame.velocity.transform().voxel_edges()[0]).next();
-    let around = boxes.iter().flatten().filter_map(|frame| frame.velocity.bounds()).reduce(join);
+    let every = stride(rate_hz);
+    let numbers: Vec<u64> = plan.sequence.numbers().collect();
+    let (first, last) = (plan.first_frame().unwrap_or(0), plan.last_frame().unwrap_or(0));
+    // By number: where a frame is missing, or cannot be read and is skipped, the flow goes on as it was.
+    let index_of = |number: u64| numbers.binary_search(&number).ok().filter(|index| plan.indices.contains(index));
+    let chosen: Vec<Option<usize>> = (first..=last).step_by(every as usize).map(index_of).collect();
+    let read = |index: &Option<usize>| work.check().map(|()| index.and_then(|index| plan.read(index).ok()));
+    let seen = |index: &Option<usize>| -> Result<_, Error> {
+        let velocity = read(index)?.map(|frame| frame.velocity);
+        Ok(velocity.map(|velocity| (velocity.transform().voxel_edges()[0], velocity.bounds())))
+    };
+    let there: Vec<Option<usize>> = chosen.iter().copied().filter(Option::is_some).collect();
+    let looks: Vec<Option<usize>> = there.iter().copied().step_by(there.len().div_ceil(LOOKS).max(1)).collect();
+    let boxes: Vec<_> = looks.par_iter().map(seen).collect::<Result<_, Error>>()?;
+    let voxel = boxes.iter().flatten().map(|(voxel, _)| *voxel).next();
+    let around = boxes.iter().flatten().filter_map(|(_, bounds)| *bounds).reduce(join);
     let (Some(voxel), Some([low, high])) = (voxel, around) else { return Err(pyrophone_flame::Error::NoMotion.into()) };
-    drop(boxes);
+    // Samples stand in the middle of their voxels.
+    let (low, high) = (low.map(|x| x - 0.5 * voxel), high.map(|x| x + 0.5 * voxel));
     let regions = Regions::new(low, high, voxel);
     let mut steps: Vec<Vec<f32>> = Vec::with_capacity(chosen.len());
     for portion in chosen.chunks(4 * rayon::current_num_threads()) {
         let speeds: Result<Vec<_>, Error> = portion
             .par_iter()
-            .map(|index| Ok(read(*index)?.map(|frame| regions.mean_speeds(&frame.velocity))))
+            .map(|index| Ok(read(index)?.map(|frame| regions.mean_speeds(&frame.velocity))))
             .collect();
         for speeds in speeds? {
             let last = || steps.last().cloned().unwrap_or_else(|| vec![0.0; regions.len()]);

@@ -20,15 +20,18 @@ pub type Flow = Vec<Vec<f32>>;
 pub struct Kept {
     path: PathBuf,
     settings: String,
+    /// Speeds of a step.
+    columns: usize,
     done: usize,
 }
 
 impl Kept {
-    /// Beside `output`; `settings` say what a run must have in common with one that goes on with it.
-    pub fn open(output: &Path, settings: String) -> Self {
+    /// Beside `output`; `settings` say what a run must have in common with one that goes on with it, `columns` how many
+    /// speeds a step has.
+    pub fn open(output: &Path, settings: String, columns: usize) -> Self {
         let mut name = output.file_name().unwrap_or_default().to_os_string();
         name.push(".simulation-progress");
-        Self { path: output.with_file_name(name), settings, done: 0 }
+        Self { path: output.with_file_name(name), settings, columns, done: 0 }
     }
 
     /// Brings `simulation` to where the run before was stopped, if it was one of the same settings; answers what was
@@ -74,6 +77,9 @@ impl Kept {
             return Err("it ends early".to_owned());
         }
         let speeds: Vec<f32> = speeds.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+        if rows > 0 && columns as usize != self.columns || !speeds.iter().all(|speed| (0.0..f32::MAX).contains(speed)) {
+            return Err("its speeds are of another build, or damaged".to_owned());
+        }
         simulation.load(file).map_err(|error| error.to_string())?;
         Ok((partial.steps, speeds.chunks_exact((columns as usize).max(1)).map(<[f32]>::to_vec).collect()))
     }

@@ -106,6 +106,6 @@ fn cost(ui: &mut Ui, meters: &Meters, (load, worst): (f32, f32)) {
     let late = if late > 0 { format!("   {late} late") } else { String::new() };
     let text = format!("{ms:.1} ms   {:.0} % (worst {:.0} %){late}", 100.0 * load, 100.0 * worst);
     ui.label(RichText::new(text).font(theme::small()).color(color)).on_hover_text(format!(
-        "Latency: {samples} samples. Part of their time that blocks take, and the costliest of the last second. Late: steps of the live gas that this machine did not simulate in time."
+        "Latency: {samples} samples. Part of their time that blocks take, and the costliest of the last second. Late: steps of the live gas that were not there in time; blocks of 512 samples or less leave time for them."
     ));
 }

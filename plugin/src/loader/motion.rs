@@ -15,6 +15,8 @@ use super::status::Status;
 pub struct Motion {
     field: Option<Arc<SpeedField>>,
     is_sent: bool,
+    /// What is wrong with the session's field, until it is told.
+    error: Option<String>,
 }
 
 impl Motion {
@@ -27,6 +29,10 @@ impl Motion {
     pub fn load(&mut self, path: &Path, session: &mut Session, status: &Status) -> Result<(), String> {
         let shown = path.display();
         let cannot = |error: std::io::Error| format!("{shown}: {}; choose a readable file", error.kind());
+        // Nobody may wait for a pipe.
+        if !path.metadata().map_err(cannot)?.is_file() {
+            return Err(format!("{shown}: this is no file; choose a speed field"));
+        }
         let mut bytes = vec![];
         let file = std::fs::File::open(path).map_err(cannot)?;
         file.take(MAX_FIELD_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(cannot)?;
@@ -48,9 +54,14 @@ impl Motion {
             Ok(field) => self.set(field, session, status),
             Err(error) => {
                 self.set(None, session, status);
-                status.fail(error.to_string());
+                self.error = Some(error.to_string());
             }
         }
+    }
+
+    /// What was wrong with the session's field, once.
+    pub fn take_error(&mut self) -> Option<String> {
+        self.error.take()
     }
 
     /// Sends the field to the engine, if it lacks it.

@@ -200,6 +200,7 @@ impl Worker {
                 self.pending = Some(Pending::Session);
                 self.learner.resend();
                 self.status.update(|view| view.error = None);
+                self.motion.read(&self.session, &self.status);
             }
             Err(error) => {
                 self.status.fail(error.to_string());
@@ -273,9 +274,10 @@ impl Worker {
                 self.set_recording(recording);
             }
         }
-        if matches!(self.pending.take(), Some(Pending::Session)) {
-            // Last, so that what is wrong with it is still shown.
-            self.motion.read(&self.session, &self.status);
+        self.pending = None;
+        // Last, so that it is still shown.
+        if let Some(error) = self.motion.take_error() {
+            self.status.fail(error);
         }
         self.show_session();
         Ok(())

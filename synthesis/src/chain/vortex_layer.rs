@@ -88,7 +88,7 @@ impl VortexLayer {
 
     /// Samples for which it sounds on after the drive has ended, without its delay; none where it never ends.
     pub fn tail_samples(&self, controls: &Controls) -> Option<usize> {
-        self.vortex.tail_samples(&self.effective(controls))
+        if controls.mix.vortex == 0.0 { Some(0) } else { self.vortex.tail_samples(&self.effective(controls)) }
     }
 
     /// Starts anew at `position` of the host's timeline.

@@ -15,6 +15,9 @@ const HEAD: usize = 8 + 8 + 8 + 4 * 4;
 /// Bytes of a place.
 const PLACE: usize = 12;
 
+/// Farthest start from the timeline's, in seconds: thirty years.
+const FARTHEST_S: f64 = 1e9;
+
 /// Most sources and steps of a file.
 const MOST_SOURCES: usize = 4096;
 const MOST_STEPS: usize = 1 << 20;
@@ -60,12 +63,13 @@ impl SpeedField {
             let most = format!("{MOST_SOURCES} sources and {MOST_STEPS} steps");
             return Err(refuse(format!("it claims {sources} sources and {steps} steps; {most} are the most")));
         }
-        let expected = sources * (PLACE + steps);
-        if rest.len() != expected {
-            return Err(refuse(format!("it has {} bytes instead of {}", bytes.len(), HEAD + expected)));
+        // Within 32 bits too: 4096 times a million.
+        let expected = sources as u64 * (PLACE + steps) as u64;
+        if rest.len() as u64 != expected {
+            return Err(refuse(format!("it has {} bytes instead of {}", bytes.len(), HEAD as u64 + expected)));
         }
-        if !start_s.is_finite() {
-            return Err(refuse(format!("it starts at {start_s} s")));
+        if !(-FARTHEST_S..=FARTHEST_S).contains(&start_s) || repeats > 1 {
+            return Err(refuse(format!("it starts at {start_s} s, and repeats {repeats} times")));
         }
         let (places, speeds) = rest.split_at(sources * PLACE);
         let coordinates: Vec<f32> = places.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
@@ -110,9 +114,12 @@ mod tests {
             for value in [0, 0x7f, 0x80, 0xff] {
                 let mut damaged = bytes.clone();
                 damaged[at] = value;
-                // Whatever is accepted is a field: its speeds and places are within bounds.
-                if let Ok(field) = SpeedField::from_bytes(&damaged) {
-                    assert!(field.speeds().iter().all(|speed| speed.is_finite()));
+                // Whatever is accepted tells speeds and places at any time.
+                let Ok(field) = SpeedField::from_bytes(&damaged) else { continue };
+                for time_s in [-1e9, 0.0, 0.21, 1e9] {
+                    let told = field.at(0, field.place(time_s));
+                    let all = told.position.into_iter().chain([told.speed_m_s, told.presence]);
+                    assert!(all.into_iter().all(f64::is_finite), "byte {at} is {value}: {told:?}");
                 }
             }
         }

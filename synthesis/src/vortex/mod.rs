@@ -108,7 +108,9 @@ pub struct Vortex {
     position: i64,
     /// Whether nothing has been rendered since reset.
     is_fresh: bool,
-    /// Whether bank or field were exchanged during the last hop.
+    /// What told the speeds in the last hop.
+    flow: Flow,
+    /// Whether a bank or field that is heard was exchanged during the last hop.
     is_exchanged: bool,
     /// Last outputs before an exchange and their slopes per sample; hops since.
     farewell: Vec<[f64; 2]>,
@@ -158,6 +160,7 @@ impl Vortex {
             ready: vec![vec![0.0; hop]; channels],
             position: 0,
             is_fresh: true,
+            flow: Flow::Envelope,
             is_exchanged: false,
             farewell: vec![[0.0; 2]; channels],
             farewell_hop: FAREWELL_HOPS,
@@ -202,7 +205,7 @@ impl Vortex {
 
     /// Exchanges the speed field and returns the one before. From the next hop on the new one fades in.
     pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
-        self.is_exchanged = true;
+        self.is_exchanged |= self.flow == Flow::Field;
         std::mem::replace(&mut self.field, field)
     }
 
@@ -288,6 +291,7 @@ impl Vortex {
             }
             self.farewell_hop = 0;
         }
+        self.flow = controls.flow;
         // Out of the way of what changes meanwhile; neither takes anything from the heap.
         let (field, mut live) = (self.field.take(), self.live.take());
         let identity = Identity { seed: controls.seed, flow: controls.flow };

@@ -82,7 +82,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
         },
         vortex: VortexControls {
             texture: random.below(3),
-            flow: [Flow::Envelope, Flow::Field][random.below(2)],
+            flow: [Flow::Envelope, Flow::Field, Flow::Live][random.below(3)],
             attack_s: 0.001 + random.unit() * 0.1,
             release_s: 0.001 + random.unit(),
             threshold: random.unit() * 0.1,
