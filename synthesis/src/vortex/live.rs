@@ -47,6 +47,8 @@ pub(super) struct Live {
     run: u64,
     /// Hops since the run began; none before.
     hop: Option<u64>,
+    /// Hops since the present step began; what is stopped stands still there.
+    into: u64,
     /// Sum over the step's hops of the speed that is asked for.
     asked_m_s: f64,
     late: u64,
@@ -81,6 +83,7 @@ impl Live {
             hops_per_step: hops_per_step.max(1),
             run: 0,
             hop: None,
+            into: 0,
             asked_m_s: 0.0,
             late: 0,
         })
@@ -113,6 +116,7 @@ impl Live {
             }
         };
         self.hop = Some(hop);
+        self.into = hop % self.hops_per_step;
         if hop > 0 && hop.is_multiple_of(self.hops_per_step) {
             let step = hop / self.hops_per_step;
             let speed_m_s = std::mem::take(&mut self.asked_m_s) / self.hops_per_step as f64;
@@ -141,7 +145,7 @@ impl Live {
 
     /// A source at the start of the hop, or at its end.
     pub fn at(&self, source: usize, end: bool) -> Told {
-        let into = self.hop.unwrap_or(0) % self.hops_per_step + u64::from(end);
+        let into = self.into + u64::from(end && self.hop.is_some());
         let part = into as f32 / self.hops_per_step as f32;
         let [from, to] = [0, 1].map(|which: usize| self.speeds[which][source]);
         Told { position: self.places[source], speed_m_s: f64::from(from + part * (to - from)), presence: 1.0 }

@@ -124,7 +124,7 @@ struct Hop<'a> {
     frame: Frame,
     stand: Stand,
     index: i64,
-    /// Step of the bank's period at the hop's start, for a source at no distance.
+    /// Position of the hop's first sample.
     start: f64,
     /// Logarithms of the envelope's speed and of the reference's gain.
     ln_speed: f32,
@@ -304,16 +304,11 @@ impl Vortex {
         if let Some(live) = &mut live {
             if controls.flow == Flow::Live { live.advance(speed_m_s) } else { live.stop() }
         }
-        let motion = match (controls.flow, &field, &live) {
-            (Flow::Field, Some(field), _) => {
-                let ends = [start, start + self.hop as i64];
-                let offset_s = within(controls.field_offset_s, -3600.0, 3600.0);
-                Motion::Field(field, ends.map(|at| field.place(at as f64 / self.sample_rate_hz + offset_s)))
-            }
-            (Flow::Live, _, Some(live)) => Motion::Live(live),
-            _ => Motion::None,
-        };
-        let wanted = if controls.flow == Flow::Envelope { controls.count } else { motion.sources() };
+        let ends = [start, start + self.hop as i64];
+        let offset_s = within(controls.field_offset_s, -3600.0, 3600.0);
+        let place = |field: &SpeedField| ends.map(|at| field.place(at as f64 / self.sample_rate_hz + offset_s));
+        let motion = Motion { field: field.as_deref().map(|field| (field, place(field))), live: live.as_ref() };
+        let wanted = if controls.flow == Flow::Envelope { controls.count } else { motion.sources(controls.flow) };
         if was_fresh {
             for (index, source) in self.sources.iter_mut().enumerate() {
                 *source = Source::new(index, identity);
@@ -329,7 +324,7 @@ impl Vortex {
                 frame,
                 stand: frame.place.stand(),
                 index: start.div_euclid(self.hop as i64),
-                start: start as f64 * (bank.rate_hz() / self.sample_rate_hz) % bank.period() as f64,
+                start: start as f64,
                 ln_speed: if self.envelope_now > 0.0 { speed_m_s.ln() as f32 } else { f32::NEG_INFINITY },
                 ln_reference: bank.levels().ln_gain(frame.ln_reference as f32),
                 stays: frame.place == before.place && !was_fresh,
@@ -389,13 +384,15 @@ impl Vortex {
         }
 
         let period = hop.bank.period() as f64;
-        let steps_per_m = hop.bank.rate_hz() / SPEED_OF_SOUND_M_S;
-        let at = hop.start + source.offset * period - start.distance_m * steps_per_m;
+        let rate_hz = source.pace * hop.bank.rate_hz();
+        let steps_per_m = rate_hz / SPEED_OF_SOUND_M_S;
+        let begun = hop.start * (rate_hz / self.sample_rate_hz) % period;
+        let at = begun + source.offset * period - start.distance_m * steps_per_m;
         let at = at - period * (at / period).floor();
         // Rounding may reach the period itself.
         let first = (at as usize).min(hop.bank.period() - 1);
         let nearer = (start.distance_m - end.distance_m) / self.hop as f64;
-        let step = hop.bank.rate_hz() / self.sample_rate_hz + nearer * steps_per_m;
+        let step = rate_hz / self.sample_rate_hz + nearer * steps_per_m;
         let mut parts = [Part { series: &[], from: 0.0, change: 0.0 }; 4];
         for (part, (row, from, to)) in parts.iter_mut().zip(&rows[..count]) {
             let (scale, series) = hop.bank.series(*row, source.direction, first);
@@ -411,7 +408,7 @@ impl Vortex {
         let (position, ln_speed, presence) = if source.identity.flow == Flow::Envelope {
             let deviation = hop.frame.variation as f32 * source.deviation;
             (None, hop.ln_speed + deviation.ln_1p(), 1.0)
-        } else if let Some(told) = hop.motion.at(index, end) {
+        } else if let Some(told) = hop.motion.at(source.identity.flow, index, end) {
             let speed = hop.frame.field_speed * told.speed_m_s;
             (Some(place.at(told.position)), speed.ln() as f32, told.presence)
         } else {

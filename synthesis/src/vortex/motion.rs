@@ -2,33 +2,35 @@
 
 use super::field::{SpeedField, Told};
 use super::live::Live;
+use crate::controls::Flow;
 
-/// What tells speeds and places of single sources.
+/// What tells speeds and places of single sources. Both may be there at once: sources that leave one for the other still
+/// sound by the one they had.
 #[derive(Clone, Copy)]
-pub(super) enum Motion<'a> {
-    /// Nothing does.
-    None,
+pub(super) struct Motion<'a> {
     /// A field, and its steps around the hop's start and end.
-    Field(&'a SpeedField, [(usize, usize, f64); 2]),
+    pub field: Option<(&'a SpeedField, [(usize, usize, f64); 2])>,
     /// A simulation that goes on meanwhile.
-    Live(&'a Live),
+    pub live: Option<&'a Live>,
 }
 
 impl Motion<'_> {
-    /// Number of sources; none where nothing tells of them.
-    pub fn sources(&self) -> usize {
-        match self {
-            Self::None => 0,
-            Self::Field(field, _) => field.sources(),
-            Self::Live(live) => live.sources(),
+    /// Number of sources of a flow that tells of single ones.
+    pub fn sources(&self, flow: Flow) -> usize {
+        match flow {
+            Flow::Envelope => 0,
+            Flow::Field => self.field.map_or(0, |(field, _)| field.sources()),
+            Flow::Live => self.live.map_or(0, Live::sources),
         }
     }
 
-    /// A source at the hop's start, or at its end.
-    pub fn at(&self, source: usize, end: bool) -> Option<Told> {
-        match self {
-            Self::Field(field, places) if source < field.sources() => Some(field.at(source, places[usize::from(end)])),
-            Self::Live(live) if source < live.sources() => Some(live.at(source, end)),
+    /// A source of a flow at the hop's start, or at its end.
+    pub fn at(&self, flow: Flow, source: usize, end: bool) -> Option<Told> {
+        match (flow, self.field, self.live) {
+            (Flow::Field, Some((field, places)), _) if source < field.sources() => {
+                Some(field.at(source, places[usize::from(end)]))
+            }
+            (Flow::Live, _, Some(live)) if source < live.sources() => Some(live.at(source, end)),
             _ => None,
         }
     }

@@ -12,6 +12,10 @@ const FADE_HOPS: f32 = 8.0;
 /// Sources change their identity in turn, within this many hops: together they would leave a gap.
 const TURN_HOPS: i64 = 32;
 
+/// How far the sources' paces differ. Flows have tones of their own (eddies that shed in step, the box they were recorded
+/// in), which a crowd at one pace would hum; a lone source reads as recorded.
+const PACES: f64 = 0.12;
+
 /// Numbers that a seed gives each source.
 const STREAM: u32 = 0x0076_6f72;
 const NUMBERS: i64 = 8;
@@ -51,6 +55,8 @@ pub(super) struct Source {
     pub ball: [f64; 3],
     /// Deviation of its flow speed, -1..1.
     pub deviation: f32,
+    /// How fast it reads, as a multiple of the texture's pace.
+    pub pace: f64,
 }
 
 impl Source {
@@ -74,6 +80,7 @@ impl Source {
             offset: number(4),
             ball: [flat * azimuth.cos(), flat * azimuth.sin(), radius * height],
             deviation: (2.0 * number(3) - 1.0) as f32,
+            pace: if index == 0 { 1.0 } else { 1.0 + PACES * (2.0 * number(5) - 1.0) },
         }
     }
 
