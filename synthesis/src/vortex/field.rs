@@ -39,6 +39,9 @@ pub struct SpeedField {
     speeds: Vec<f32>,
 }
 
+/// Two steps, and how far it is from one to the other (0-1).
+pub(super) type Moment = (usize, usize, f64);
+
 /// One source of a field at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Told {
@@ -125,7 +128,7 @@ impl SpeedField {
     }
 
     /// The steps around a time in seconds, and how far it is from one to the other (0-1).
-    pub(super) fn place(&self, time_s: f64) -> (usize, usize, f64) {
+    pub(super) fn place(&self, time_s: f64) -> Moment {
         let steps = self.steps();
         let at = (time_s - self.start_s) * self.rate_hz;
         match self.end {
@@ -143,7 +146,7 @@ impl SpeedField {
     }
 
     /// A source at a [`place`](Self::place) in time.
-    pub(super) fn at(&self, source: usize, (from, to, part): (usize, usize, f64)) -> Told {
+    pub(super) fn at(&self, source: usize, (from, to, part): Moment) -> Told {
         let position = |step: usize| {
             let step = if self.positions.len() == self.sources { 0 } else { step };
             self.positions[step * self.sources + source].map(f64::from)

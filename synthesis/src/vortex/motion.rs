@@ -1,6 +1,6 @@
 //! What moves the sources that do not all follow one envelope.
 
-use super::field::{SpeedField, Told};
+use super::field::{Moment, SpeedField, Told};
 use super::live::Live;
 use crate::controls::Flow;
 
@@ -9,7 +9,7 @@ use crate::controls::Flow;
 #[derive(Clone, Copy)]
 pub(super) struct Motion<'a> {
     /// A field, and its steps around the hop's start and end.
-    pub field: Option<(&'a SpeedField, [(usize, usize, f64); 2])>,
+    pub field: Option<(&'a SpeedField, [Moment; 2])>,
     /// A simulation that goes on meanwhile.
     pub live: Option<&'a Live>,
 }
