@@ -12,7 +12,7 @@ use std::time::Duration;
 use pyrophone_flame::live::LiveFlow;
 use pyrophone_synthesis::chain::Chain;
 use pyrophone_synthesis::vortex::{Asked, Simulator};
-use rayon::ThreadPoolBuilder;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
@@ -133,6 +133,7 @@ struct Switches {
 #[derive(Debug)]
 pub struct Gas {
     switches: Arc<Switches>,
+    pool: Option<ThreadPool>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -155,11 +156,6 @@ impl Gas {
         let switches = Arc::new(Switches::default());
         let theirs = switches.clone();
         let work = move || {
-            // Alone, it waits for nobody: in the common pool it would queue behind the indexing of recordings.
-            let alone = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-            if let Err(error) = &alone {
-                nice_plug::prelude::nice_warn!("live gas shares its threads: {error}");
-            }
             while !theirs.quit.load(Ordering::Relaxed) {
                 // Both, whatever the first one finds.
                 let found = desks.iter_mut().filter_map(|desk| desk.work().then_some(())).count();
@@ -168,8 +164,17 @@ impl Gas {
                 }
             }
         };
-        let thread = std::thread::Builder::new().name("pyrophone-gas".to_owned()).spawn(work);
-        Ok(Self { switches, thread: Some(thread.map_err(|error| error.to_string())?) })
+        // A pool of its own waits for nobody: in the common one it would queue behind the indexing of recordings. Its thread
+        // is ours to join, which a pool does not do.
+        let mut thread = None;
+        let pool = ThreadPoolBuilder::new().num_threads(1).panic_handler(|_| {}).spawn_handler(|worker| {
+            let spawned = std::thread::Builder::new().name("pyrophone-gas".to_owned()).spawn(|| worker.run());
+            thread = Some(spawned?);
+            Ok(())
+        });
+        let pool = pool.build().map_err(|error| error.to_string())?;
+        pool.spawn(work);
+        Ok(Self { switches, pool: Some(pool), thread })
     }
 
     /// Tells whether the flow is used; real-time safe.
@@ -181,6 +186,8 @@ impl Gas {
 impl Drop for Gas {
     fn drop(&mut self) {
         self.switches.quit.store(true, Ordering::Relaxed);
+        // Its thread ends once the pool is gone.
+        drop(self.pool.take());
         if let Some(thread) = self.thread.take() {
             // A panic in the thread has been reported by the thread itself.
             let _ = thread.join();

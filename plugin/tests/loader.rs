@@ -88,26 +88,17 @@ impl Instance {
         persist::decode(&self.params.serialize_fields()[session::FIELD]).unwrap()
     }
 
-    /// The speed field that the audio thread would have: the last one that has arrived.
-    fn field(&mut self) -> Option<Option<Arc<SpeedField>>> {
-        let mut last = None;
-        while let Some(update) = self.link.receive() {
-            if let Update::Field(field) = update {
-                last = Some(field);
-            }
-        }
-        last
+    /// What the audio thread would have: of the updates that have arrived the last that is picked.
+    fn last<T>(&mut self, pick: impl Fn(Update) -> Option<T>) -> Option<T> {
+        std::iter::from_fn(|| self.link.receive()).filter_map(pick).last()
     }
 
-    /// The dictionary that the audio thread would have: the last one that has arrived.
+    fn field(&mut self) -> Option<Option<Arc<SpeedField>>> {
+        self.last(|update| if let Update::Field(field) = update { Some(field) } else { None })
+    }
+
     fn dictionary(&mut self) -> Option<Option<Arc<Dictionary>>> {
-        let mut last = None;
-        while let Some(update) = self.link.receive() {
-            if let Update::Dictionary(dictionary) = update {
-                last = Some(dictionary);
-            }
-        }
-        last
+        self.last(|update| if let Update::Dictionary(dictionary) = update { Some(dictionary) } else { None })
     }
 }
 
