@@ -193,22 +193,9 @@ impl<const N: usize> Grid<N> {
         Self { transform, ..self }
     }
 
-    /// Lowest and highest index (inclusive) in any block; none where there are no blocks.
-    pub fn bounds(&self) -> Option<([i32; 3], [i32; 3])> {
-        let mut keys = self.blocks.keys();
-        let first = *keys.next()?;
-        let (low, high) = keys.fold((first, first), |(low, high), key| {
-            (
-                std::array::from_fn(|axis| low[axis].min(key[axis])),
-                std::array::from_fn(|axis| high[axis].max(key[axis])),
-            )
-        });
-        Some((low.map(|key| key * BLOCK), high.map(|key| key * BLOCK + BLOCK - 1)))
-    }
-
     /// Lowest and highest index (inclusive) in any block of a value that differs from the background; none where none does.
-    pub fn extent(&self) -> Option<([i32; 3], [i32; 3])> {
-        let mut extent: Option<([i32; 3], [i32; 3])> = None;
+    pub fn bounds(&self) -> Option<([i32; 3], [i32; 3])> {
+        let mut bounds: Option<([i32; 3], [i32; 3])> = None;
         for (key, block) in self.blocks() {
             for place in 0..BLOCK_VOXELS as i32 {
                 let within = [place / (BLOCK * BLOCK), place / BLOCK % BLOCK, place % BLOCK];
@@ -216,14 +203,14 @@ impl<const N: usize> Grid<N> {
                     continue;
                 }
                 let index: [i32; 3] = std::array::from_fn(|axis| key[axis] * BLOCK + within[axis]);
-                let (low, high) = extent.unwrap_or((index, index));
-                extent = Some((
+                let (low, high) = bounds.unwrap_or((index, index));
+                bounds = Some((
                     std::array::from_fn(|axis| low[axis].min(index[axis])),
                     std::array::from_fn(|axis| high[axis].max(index[axis])),
                 ));
             }
         }
-        extent
+        bounds
     }
 
     /// Whether every value is finite.

@@ -45,7 +45,7 @@ impl Velocity {
     /// Lowest and highest place in the world of a sample that differs from the background; none where none does.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         fn of<const N: usize>(grid: &Grid<N>) -> Option<[[f64; 3]; 2]> {
-            let (low, high) = grid.extent()?;
+            let (low, high) = grid.bounds()?;
             let corner = |corner: usize| {
                 let index = std::array::from_fn(|axis| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] });
                 grid.transform().to_world(index.map(f64::from))

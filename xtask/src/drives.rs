@@ -4,6 +4,7 @@
 //! channel per way, a sample per step. How fast the gas flows where, in the flame as designed, is written beside it as a
 //! speed field of the same loop: `presets/fields/SCENE.field`. The synthesis crate takes these files into the build.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -11,6 +12,7 @@ use hound::{SampleFormat, WavSpec, WavWriter};
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene};
 use pyrophone_flame::seam::seamless;
 use pyrophone_flame::speed_field::Up;
+use pyrophone_recording::write_file;
 use pyrophone_synthesis::vortex::{End, SpeedField};
 
 use crate::project;
@@ -55,7 +57,8 @@ pub fn run(args: &Args) -> Result<()> {
         let ways: Vec<Burnt> =
             WAYS[..wanted].iter().map(|(way, options)| burn(scene, way, *options)).collect::<Result<_>>()?;
         let path = fields.join(format!("{}.field", scene.name()));
-        std::fs::write(&path, field(&ways[0])?.to_bytes()).with_context(|| format!("writing {}", path.display()))?;
+        let bytes = field(&ways[0])?.to_bytes();
+        write_file(&path, |file| file.write_all(&bytes))?;
         println!("{}", path.display());
         if args.fields_only {
             continue;

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 
 use anyhow::{Context, Result};
 use pyrophone_flame::vortex_texture::{Progress, Shipped, speeds};
+use pyrophone_recording::write_file;
 use pyrophone_synthesis::vortex::texture::{Row, VortexTexture};
 use rayon::prelude::*;
 
@@ -31,7 +32,7 @@ pub fn run(args: &Args) -> Result<()> {
     std::fs::create_dir_all(&folder).with_context(|| format!("creating {}", folder.display()))?;
     for texture in textures {
         let path = folder.join(format!("{}.vtx", texture.name));
-        write(&path, &record(&texture)?).with_context(|| format!("writing {}", path.display()))?;
+        write(&path, &record(&texture)?)?;
         println!("{}", path.display());
     }
     Ok(())
@@ -61,11 +62,8 @@ fn record(Shipped { name, recipe, speeds: (low, high, count) }: &Shipped) -> Res
     Ok(VortexTexture::new(recipe.rate_hz, rows)?)
 }
 
-/// What was there stays whole until all is written.
 fn write(path: &Path, texture: &VortexTexture) -> Result<()> {
-    let partial = path.with_extension("vtx.partial");
-    std::fs::write(&partial, texture.to_bytes())?;
-    Ok(std::fs::rename(&partial, path)?)
+    Ok(write_file(path, |file| file.write_all(&texture.to_bytes()))?)
 }
 
 /// How far a texture is: steps that are recorded. Before these a flow settles, for nobody knows how long.

@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let studio = Studio::new(folder);
     let (heard, training) = sources(&studio, args)?;
-    let mut sections = vec![engines(&studio, args, &heard, &training)?, systems(&studio, &heard.0, &training.0)?];
+    let mut sections = vec![engines(&studio, args, &heard, &training)?, systems(&studio, &heard, &training)?];
     match comparisons::reference_folder() {
         Some(reference) => sections.extend(comparisons::sections(&studio, &reference)?),
         None => eprintln!("no reference data (PYROPHONE_REFERENCE), so the page has no comparisons with the paper"),
@@ -88,27 +88,19 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// One input through every factory preset.
-fn engines(
-    studio: &Studio,
-    args: &Args,
-    (flame_path, input_note): &Source,
-    (fire, training_note): &Source,
-) -> Result<Section> {
+fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Result<Section> {
     let is_generated = args.input.is_none() || args.training.is_none();
 
-    let input = load(flame_path, None)?;
-    let input_sound = Sound::of(input.channels.clone(), input.sample_rate_hz);
-    let training = load(fire, None)?;
-    let training_sound = Sound::of(training.channels, training.sample_rate_hz);
+    let input = &flame.recording;
     let mut rows = vec![
         studio.row(
             "input",
             "Input",
-            &format!("{input_note} Most of it lies below 180 Hz: small speakers do not play it."),
-            &input_sound,
+            &format!("{} Most of it lies below 180 Hz: small speakers do not play it.", flame.note),
+            &flame.sound,
             &Beside::Input,
         )?,
-        studio.row("training", "Recording", training_note, &training_sound, &Beside::Training)?,
+        studio.row("training", "Recording", &fire.note, &fire.sound, &Beside::Training)?,
     ];
     let silence = Recording { channels: vec![vec![0.0; input.len_samples()]; 2], ..input.clone() };
     let silence_sound = Sound::of(silence.channels.clone(), silence.sample_rate_hz);
@@ -116,16 +108,16 @@ fn engines(
         let values = preset(name, [])?;
         let uses_recording = name != "extend";
         let burns = values.controls().drive.mode == DriveMode::Flame;
-        let (played, heard) = if burns { (&silence, &silence_sound) } else { (&input, &input_sound) };
+        let (played, heard) = if burns { (&silence, &silence_sound) } else { (input, &flame.sound) };
         let burnt = studio.burn(&Job {
             input: played,
-            training: uses_recording.then_some(fire.as_path()),
+            training: uses_recording.then_some(fire.path.as_path()),
             values: &values,
             output_channels: 2,
         })?;
         let beside = Beside::Result {
             input: heard,
-            training: uses_recording.then_some(&training_sound),
+            training: uses_recording.then_some(&fire.sound),
             alpha: (name == "extend").then_some(2.5),
         };
         let mut row = studio.row(name, title, note, &burnt.sound, &beside)?;
@@ -143,66 +135,75 @@ fn engines(
     Ok(Section { title: "One flame, every engine".into(), intro: intro.into(), rows, table: None })
 }
 
-/// A sound's file, and what the page says of it.
-type Source = (PathBuf, String);
+/// A sound, and what the page says of it.
+struct Source {
+    path: PathBuf,
+    note: String,
+    recording: Recording,
+    sound: Sound,
+}
+
+impl Source {
+    fn new((path, note): (PathBuf, String)) -> Result<Self> {
+        let recording = load(&path, None)?;
+        let sound = Sound::of(recording.channels.clone(), recording.sample_rate_hz);
+        Ok(Self { path, note, recording, sound })
+    }
+}
 
 /// Input and recording.
 fn sources(studio: &Studio, args: &Args) -> Result<(Source, Source)> {
     let flame = source(studio, args.input.as_deref(), "flame", || {
         Ok(vec![flame::simulate(signals::RATE_HZ, flame::SECONDS)?])
     })?;
-    Ok((flame, source(studio, args.training.as_deref(), "fire", || Ok(signals::fire()))?))
+    let fire = source(studio, args.training.as_deref(), "fire", || Ok(signals::fire()))?;
+    Ok((Source::new(flame)?, Source::new(fire)?))
 }
 
 /// The three papers' systems, each alone and all together: their names, what they are, and their layers' levels.
-const SYSTEMS: [(&str, &str, &str, [&str; 3]); 4] = [
+const SYSTEMS: [(&str, &str, &str, [&str; 4]); 4] = [
     (
         "system-extension",
         "Spectral bandwidth extension",
         "Chadwick & James 2011, §4: the flame's lows, and noise that continues their spectrum.",
-        ["0", "off", "off"],
+        ["0", "0", "off", "off"],
     ),
     (
         "system-texture",
         "Synchronized texture",
         "Chadwick & James 2011, §5, matched without slow loudness: a recording that moves with the flame.",
-        ["off", "0", "off"],
+        ["off", "off", "0", "off"],
     ),
     (
         "system-vortex",
         "Vortex sound",
         "Dobashi, Yamamoto & Nishita 2004: what turbulent hot gas radiates, as fast as the flame's loudness tells.",
-        ["off", "off", "0"],
+        ["off", "off", "off", "0"],
     ),
     (
         "system-together",
         "All together",
         "Texture over the flame's lows, extension for air, vortex sound for the whoosh between them.",
-        ["-9", "0", "0"],
+        ["off", "-9", "0", "0"],
     ),
 ];
 
 /// One input through the three papers' systems.
-fn systems(studio: &Studio, flame_path: &Path, fire: &Path) -> Result<Section> {
-    let input = load(flame_path, None)?;
-    let input_sound = Sound::of(input.channels.clone(), input.sample_rate_hz);
-    let training = load(fire, None)?;
-    let training_sound = Sound::of(training.channels, training.sample_rate_hz);
+fn systems(studio: &Studio, flame: &Source, fire: &Source) -> Result<Section> {
     let mut rows = vec![];
-    for (name, title, note, [extension, texture, vortex]) in SYSTEMS {
-        let low = if name == "system-extension" { extension } else { "off" };
+    for (name, title, note, [low, extension, texture, vortex]) in SYSTEMS {
         let levels = [("low", low), ("extension", extension), ("texture", texture), ("vortex", vortex)];
         let levels = levels.map(|(layer, level)| format!("{layer}_level={level}"));
         let values = preset("default", levels.iter().map(String::as_str))?;
         let uses_recording = texture != "off";
         let burnt = studio.burn(&Job {
-            input: &input,
-            training: uses_recording.then_some(fire),
+            input: &flame.recording,
+            training: uses_recording.then_some(fire.path.as_path()),
             values: &values,
             output_channels: 2,
         })?;
         let beside =
-            Beside::Result { input: &input_sound, training: uses_recording.then_some(&training_sound), alpha: None };
+            Beside::Result { input: &flame.sound, training: uses_recording.then_some(&fire.sound), alpha: None };
         let mut row = studio.row(name, title, note, &burnt.sound, &beside)?;
         row.facts.push(burnt.speed());
         rows.push(row);
