@@ -43,6 +43,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
     let rate_hz = f64::from(main.sample_rate_hz);
     let outputs = output_channels(args, &main)?;
     let events = automation.events(rate_hz);
+    let field = args.speed_field.as_deref().map(speed_field).transpose()?;
     check_sound(args, &values, &events)?;
 
     let sidechain = sidechain(args, &main, work)?;
@@ -56,8 +57,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
         drop(chain.swap_dictionary(Some(dictionary)));
     }
     simulate_gas(&mut chain)?;
-    if let Some(path) = &args.speed_field {
-        let field = SpeedField::from_bytes(&pyrophone_recording::read(path)?).map_err(Error::of_file(path))?;
+    if let Some(field) = field {
         drop(chain.swap_field(Some(Arc::new(field))));
     }
     if needs_learning(&values, &events) {
@@ -68,6 +68,10 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
     check_finite(&args.output, &rendered)?;
     write_wav_f32(&args.output, &rendered, main.sample_rate_hz)?;
     Ok(())
+}
+
+fn speed_field(path: &Path) -> Result<SpeedField, Error> {
+    SpeedField::from_bytes(&pyrophone_recording::read(path)?).map_err(Error::of_file(path))
 }
 
 /// Gas for vortex sound of the flow `live`, simulated as it is asked for.
