@@ -42,9 +42,10 @@ pub fn bundle(format: Format) -> PathBuf {
     path
 }
 
-/// The built command line.
+/// The command line of the build that `PYROPHONE_BUILD` names, `debug` unless told.
 pub fn command_line() -> PathBuf {
-    let path = target_dir().join("release").join(format!("pyrophone{}", std::env::consts::EXE_SUFFIX));
+    let build = std::env::var_os("PYROPHONE_BUILD").unwrap_or_else(|| "debug".into());
+    let path = target_dir().join(build).join(format!("pyrophone{}", std::env::consts::EXE_SUFFIX));
     assert!(path.exists(), "{} is not built; run `cargo xtask test`", path.display());
     path
 }

@@ -21,8 +21,11 @@ const SANITIZED: [(&str, &str, &str); 3] = [
     ("realtime", "pyrophone-plugin", "realtime"),
 ];
 
+/// Tells end-to-end tests which build to take.
+const BUILD: &str = "PYROPHONE_BUILD";
+
 /// What makes tests long.
-const SOAK: [(&str, &str); 1] = [("PYROPHONE_SOAK", "1")];
+const SOAK: (&str, &str) = ("PYROPHONE_SOAK", "1");
 
 /// Results of tests so far.
 #[derive(Debug, Default)]
@@ -37,8 +40,8 @@ pub fn run() -> Result<ExitCode> {
     let mut tally = Tally::default();
 
     tally.cargo_test("unit and engine tests", &[], &["--workspace", "--exclude", END_TO_END])?;
-    if tally.step("bundles and command line", build) {
-        tally.cargo_test("end to end", &[], &["--package", END_TO_END])?;
+    if tally.step("bundles and command line", || build(Profile::Dev)) {
+        tally.cargo_test("end to end", &[(BUILD, "debug")], &["--package", END_TO_END])?;
     }
     match sanitizer_target() {
         Some(target) => {
@@ -46,13 +49,9 @@ pub fn run() -> Result<ExitCode> {
                 let folder = project::target_dir().join(format!("{sanitizer}-sanitizer"));
                 let folder = folder.to_string_lossy();
                 let flags = format!("-Zsanitizer={sanitizer} --cfg sanitize_{sanitizer}");
-                let environment = [
-                    ("RUSTC_BOOTSTRAP", "1"),
-                    ("RUSTFLAGS", flags.as_str()),
-                    ("CARGO_TARGET_DIR", &*folder),
-                    ("CARGO_PROFILE_RELEASE_LTO", "off"),
-                ];
-                let arguments = ["--release", "--target", &target, "--package", package, "--test", test];
+                let environment =
+                    [("RUSTC_BOOTSTRAP", "1"), ("RUSTFLAGS", flags.as_str()), ("CARGO_TARGET_DIR", &*folder)];
+                let arguments = ["--profile", "checked", "--target", &target, "--package", package, "--test", test];
                 tally.cargo_test(&format!("{sanitizer} sanitizer, {package}, {test}"), &environment, &arguments)?;
             }
         }
@@ -65,21 +64,21 @@ pub fn run() -> Result<ExitCode> {
 pub fn soak() -> Result<ExitCode> {
     setup::ensure(&setup::TEST)?;
     let mut tally = Tally::default();
-    if tally.step("bundles and command line", build) {
-        let arguments = ["--package", END_TO_END, "--test", "soak"];
-        tally.cargo_test("soak", &SOAK, &arguments)?;
+    if tally.step("bundles and command line", || build(Profile::Release)) {
+        tally.cargo_test("end to end, as it is used", &[SOAK, (BUILD, "release")], &["--package", END_TO_END])?;
     }
     let mut arguments = vec!["--release", "--package", "pyrophone-flame"];
     arguments.extend(["scenes", "import_hostile", "vortex_presets"].into_iter().flat_map(|test| ["--test", test]));
-    tally.cargo_test("soak of flames", &SOAK, &arguments)?;
+    tally.cargo_test("soak of flames", &[SOAK], &arguments)?;
     Ok(tally.conclude())
 }
 
-/// Builds what the end-to-end tests load and call, as it is used. The tests themselves are built as all tests are: linking
-/// each of them optimised would take longer than it saves.
-fn build() -> Result<()> {
-    bundle::bundle(Profile::Release)?;
-    let status = cargo::command().args(["build", "--release", "--package", COMMAND_LINE]).status()?;
+/// Builds what the end-to-end tests load and call. For the short ones that is what the tests before have already built most
+/// of, with debug assertions; the long ones take it as it is used.
+fn build(profile: Profile) -> Result<()> {
+    bundle::bundle(profile)?;
+    let release = (profile == Profile::Release).then_some("--release");
+    let status = cargo::command().args(["build", "--package", COMMAND_LINE]).args(release).status()?;
     ensure!(status.success(), "the command line does not build; see above");
     Ok(())
 }
