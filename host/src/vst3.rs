@@ -11,8 +11,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ::vst3::Steinberg::Vst::{
     BusDirections_, BusInfo, IAudioProcessor, IAudioProcessorTrait, IComponent, IComponentHandler, IComponentTrait,
-    IEditController, IEditControllerTrait, IHostApplication, MediaTypes_, ProcessModes_, ProcessSetup, String128,
-    SymbolicSampleSizes_,
+    IEditController, IEditControllerTrait, IHostApplication, MediaTypes_, ProcessModes_, ProcessSetup, SpeakerArr,
+    SpeakerArrangement, String128, SymbolicSampleSizes_,
 };
 use ::vst3::Steinberg::{FUnknown, IBStream, IPluginBaseTrait, kResultOk};
 use ::vst3::{ComPtr, ComWrapper};
@@ -104,11 +104,19 @@ impl Vst3Plugin {
             let result = unsafe {
                 self.processor.setBusArrangements(inputs.as_mut_ptr(), inputs.len() as i32, outputs.as_mut_ptr(), 1)
             };
-            if result == kResultOk && self.read_layout() == wanted {
+            if result == kResultOk && self.read_layout() == wanted && self.names_output(outputs[0]) {
                 return Ok(wanted);
             }
         }
         Err(HostError::Layout(layout))
+    }
+
+    /// Whether the output's loudspeakers are those of an arrangement.
+    fn names_output(&self, expected: SpeakerArrangement) -> bool {
+        let mut found = SpeakerArr::kEmpty;
+        // SAFETY: a live processor and a place to write to.
+        let result = unsafe { self.processor.getBusArrangement(OUTPUT, 0, &mut found) };
+        result == kResultOk && found == expected
     }
 
     fn read_layout(&self) -> Layout {

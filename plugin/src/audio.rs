@@ -13,7 +13,7 @@ use crate::probe::ProbeIn;
 const LONGEST_PIECE: usize = 8192;
 
 /// Most channels of a bus.
-pub const MAX_CHANNELS: usize = 2;
+pub const MAX_CHANNELS: usize = 6;
 
 /// The engines of one instance.
 pub struct Audio {
@@ -139,7 +139,7 @@ impl Audio {
         let mut start = 0;
         while start < samples {
             let end = samples.min(start + self.silence.len());
-            let mut pieces: [&mut [f32]; MAX_CHANNELS] = [&mut [], &mut []];
+            let mut pieces: [&mut [f32]; MAX_CHANNELS] = Default::default();
             for (piece, channel) in pieces.iter_mut().zip(main.iter_mut()) {
                 *piece = &mut channel[start..end];
             }

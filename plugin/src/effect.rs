@@ -80,6 +80,8 @@ const fn layout(input: u32, output: u32, sidechain: &'static [NonZeroU32], name:
 
 const MONO: &[NonZeroU32] = &[new_nonzero_u32(1)];
 const STEREO: &[NonZeroU32] = &[new_nonzero_u32(2)];
+const SURROUND_50: &[NonZeroU32] = &[new_nonzero_u32(5)];
+const SURROUND_51: &[NonZeroU32] = &[new_nonzero_u32(6)];
 
 impl Pyrophone {
     /// What the window sees of the sound.
@@ -95,6 +97,8 @@ impl Plugin for Pyrophone {
     const EMAIL: &'static str = "";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
 
+    // Of the layouts beyond stereo these are the two that VST3 can be told rightly: seven channels and more would be named
+    // cinema's, with loudspeakers before the listener where the engine has them behind. CLAP gets the number alone.
     const AUDIO_IO_LAYOUTS: &'static [AudioIOLayout] = &[
         layout(2, 2, STEREO, "Stereo, stereo sidechain"),
         layout(2, 2, &[], "Stereo"),
@@ -105,6 +109,20 @@ impl Plugin for Pyrophone {
         layout(1, 1, STEREO, "Mono, stereo sidechain"),
         layout(1, 1, &[], "Mono"),
         layout(1, 1, MONO, "Mono, mono sidechain"),
+        layout(6, 6, STEREO, "5.1 (L R C LFE Ls Rs), stereo sidechain"),
+        layout(6, 6, SURROUND_51, "5.1 (L R C LFE Ls Rs), 5.1 sidechain"),
+        layout(6, 6, MONO, "5.1 (L R C LFE Ls Rs), mono sidechain"),
+        layout(6, 6, &[], "5.1 (L R C LFE Ls Rs)"),
+        layout(2, 6, STEREO, "Stereo to 5.1 (L R C LFE Ls Rs), stereo sidechain"),
+        layout(2, 6, &[], "Stereo to 5.1 (L R C LFE Ls Rs)"),
+        layout(1, 6, STEREO, "Mono to 5.1 (L R C LFE Ls Rs), stereo sidechain"),
+        layout(1, 6, &[], "Mono to 5.1 (L R C LFE Ls Rs)"),
+        layout(5, 5, STEREO, "5.0 (L R C Ls Rs), stereo sidechain"),
+        layout(5, 5, SURROUND_50, "5.0 (L R C Ls Rs), 5.0 sidechain"),
+        layout(5, 5, MONO, "5.0 (L R C Ls Rs), mono sidechain"),
+        layout(5, 5, &[], "5.0 (L R C Ls Rs)"),
+        layout(2, 5, STEREO, "Stereo to 5.0 (L R C Ls Rs), stereo sidechain"),
+        layout(2, 5, &[], "Stereo to 5.0 (L R C Ls Rs)"),
     ];
     const SAMPLE_ACCURATE_AUTOMATION: bool = true;
 
@@ -252,11 +270,17 @@ impl ClapPlugin for Pyrophone {
         Some("Turns a low-frequency flame signal, or any sound's envelope, into full-band fire");
     const CLAP_MANUAL_URL: Option<&'static str> = None;
     const CLAP_SUPPORT_URL: Option<&'static str> = None;
-    const CLAP_FEATURES: &'static [ClapFeature] =
-        &[ClapFeature::AudioEffect, ClapFeature::Mono, ClapFeature::Stereo, ClapFeature::MultiEffects];
+    const CLAP_FEATURES: &'static [ClapFeature] = &[
+        ClapFeature::AudioEffect,
+        ClapFeature::Mono,
+        ClapFeature::Stereo,
+        ClapFeature::Surround,
+        ClapFeature::MultiEffects,
+    ];
 }
 
 impl Vst3Plugin for Pyrophone {
     const VST3_CLASS_ID: [u8; 16] = *b"PyrophoneFireFX1";
-    const VST3_SUBCATEGORIES: &'static [Vst3SubCategory] = &[Vst3SubCategory::Fx, Vst3SubCategory::Generator];
+    const VST3_SUBCATEGORIES: &'static [Vst3SubCategory] =
+        &[Vst3SubCategory::Fx, Vst3SubCategory::Generator, Vst3SubCategory::Surround];
 }

@@ -3,6 +3,7 @@
 use crate::controls::MixControls;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
+use crate::vortex::Layout;
 
 /// Time constant in seconds with which levels follow their controls.
 const SMOOTHING_S: f64 = 0.005;
@@ -17,7 +18,7 @@ pub struct Layers<'a> {
     pub texture: &'a [Vec<f64>],
     /// Vortex sound, by channel.
     pub vortex: &'a [Vec<f64>],
-    /// The input, by channel of the output, delayed likewise.
+    /// The input, by channel of the output, delayed likewise; silent where there is none.
     pub dry: &'a [Vec<f32>],
 }
 
@@ -41,6 +42,8 @@ pub struct Peaks {
 #[derive(Debug, Clone)]
 pub struct Mix {
     latency_samples: u64,
+    /// The channel of low-frequency effects, which passes as it came.
+    effects: Option<usize>,
     controls: Timeline<MixControls>,
     low: Smoothed,
     extension: Smoothed,
@@ -54,11 +57,12 @@ pub struct Mix {
 }
 
 impl Mix {
-    /// A mixer whose layers come `latency_samples` late.
-    pub fn new(latency_samples: usize, sample_rate_hz: f64) -> Self {
+    /// A mixer whose layers come `latency_samples` late, for the loudspeakers of `layout`.
+    pub fn new(latency_samples: usize, sample_rate_hz: f64, layout: Layout) -> Self {
         let smoothed = Smoothed::new(SMOOTHING_S, sample_rate_hz);
         Self {
             latency_samples: latency_samples as u64,
+            effects: layout.low_frequency_effects(),
             controls: Timeline::new(latency_samples + 1, MixControls::default()),
             low: smoothed,
             extension: smoothed,
@@ -132,6 +136,10 @@ impl Mix {
         let narrowed = outputs.len() == 2 && width != 1.0;
         let middle = if narrowed { 0.5 * (layers.texture[0][i] + layers.texture[1][i]) } else { 0.0 };
         for (channel, output) in outputs.iter_mut().enumerate() {
+            if self.effects == Some(channel) {
+                output[i] = layers.dry[channel][i];
+                continue;
+            }
             let texture = layers.texture[channel][i];
             let texture = if narrowed { middle + width * (texture - middle) } else { texture } * texture_level;
             let extension = layers.extension[channel][i] * extension_level;
@@ -163,7 +171,7 @@ mod tests {
     fn a_step_acts_on_the_sound_it_arrived_with() {
         let (low, silent, dry) = layers_of_ones(6000);
         let run = |cut: usize| {
-            let mut mix = Mix::new(1000, 48_000.0);
+            let mut mix = Mix::new(1000, 48_000.0, Layout::Stereo);
             let mut outputs = [vec![0.0f32; 6000], vec![0.0f32; 6000]];
             let mut start = 0;
             for (end, gain) in [(500, 1.0), (6000, 0.5)] {
@@ -198,7 +206,7 @@ mod tests {
     #[test]
     fn bypass_is_the_dry_sound_exactly() {
         let (low, silent, dry) = layers_of_ones(100);
-        let mut mix = Mix::new(10, 48_000.0);
+        let mut mix = Mix::new(10, 48_000.0, Layout::Stereo);
         let mut outputs = [vec![0.0f32; 100], vec![0.0f32; 100]];
         let layers = Layers { low: &low, extension: &silent, texture: &silent, vortex: &silent, dry: &dry };
         let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();

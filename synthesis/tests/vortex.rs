@@ -41,7 +41,8 @@ fn the_near_field_stays_finite() {
         rms(&render(48_000.0, Layout::Mono, &noise_texture(1, 4096), 1, &[], &controls, 24_000)[0])
     };
     let (at, close, far) = (level(0.0), level(0.1), level(1.0));
-    assert!(at < 70.0 * far && at > close && close > far, "{at} {close} {far}");
+    // Softened by 0.25 m: (17 / 1)^1.5 = 70.1.
+    assert!(at < 72.0 * far && at > close && close > far, "{at} {close} {far}");
 }
 
 #[test]

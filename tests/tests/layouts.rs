@@ -12,8 +12,17 @@ const fn layout(input: u32, sidechain: u32, output: u32) -> Layout {
     Layout { input, sidechain, output }
 }
 
-const LAYOUTS: [Layout; 6] =
-    [layout(1, 0, 1), layout(1, 0, 2), layout(2, 0, 2), layout(1, 1, 1), layout(1, 1, 2), layout(2, 2, 2)];
+const LAYOUTS: [Layout; 9] = [
+    layout(1, 0, 1),
+    layout(1, 0, 2),
+    layout(2, 0, 2),
+    layout(1, 1, 1),
+    layout(1, 1, 2),
+    layout(2, 2, 2),
+    layout(6, 2, 6),
+    layout(2, 0, 6),
+    layout(5, 0, 5),
+];
 
 struct Studio {
     folder: tempfile::TempDir,
@@ -140,6 +149,31 @@ fn one_channel_becomes_two_different_ones() {
             let mut narrow = studio.instance(format, name, &changes, layout);
             let narrow = play(narrow.as_mut(), &input, &BounceOptions::new(RATE_HZ, layout));
             assert_same(&narrow[..1], &narrow[1..], &format!("{format}, {name}"));
+        }
+    }
+}
+
+#[test]
+fn every_loudspeaker_burns_by_itself_and_low_frequency_effects_pass() {
+    const EFFECTS: usize = 3;
+    let studio = Studio::new();
+    for format in Format::ALL {
+        for layout in [layout(6, 2, 6), layout(6, 0, 6), layout(2, 2, 6), layout(1, 0, 6), layout(5, 2, 5)] {
+            let context = format!("{format}, {layout}");
+            let input = flame(66, layout.input as usize, 40_000);
+            let mut plugin = studio.instance(format, "default", &[("vortex_level", "0")], layout);
+            let output = play(plugin.as_mut(), &input, &BounceOptions::new(RATE_HZ, layout));
+            assert_eq!(output.len(), layout.output as usize, "{context}");
+            let effects = (layout.output == 6).then_some(EFFECTS);
+            let burning: Vec<usize> = (0..output.len()).filter(|channel| Some(*channel) != effects).collect();
+            for (a, b) in burning.iter().flat_map(|a| burning.iter().map(move |b| (*a, *b))).filter(|(a, b)| a < b) {
+                assert!(differing(&output[a], &output[b]) > 20_000, "{context}: channels {a} and {b}");
+            }
+            if let Some(effects) = effects {
+                let silence = vec![0.0; 40_000];
+                let passed = input.get(EFFECTS).unwrap_or(&silence);
+                assert_eq!(differing(&output[effects], passed), 0, "{context}: low-frequency effects");
+            }
         }
     }
 }

@@ -95,6 +95,8 @@ pub(super) const fn arrangement(channels: u32) -> SpeakerArrangement {
         0 => SpeakerArr::kEmpty,
         1 => SpeakerArr::kMono,
         2 => SpeakerArr::kStereo,
+        5 => SpeakerArr::k50,
+        6 => SpeakerArr::k51,
         64.. => SpeakerArrangement::MAX,
         _ => (1 << channels) - 1,
     }

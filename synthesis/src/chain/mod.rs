@@ -17,7 +17,7 @@ use crate::error::in_range;
 use crate::mix::{Layers, Mix};
 use crate::structure::Dynamics;
 use crate::texture::{Dictionary, Distribution, Shape, offline};
-use crate::vortex::{Simulator, SpeedField};
+use crate::vortex::{Layout, Simulator, SpeedField};
 use crate::{Controls, Error, Structure, drive::Drive};
 use delay::Delay;
 use voice::{MAX_CHANNELS, Voice};
@@ -40,7 +40,8 @@ pub struct Channels {
     pub input: usize,
     /// Channels of the sidechain, 0-10; 0 = not connected.
     pub sidechain: usize,
-    /// Channels of the output, 1-10, at least as many as of the input.
+    /// Channels of the output, 1-10, at least as many as of the input; [`Layout`] tells their loudspeakers. That of
+    /// low-frequency effects passes the input's own.
     pub output: usize,
 }
 
@@ -147,7 +148,7 @@ impl Chain {
             position: None,
             crossfade_samples: (CROSSFADE_S * sample_rate_hz).round() as usize,
             dry_delays: vec![Delay::new(latency_samples); channels.input],
-            mix: Mix::new(latency_samples, sample_rate_hz),
+            mix: Mix::new(latency_samples, sample_rate_hz, Layout::of_channels(channels.output)?),
             latency_samples,
             has_dictionary: false,
             silent_samples: 0,
@@ -345,9 +346,10 @@ impl Chain {
             }
             delay.process(dry);
         }
-        let (inputs, copies) = self.dry.split_at_mut(self.channels.input);
-        for copy in copies {
-            copy[..samples].copy_from_slice(&inputs[inputs.len() - 1][..samples]);
+        let (inputs, others) = self.dry.split_at_mut(self.channels.input);
+        // One channel comes from both sides; to all others nothing has come.
+        if let ([only], [right, ..]) = (inputs, others) {
+            right[..samples].copy_from_slice(&only[..samples]);
         }
         for (channel, buffer) in self.sidechain.iter_mut().enumerate() {
             let buffer = &mut buffer[..samples];

@@ -41,9 +41,10 @@ pub struct VortexLayer {
 }
 
 impl VortexLayer {
-    /// A layer that is `latency_samples` late. The first one at a rate makes the banks.
+    /// A layer that is `latency_samples` late, which is more than the renderer is by itself. The first one at a rate makes the banks.
     pub fn new(sample_rate_hz: f64, channels: usize, latency_samples: usize) -> Result<Self, Error> {
         let mut vortex = Vortex::new(sample_rate_hz, Layout::of_channels(channels)?, SOURCES)?;
+        let rest_samples = latency_samples.saturating_sub(vortex.latency_samples());
         let banks = shipped::banks(sample_rate_hz)?;
         drop(vortex.swap_bank(Some(banks[0].clone())));
         Ok(Self {
@@ -54,7 +55,7 @@ impl VortexLayer {
             own: None,
             told: Told::Nothing,
             is_live: false,
-            delays: vec![Delay::new(latency_samples); channels],
+            delays: vec![Delay::new(rest_samples); channels],
         })
     }
 

@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use super::level::Levels;
+use super::raise::top_hz;
 use super::texture::{COMPONENTS, Row, VortexTexture, directivity};
 use crate::error::{Error, in_range};
 use crate::extend::spectrum::Transform;
@@ -16,9 +17,6 @@ pub const DIRECTIONS: usize = 6;
 
 /// Steps of a bank per step of the texture.
 const OVERSAMPLING: usize = 4;
-
-/// Content ends at this part of the output's rate, so that sources that come closer do not alias at once.
-const TOP: f64 = 0.45;
 
 /// Largest number of bytes of a bank.
 const MOST_BYTES: usize = 128 << 20;
@@ -82,12 +80,12 @@ impl Bank {
             let reason = format!("it would take {} MB, but {} MB are the most", bytes >> 20, MOST_BYTES >> 20);
             return Err(Error::VortexTexture { reason });
         }
-        let mut raise = Raise::new(steps, TOP * sample_rate_hz / texture.sample_rate_hz());
+        let mut oversample = Oversample::new(steps, top_hz(sample_rate_hz) / texture.sample_rate_hz());
         let mut scales = Vec::with_capacity(texture.rows().len() * DIRECTIONS);
         let mut series = Vec::with_capacity(bytes / size_of::<i16>());
         for row in texture.rows() {
             for direction in directions() {
-                let coefficients = raise.process(row, direction);
+                let coefficients = oversample.process(row, direction);
                 let largest = coefficients.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
                 let scale = if largest > 0.0 { largest / f64::from(i16::MAX) } else { 1.0 };
                 scales.push(scale as f32);
@@ -138,13 +136,13 @@ impl Bank {
 }
 
 /// From a texture's steps to the coefficients of a spline at the higher rate.
-struct Raise {
+struct Oversample {
     low: Transform,
     high: Transform,
     gains: Vec<f64>,
 }
 
-impl Raise {
+impl Oversample {
     /// For periods of `steps`; what lies above `top`, in periods per step, is left out.
     fn new(steps: usize, top: f64) -> Self {
         let raised = OVERSAMPLING * steps;

@@ -9,7 +9,7 @@ const FASTEST_M_S: f64 = 0.45 * SPEED_OF_SOUND_M_S;
 
 /// Largest number of values of a field.
 const MOST_VALUES: usize = 1 << 26;
-/// Bounds of the rate in Hz; a step lasts longer than four hops.
+/// Bounds of the rate in Hz; half a step lasts longer than a hop.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=120.0;
 /// Bounds of a coordinate in m and of a speed in m/s.
 pub(super) const FARTHEST_M: f32 = 1e5;
@@ -147,11 +147,12 @@ impl SpeedField {
 
     /// A source at a [`place`](Self::place) in time.
     pub(super) fn at(&self, source: usize, (from, to, part): Moment) -> Told {
-        let position = |step: usize| {
-            let step = if self.positions.len() == self.sources { 0 } else { step };
-            self.positions[step * self.sources + source].map(f64::from)
-        };
         let speed = |step: usize| f64::from(self.speeds[step * self.sources + source]);
+        let speed_m_s = speed(from) + part * (speed(to) - speed(from));
+        if self.positions.len() == self.sources {
+            return Told { position: self.positions[source].map(f64::from), speed_m_s, presence: 1.0 };
+        }
+        let position = |step: usize| self.positions[step * self.sources + source].map(f64::from);
         let (a, b) = (position(from), position(to));
         let moved = a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt() * self.rate_hz;
         let (position, presence) = if moved > FASTEST_M_S {
@@ -160,7 +161,7 @@ impl SpeedField {
         } else {
             (std::array::from_fn(|axis| a[axis] + part * (b[axis] - a[axis])), 1.0)
         };
-        Told { position, speed_m_s: speed(from) + part * (speed(to) - speed(from)), presence }
+        Told { position, speed_m_s, presence }
     }
 }
 

@@ -6,12 +6,15 @@
 //! read of a source's sound serves all channels. Sources still differ in distance, hence in time, and that is what makes
 //! channels unlike: each gets sources of its own.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use crate::error::{Error, in_range};
 
 /// Most channels of a layout.
 pub const MOST_CHANNELS: usize = 10;
+
+/// A direction this far beyond a loudspeaker's is that.
+const ROUNDING: f64 = 1e-12;
 
 /// The loudspeakers of the output, in the order of their channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,6 +81,11 @@ impl Layout {
         self.speakers().len()
     }
 
+    /// The channel of low-frequency effects, which no source is panned to.
+    pub fn low_frequency_effects(self) -> Option<usize> {
+        self.speakers().iter().position(|speaker| matches!(speaker, Speaker::Silent))
+    }
+
     fn speakers(self) -> &'static [Speaker] {
         match self {
             Self::Mono => &[CENTER],
@@ -96,11 +104,22 @@ impl Layout {
     }
 }
 
-/// A layout's gains by direction.
+/// Two loudspeakers between which sources may stand.
+#[derive(Debug)]
+struct Pair {
+    channels: [usize; 2],
+    /// From right and front to the loudspeakers' gains, but for their norm.
+    inverse: [[f64; 2]; 2],
+}
+
+/// A layout's gains by direction: those of the two loudspeakers around it, whose sum of vectors points there (Pulkki
+/// 1997, "Virtual sound source positioning using vector base amplitude panning").
 #[derive(Debug)]
 pub(super) struct Panner {
-    /// Azimuths in radians and channels, by rising azimuth.
-    ring: Vec<(f64, usize)>,
+    /// By rising azimuth; none where there is one loudspeaker only.
+    pairs: Vec<Pair>,
+    /// Channels of the first and of the last loudspeaker.
+    ends: [usize; 2],
     /// Channels of top left and right.
     top: Option<[usize; 2]>,
     /// Whether no loudspeaker stands behind the listener.
@@ -119,55 +138,63 @@ impl Panner {
         let top = |right: bool| {
             speakers.iter().position(|speaker| matches!(speaker, Speaker::Top(azimuth) if (*azimuth > 0.0) == right))
         };
+        let front_only = ring.iter().all(|(azimuth, _)| azimuth.abs() < FRAC_PI_2);
+        let after = ring.iter().skip(1).chain(ring.iter().take(usize::from(!front_only)));
         Self {
             top: top(false).zip(top(true)).map(|(left, right)| [left, right]),
-            front_only: ring.iter().all(|(azimuth, _)| azimuth.abs() < FRAC_PI_2),
-            ring,
+            pairs: ring.iter().zip(after).map(|(from, to)| Pair::new(*from, *to)).collect(),
+            ends: [ring[0].1, ring[ring.len() - 1].1],
+            front_only,
         }
     }
 
     /// Gains by channel for a source at `[right, front, up]`; their squares sum to 1.
     pub fn gains(&self, [right, front, up]: [f64; 3]) -> [f32; MOST_CHANNELS] {
         let mut gains = [0.0; MOST_CHANNELS];
-        if let [(_, only)] = self.ring[..] {
-            gains[only] = 1.0;
+        if self.pairs.is_empty() {
+            gains[self.ends[0]] = 1.0;
             return gains;
         }
-        let flat = right.hypot(front);
-        let azimuth = if flat > 0.0 { right.atan2(front) } else { 0.0 };
+        let flat_m = (right * right + front * front).sqrt();
+        let [right, front] = if flat_m > 0.0 { [right / flat_m, front / flat_m] } else { [0.0, 1.0] };
         // What is below the horizon is heard at it.
-        let (above, level) = match up.hypot(flat) {
-            distance if distance > 0.0 && up > 0.0 && self.top.is_some() => (up / distance, flat / distance),
+        let (above, level) = match (up * up + flat_m * flat_m).sqrt() {
+            distance_m if distance_m > 0.0 && up > 0.0 && self.top.is_some() => (up / distance_m, flat_m / distance_m),
             _ => (0.0, 1.0),
         };
         if let Some([left_top, right_top]) = self.top.filter(|_| above > 0.0) {
-            let part = 0.5 * (1.0 + azimuth.sin() * level);
-            gains[left_top] = (above * (FRAC_PI_2 * part).cos()) as f32;
-            gains[right_top] = (above * (FRAC_PI_2 * part).sin()) as f32;
+            let part = 0.5 * (1.0 + right * level);
+            gains[left_top] = (above * (1.0 - part).max(0.0).sqrt()) as f32;
+            gains[right_top] = (above * part.sqrt()) as f32;
         }
-        let (from, to, part) = self.pair(azimuth);
-        let (sin, cos) = (FRAC_PI_2 * part).sin_cos();
-        gains[from] += (level * cos) as f32;
-        gains[to] += (level * sin) as f32;
+        let ([from, to], [a, b]) = self.ring(right, front);
+        gains[from] += (level * a) as f32;
+        gains[to] += (level * b) as f32;
         gains
     }
 
-    /// The channels of the loudspeakers around an azimuth, and how far it is from one to the other (0-1).
-    fn pair(&self, azimuth: f64) -> (usize, usize, f64) {
-        let (first, last) = (self.ring[0], self.ring[self.ring.len() - 1]);
-        let azimuth = if self.front_only {
-            let folded = if azimuth.abs() > FRAC_PI_2 { azimuth.signum() * PI - azimuth } else { azimuth };
-            folded.clamp(first.0, last.0)
-        } else {
-            azimuth
-        };
-        let above = self.ring.partition_point(|(at, _)| *at <= azimuth);
-        let ((from, a), (to, b)) = match above {
-            0 => ((last.0 - 2.0 * PI, last.1), first),
-            above if above == self.ring.len() => (last, (first.0 + 2.0 * PI, first.1)),
-            above => (self.ring[above - 1], self.ring[above]),
-        };
-        (a, b, ((azimuth - from) / (to - from)).clamp(0.0, 1.0))
+    /// The channels of the loudspeakers around a direction, and their gains.
+    fn ring(&self, right: f64, front: f64) -> ([usize; 2], [f64; 2]) {
+        let front = if self.front_only { front.abs() } else { front };
+        for pair in &self.pairs {
+            let [a, b] = pair.inverse.map(|[x, y]| x * right + y * front);
+            if a >= -ROUNDING && b >= -ROUNDING {
+                let (a, b) = (a.max(0.0), b.max(0.0));
+                let norm = 1.0 / (a * a + b * b).sqrt();
+                return (pair.channels, [norm * a, norm * b]);
+            }
+        }
+        (self.ends, if right < 0.0 { [1.0, 0.0] } else { [0.0, 1.0] })
+    }
+}
+
+impl Pair {
+    /// Of azimuths in radians and channels. From one to the other it is less than half a turn.
+    fn new((from, from_channel): (f64, usize), (to, to_channel): (f64, usize)) -> Self {
+        let ((from_x, from_y), (to_x, to_y)) = (from.sin_cos(), to.sin_cos());
+        let determinant = from_x * to_y - from_y * to_x;
+        let inverse = [[to_y / determinant, -to_x / determinant], [-from_y / determinant, from_x / determinant]];
+        Self { channels: [from_channel, to_channel], inverse }
     }
 }
 

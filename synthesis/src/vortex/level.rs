@@ -54,10 +54,15 @@ impl Levels {
         [speed(self.ln_speeds.first()), speed(self.ln_speeds.last())]
     }
 
-    /// The lower row of the two around a speed, how far it is from there to the upper one (0-1), and the logarithm of
+    /// The lower row of the two around a speed, which is likely to be `near`, how far it is from there to the upper one (0-1), and the logarithm of
     /// the table's gain, which is a power law between rows and holds its ends beyond them.
-    fn place(&self, ln_speed: f32) -> (usize, f32, f32) {
-        let row = self.ln_speeds.partition_point(|ln| *ln <= ln_speed).saturating_sub(1);
+    fn place(&self, near: usize, ln_speed: f32) -> (usize, f32, f32) {
+        let is_near =
+            |row: usize, ln: f32| ln <= ln_speed && self.ln_speeds.get(row + 1).is_none_or(|ln| ln_speed < *ln);
+        let row = match self.ln_speeds.get(near) {
+            Some(ln) if is_near(near, *ln) => near,
+            _ => self.ln_speeds.partition_point(|ln| *ln <= ln_speed).saturating_sub(1),
+        };
         let Some(above) = self.ln_speeds.get(row + 1) else {
             return (row, 0.0, self.ln_gains[row]);
         };
@@ -67,15 +72,15 @@ impl Levels {
 
     /// Logarithm of the gain at a speed within the table.
     pub fn ln_gain(&self, ln_speed: f32) -> f32 {
-        self.place(ln_speed).2
+        self.place(0, ln_speed).2
     }
 
     /// The rows for a speed in m/s by its logarithm, which is minus infinity for 0. Gains are compressed to `range`
-    /// times as many decibels around `ln_reference`, the logarithm of a gain.
+    /// times as many decibels around `ln_reference`, the logarithm of a gain. The lower row is likely to be `near`.
     ///
     /// What is unlike in detail adds by power, so the squares of the two amplitudes sum to that of the gain.
-    pub fn at(&self, ln_speed: f32, range: f32, ln_reference: f32) -> Blend {
-        let (row, part, ln_gain) = self.place(ln_speed);
+    pub fn at(&self, near: usize, ln_speed: f32, range: f32, ln_reference: f32) -> Blend {
+        let (row, part, ln_gain) = self.place(near, ln_speed);
         let mut ln_level = ln_reference + range * (ln_gain - ln_reference);
         let below = self.ln_speeds[0] - ln_speed;
         if below > 0.0 {
@@ -100,7 +105,7 @@ mod tests {
     }
 
     fn level(levels: &Levels, speed: f32, range: f32) -> f32 {
-        let [a, b] = levels.at(speed.ln(), range, levels.ln_gain(4f32.ln())).weights;
+        let [a, b] = levels.at(2, speed.ln(), range, levels.ln_gain(4f32.ln())).weights;
         a.hypot(b)
     }
 
@@ -113,8 +118,8 @@ mod tests {
             let found = level(&levels, speed, 1.0);
             assert!((found - expected).abs() <= 1e-4 * expected, "{speed} m/s: {found} instead of {expected}");
         }
-        assert_eq!(levels.at(f32::NEG_INFINITY, 1.0, 0.0).weights, [0.0; 2]);
-        assert_eq!(levels.at(8f32.ln(), 1.0, 0.0).row, 2);
+        assert_eq!(levels.at(1, f32::NEG_INFINITY, 1.0, 0.0).weights, [0.0; 2]);
+        assert_eq!(levels.at(0, 8f32.ln(), 1.0, 0.0).row, 2);
     }
 
     #[test]

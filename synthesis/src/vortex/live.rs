@@ -99,6 +99,13 @@ impl Live {
         std::mem::take(&mut self.late)
     }
 
+    /// Still gas.
+    pub fn reset(&mut self) {
+        self.stop();
+        self.into = 0;
+        self.speeds.iter_mut().for_each(|speeds| speeds.fill(0.0));
+    }
+
     /// The next hop starts a run of its own.
     pub fn stop(&mut self) {
         self.hop = None;

@@ -15,15 +15,6 @@ pub(super) struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// Number of sources of a flow that tells of single ones.
-    pub fn sources(&self, flow: Flow) -> usize {
-        match flow {
-            Flow::Envelope => 0,
-            Flow::Field => self.field.map_or(0, |(field, _)| field.sources()),
-            Flow::Live => self.live.map_or(0, Live::sources),
-        }
-    }
-
     /// A source of a flow at the hop's start, or at its end.
     pub fn at(&self, flow: Flow, source: usize, end: bool) -> Option<Told> {
         match (flow, self.field, self.live) {

@@ -84,7 +84,7 @@ impl Frame {
 }
 
 /// A [`Place`] with its angles worked out.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Stand {
     spread_m: f64,
     sin: f64,

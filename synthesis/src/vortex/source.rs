@@ -7,10 +7,10 @@ use crate::controls::Flow;
 use crate::noise::White;
 
 /// Hops that a source takes to fade out or in.
-const FADE_HOPS: f32 = 8.0;
+const FADE_HOPS: f32 = 4.0;
 
 /// Sources change their identity in turn, within this many hops: together they would leave a gap.
-const TURN_HOPS: i64 = 32;
+const TURN_HOPS: i64 = 16;
 
 /// How far the sources' paces differ. Flows have tones of their own (eddies that shed in step, the box they were recorded
 /// in), which a crowd at one pace would hum; a lone source reads as recorded.
@@ -33,6 +33,10 @@ pub(super) struct Edge {
     pub blend: Blend,
     /// Gains by channel: direction and distance.
     pub gains: [f32; MOST_CHANNELS],
+    /// Where it stands: to the right, to the front and up, in m.
+    pub position: [f64; 3],
+    /// How much of it is there, as told by what moves it.
+    pub told: f64,
     /// Distance that delays, in m.
     pub distance_m: f64,
     /// Whether that is the source's own distance by now.
@@ -54,7 +58,10 @@ pub(super) struct Source {
     /// Place in a ball of radius 1.
     pub ball: [f64; 3],
     /// Deviation of its flow speed, -1..1.
-    pub deviation: f32,
+    deviation: f32,
+    /// How far that varies its speed, and the logarithm of the factor.
+    variation: f32,
+    pub ln_deviation: f32,
     /// How fast it reads, as a multiple of the texture's pace.
     pub pace: f64,
 }
@@ -80,7 +87,17 @@ impl Source {
             offset: number(4),
             ball: [flat * azimuth.cos(), flat * azimuth.sin(), radius * height],
             deviation: (2.0 * number(3) - 1.0) as f32,
+            variation: 0.0,
+            ln_deviation: 0.0,
             pace: if index == 0 { 1.0 } else { 1.0 + PACES * (2.0 * number(5) - 1.0) },
+        }
+    }
+
+    /// Takes the variation of speeds (0-1).
+    pub fn vary(&mut self, variation: f32) {
+        if self.variation != variation {
+            self.variation = variation;
+            self.ln_deviation = (variation * self.deviation).ln_1p();
         }
     }
 
