@@ -86,6 +86,30 @@ pub enum Error {
         /// Names of the factory presets.
         known: String,
     },
+    /// A preset cannot have this name.
+    #[error("a preset cannot be called \"{found}\"; give it a name of 1 to {longest} characters, on one line")]
+    PresetName {
+        /// The name found.
+        found: String,
+        /// Most characters.
+        longest: usize,
+    },
+    /// There is a preset of this name.
+    #[error("there is a preset \"{name}\" already ({}); replace it, or choose another name", .path.display())]
+    PresetExists {
+        /// The name.
+        name: String,
+        /// Its file.
+        path: PathBuf,
+    },
+    /// A file could not be written.
+    #[error("{} cannot be written: {}", .path.display(), reason_of(source))]
+    FileWrite {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// A file could not be read.
     #[error("{} cannot be read: {}", .path.display(), reason_of(source))]
     File {

@@ -1,4 +1,4 @@
-//! Pyrophone's settings: the table of parameters, presets and automation.
+//! Pyrophone's settings: the table of parameters, presets, the user's library of them, and automation.
 //!
 //! Plugin, command line and tests all take ids, ranges, defaults and texts from
 //! [`PARAMETERS`]; nothing states them a second time. [`Values`] holds one value for each and
@@ -7,6 +7,7 @@
 
 pub mod automation;
 pub mod error;
+pub mod library;
 pub mod parameter;
 pub mod preset;
 pub mod session;
@@ -15,6 +16,7 @@ pub mod values;
 
 pub use automation::Automation;
 pub use error::Error;
+pub use library::Library;
 pub use parameter::{Kind, Parameter};
 pub use preset::Preset;
 pub use session::Session;

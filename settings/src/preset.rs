@@ -4,6 +4,7 @@
 //! version = 2
 //! name = "extend"
 //! description = "Spectral extension alone."
+//! tags = ["extension"]
 //!
 //! [parameters]
 //! texture_level = "off"
@@ -19,7 +20,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-use crate::{Error, Kind, PARAMETERS, Parameter, Values, index_of};
+use crate::{Error, Kind, Library, PARAMETERS, Parameter, Values, index_of};
 
 /// The version that [`Preset::to_toml`] writes.
 pub const VERSION: i64 = 2;
@@ -55,6 +56,11 @@ pub const FACTORY: &[(&str, &str)] = &[
     ("swinging-torch", include_str!("../../presets/swinging-torch.toml")),
     ("texture", include_str!("../../presets/texture.toml")),
     ("texture-paper", include_str!("../../presets/texture-paper.toml")),
+    ("paper-burning-brick", include_str!("../../presets/paper-burning-brick.toml")),
+    ("paper-candle", include_str!("../../presets/paper-candle.toml")),
+    ("paper-dragon", include_str!("../../presets/paper-dragon.toml")),
+    ("paper-flame-jet", include_str!("../../presets/paper-flame-jet.toml")),
+    ("paper-torch", include_str!("../../presets/paper-torch.toml")),
 ];
 
 /// A named set of values.
@@ -64,6 +70,8 @@ pub struct Preset {
     pub name: String,
     /// What it is for.
     pub description: String,
+    /// Words that it is found by.
+    pub tags: Vec<String>,
     /// Its values.
     pub values: Values,
 }
@@ -75,18 +83,25 @@ struct File {
     name: String,
     #[serde(default)]
     description: String,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    tags: Vec<String>,
     #[serde(default)]
     parameters: Table,
 }
 
 impl Preset {
-    /// The preset of this name, else the one in the file of this path.
+    /// The factory's preset of this name, else the one in the file of this path, else the user's of this name.
     pub fn find(name_or_path: &str) -> Result<Self, Error> {
         if let Some((name, text)) = FACTORY.iter().find(|(name, _)| *name == name_or_path) {
             return Self::from_toml(text, name);
         }
         let path = Path::new(name_or_path);
-        if path.exists() { Self::load(path) } else { Err(unknown(name_or_path)) }
+        if path.exists() {
+            return Self::load(path);
+        }
+        let users = Library::of_user().map(|library| library.list().0).unwrap_or_default();
+        let found = users.into_iter().find(|stored| stored.preset.name == name_or_path);
+        found.map(|stored| stored.preset).ok_or_else(|| unknown(name_or_path))
     }
 
     /// Reads a preset's file.
@@ -113,7 +128,7 @@ impl Preset {
             let plain = plain_value(&PARAMETERS[index], value).map_err(in_preset)?;
             values.set(index, plain).map_err(in_preset)?;
         }
-        Ok(Self { name: file.name, description: file.description, values })
+        Ok(Self { name: file.name, description: file.description, tags: file.tags, values })
     }
 
     /// The preset as text, every parameter stated.
@@ -123,8 +138,8 @@ impl Preset {
             .zip(self.values.as_slice())
             .map(|(parameter, plain)| (parameter.id.to_owned(), toml_value(parameter, *plain)))
             .collect();
-        let file =
-            File { version: VERSION, name: self.name.clone(), description: self.description.clone(), parameters };
+        let (name, description, tags) = (self.name.clone(), self.description.clone(), self.tags.clone());
+        let file = File { version: VERSION, name, description, tags, parameters };
         // Strings, numbers and booleans in a table always have a TOML form.
         toml::to_string(&file).unwrap_or_default()
     }

@@ -125,7 +125,8 @@ proptest! {
             let parameter = &PARAMETERS[index];
             values.set_nearest(index, parameter.low() + share * (parameter.high() - parameter.low()));
         }
-        let preset = Preset { name, description: "a \"quoted\" one".to_owned(), values };
+        let tags = vec!["loud".to_owned(), "a \"quoted\" one".to_owned()];
+        let preset = Preset { name, description: "a \"quoted\" one".to_owned(), tags, values };
         prop_assert_eq!(Preset::from_toml(&preset.to_toml(), "memory").unwrap(), preset);
     }
 }

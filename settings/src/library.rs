@@ -1,0 +1,224 @@
+//! The user's own presets: a folder of readable files, beside those that come with Pyrophone.
+
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use crate::{Error, Preset};
+
+/// Names the folder, where it is not to be the system's.
+pub const FOLDER_VARIABLE: &str = "PYROPHONE_PRESETS";
+
+/// How the names of presets' files end.
+const EXTENSION: &str = "toml";
+
+/// Files larger than this are no presets.
+const LARGEST_BYTES: u64 = 1 << 20;
+
+/// Most files of a folder that are looked at.
+const MOST_FILES: usize = 10_000;
+
+/// Longest name of a preset, in characters.
+const LONGEST_NAME: usize = 80;
+
+/// A folder of presets.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Library {
+    folder: PathBuf,
+}
+
+/// A preset and its file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stored {
+    /// The file.
+    pub path: PathBuf,
+    /// What it holds.
+    pub preset: Preset,
+}
+
+impl Library {
+    /// The user's folder: that which `PYROPHONE_PRESETS` names, else `Pyrophone/presets` where the system keeps programs'
+    /// data. None where the user has no home.
+    pub fn of_user() -> Option<Self> {
+        let named = std::env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from);
+        named.or_else(|| Some(dirs::data_dir()?.join("Pyrophone").join("presets"))).map(Self::new)
+    }
+
+    /// Presets in `folder`, which need not exist yet.
+    pub fn new(folder: PathBuf) -> Self {
+        Self { folder }
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// All presets by name, and what is wrong with the files that are none. A folder that does not exist is empty.
+    pub fn list(&self) -> (Vec<Stored>, Vec<Error>) {
+        let (mut presets, mut errors) = (vec![], vec![]);
+        let entries = match fs::read_dir(&self.folder) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == ErrorKind::NotFound => return (presets, errors),
+            Err(source) => return (presets, vec![Error::File { path: self.folder.clone(), source }]),
+        };
+        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        let is_preset = |path: &PathBuf| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(EXTENSION));
+        for path in paths.filter(is_preset).take(MOST_FILES) {
+            match load(&path) {
+                Ok(preset) => presets.push(Stored { path, preset }),
+                Err(error) => errors.push(error),
+            }
+        }
+        presets.sort_by_cached_key(|stored| (stored.preset.name.to_lowercase(), stored.path.clone()));
+        (presets, errors)
+    }
+
+    /// Writes a preset, whole or not at all, and gives its file. The folder is made if need be.
+    ///
+    /// Fails where the name is empty, longer than 80 characters or has control characters; where another preset has it, unless
+    /// it `replaces`; and where the file cannot be written.
+    pub fn save(&self, preset: &Preset, replaces: bool) -> Result<PathBuf, Error> {
+        let path = self.path_of(&preset.name)?;
+        if !replaces && path.exists() {
+            return Err(Error::PresetExists { name: preset.name.trim().to_owned(), path });
+        }
+        let preset = Preset { name: preset.name.trim().to_owned(), ..preset.clone() };
+        let part = path.with_extension(format!("{EXTENSION}.part"));
+        let write = || {
+            fs::create_dir_all(&self.folder)?;
+            let mut file = fs::File::create(&part)?;
+            file.write_all(preset.to_toml().as_bytes())?;
+            file.sync_all()?;
+            fs::rename(&part, &path)
+        };
+        write().map_err(|source| {
+            // What was begun is of no use to anybody.
+            let _ = fs::remove_file(&part);
+            Error::FileWrite { path: path.clone(), source }
+        })?;
+        Ok(path)
+    }
+
+    /// Gives a stored preset another name, in the file and as the file's. Fails as [`save`](Self::save) does; then it keeps its
+    /// old one.
+    pub fn rename(&self, path: &Path, name: &str) -> Result<PathBuf, Error> {
+        let preset = Preset { name: name.to_owned(), ..load(path)? };
+        let is_same = self.path_of(name)? == path;
+        let new = self.save(&preset, is_same)?;
+        if !is_same {
+            fs::remove_file(path).map_err(|source| Error::FileWrite { path: path.to_owned(), source })?;
+        }
+        Ok(new)
+    }
+
+    /// The file for a name. What file systems do not take becomes a dash.
+    fn path_of(&self, name: &str) -> Result<PathBuf, Error> {
+        let name = name.trim();
+        if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
+            return Err(Error::PresetName { found: name.escape_debug().to_string(), longest: LONGEST_NAME });
+        }
+        let allowed = |c: char| c.is_alphanumeric() || " -_+,()".contains(c);
+        let stem: String = name.chars().map(|c| if allowed(c) { c } else { '-' }).collect();
+        // Windows keeps some names for devices, whatever follows the dot.
+        let device = DEVICES.contains(&stem.to_lowercase().trim_end_matches(|c: char| c.is_ascii_digit()));
+        let mark = if device { "_" } else { "" };
+        Ok(self.folder.join(format!("{stem}{mark}.{EXTENSION}")))
+    }
+}
+
+/// Names that no file may have on Windows, some with a digit behind.
+const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "com", "lpt"];
+
+fn load(path: &Path) -> Result<Preset, Error> {
+    let refuse = |source| Error::File { path: path.to_owned(), source };
+    if fs::metadata(path).map_err(refuse)?.len() > LARGEST_BYTES {
+        return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is no preset")));
+    }
+    Preset::load(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Id, Values};
+
+    fn preset(name: &str, alpha: f64) -> Preset {
+        let mut values = Values::default();
+        values.set(Id::Alpha as usize, alpha).expect("in range");
+        Preset { name: name.to_owned(), description: "one's own".to_owned(), tags: vec!["mine".to_owned()], values }
+    }
+
+    fn library() -> (tempfile::TempDir, Library) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let library = Library::new(folder.path().join("not/yet"));
+        (folder, library)
+    }
+
+    #[test]
+    fn what_is_saved_is_listed_and_found_again() {
+        let (_folder, library) = library();
+        assert_eq!(library.list().0, []);
+        for (name, alpha) in [("Zündholz", 3.0), ("  a/b:c*?.toml  ", 2.0), ("nul", 4.0)] {
+            let path = library.save(&preset(name, alpha), false).expect("saved");
+            assert_eq!(path.parent(), Some(library.folder()), "{name}");
+            assert_eq!(Preset::load(&path).expect("read"), preset(name.trim(), alpha));
+        }
+        fs::write(library.folder().join("notes.txt"), "no preset").expect("written");
+        let (listed, errors) = library.list();
+        let names: Vec<&str> = listed.iter().map(|stored| stored.preset.name.as_str()).collect();
+        assert_eq!(names, ["a/b:c*?.toml", "nul", "Zündholz"]);
+        assert!(errors.is_empty());
+        let files = fs::read_dir(library.folder()).expect("a folder").count();
+        assert_eq!(files, 4, "nothing half-written is left");
+    }
+
+    #[test]
+    fn nothing_is_overwritten_unless_asked() {
+        let (_folder, library) = library();
+        let path = library.save(&preset("one", 2.0), false).expect("saved");
+        let error = library.save(&preset("one", 5.0), false).expect_err("exists");
+        assert!(matches!(&error, Error::PresetExists { name, .. } if name == "one"), "{error}");
+        assert_eq!(Preset::load(&path).expect("read"), preset("one", 2.0));
+        library.save(&preset("one", 5.0), true).expect("replaced");
+        assert_eq!(Preset::load(&path).expect("read"), preset("one", 5.0));
+    }
+
+    #[test]
+    fn renaming_moves_the_file_and_keeps_the_rest() {
+        let (_folder, library) = library();
+        let one = library.save(&preset("one", 2.0), false).expect("saved");
+        library.save(&preset("two", 3.0), false).expect("saved");
+        assert!(matches!(library.rename(&one, "two"), Err(Error::PresetExists { .. })));
+        assert!(matches!(library.rename(&one, " "), Err(Error::PresetName { .. })));
+        assert!(matches!(library.rename(Path::new("no-file"), "three"), Err(Error::File { .. })));
+        assert!(one.exists());
+        let three = library.rename(&one, "three").expect("renamed");
+        assert!(!one.exists());
+        assert_eq!(Preset::load(&three).expect("read"), preset("three", 2.0));
+        // What is spelt another way may be the same file.
+        assert_eq!(library.rename(&three, "three ").expect("renamed"), three);
+        assert!(three.exists());
+    }
+
+    #[test]
+    fn what_is_broken_is_told_and_the_rest_is_listed() {
+        let (_folder, library) = library();
+        library.save(&preset("good", 2.0), false).expect("saved");
+        for (name, text) in [("empty", String::new()), ("huge", "#".repeat(2 << 20)), ("other", "version = 99".into())]
+        {
+            fs::write(library.folder().join(format!("{name}.toml")), text).expect("written");
+        }
+        fs::create_dir(library.folder().join("folder.toml")).expect("made");
+        let (listed, errors) = library.list();
+        assert_eq!(listed.len(), 1);
+        assert_eq!(errors.len(), 4, "{errors:?}");
+        let file = library.folder().join("good.toml");
+        let inside = Library::new(file.clone());
+        assert!(matches!(inside.save(&preset("x", 2.0), false), Err(Error::FileWrite { .. })));
+        assert_eq!(inside.list().1.len(), 1, "a file is no folder");
+        for name in ["", "  ", "a\nb", &"x".repeat(81)] {
+            assert!(matches!(library.save(&preset(name, 2.0), false), Err(Error::PresetName { .. })), "{name:?}");
+        }
+    }
+}
