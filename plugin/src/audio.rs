@@ -130,7 +130,8 @@ impl Audio {
             main.iter_mut().for_each(|channel| channel.fill(0.0));
             return;
         };
-        let controls = values.controls();
+        let mut controls = values.controls();
+        self.probe.hush(&mut controls.mix);
         let samples = main.first().map_or(0, |channel| channel.len());
         let learns =
             self.link.shared.learning.load(Ordering::Relaxed) && (transport.playing || transport.position.is_none());

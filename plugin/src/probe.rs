@@ -1,9 +1,10 @@
 //! What the window sees of the sound: drive and output, sample by sample, through a ring that the audio thread fills only
-//! while a window looks.
+//! while a window looks; and which layers it wants silent meanwhile.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use pyrophone_synthesis::controls::MixControls;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
@@ -19,9 +20,14 @@ pub struct Frame {
     pub output: f32,
 }
 
+/// Layers, in the order of the mix: low, extension, texture, vortex.
+pub const LAYERS: usize = 4;
+
 #[derive(Debug, Default)]
 struct Shared {
     is_watched: AtomicBool,
+    /// Layers that are silent, a bit each.
+    silenced: AtomicU8,
     /// What the engines need of the time that they have: of the last blocks, and the most since it was asked.
     load: AtomicU32,
     worst_load: AtomicU32,
@@ -54,6 +60,17 @@ impl ProbeIn {
         self.shared.is_watched.load(Ordering::Relaxed)
     }
 
+    /// Takes the layers out that the window wants silent; real-time safe.
+    pub fn hush(&self, mix: &mut MixControls) {
+        let silenced = self.shared.silenced.load(Ordering::Relaxed);
+        let layers = [&mut mix.low, &mut mix.extension, &mut mix.texture, &mut mix.vortex];
+        for (index, level) in layers.into_iter().enumerate() {
+            if silenced & (1 << index) != 0 {
+                *level = 0.0;
+            }
+        }
+    }
+
     /// Passes on one block, as much of it as there is room for; real-time safe.
     pub fn send(&mut self, drive: &[f32], output: &[&mut [f32]]) {
         let Some(first) = output.first() else { return };
@@ -78,9 +95,16 @@ impl ProbeIn {
 }
 
 impl ProbeOut {
-    /// Starts or stops watching; what was under way is forgotten.
+    /// Which layers are to be silent, as long as a window looks.
+    pub fn silence(&self, layers: [bool; LAYERS]) {
+        let bits = layers.iter().enumerate().fold(0, |bits, (index, silent)| bits | u8::from(*silent) << index);
+        self.shared.silenced.store(bits, Ordering::Relaxed);
+    }
+
+    /// Starts or stops watching; what was under way is forgotten, and all layers sound.
     pub fn watch(&self, watched: bool) {
         self.shared.is_watched.store(watched, Ordering::Relaxed);
+        self.silence([false; LAYERS]);
         self.frames.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
@@ -105,6 +129,22 @@ impl ProbeOut {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn layers_are_silent_while_a_window_wants_it() {
+        let (audio, window) = pair();
+        let heard = || {
+            let mut mix = MixControls { low: 0.1, extension: 0.2, texture: 0.3, vortex: 0.4, ..MixControls::default() };
+            audio.hush(&mut mix);
+            [mix.low, mix.extension, mix.texture, mix.vortex]
+        };
+        assert_eq!(heard(), [0.1, 0.2, 0.3, 0.4]);
+        window.watch(true);
+        window.silence([true, false, true, false]);
+        assert_eq!(heard(), [0.0, 0.2, 0.0, 0.4]);
+        window.watch(false);
+        assert_eq!(heard(), [0.1, 0.2, 0.3, 0.4], "the window has gone");
+    }
 
     #[test]
     fn frames_arrive_in_order_and_what_has_no_room_is_lost() {

@@ -298,18 +298,43 @@ pub struct Figures {
     pub crackle: Option<f64>,
 }
 
+/// What is wrong with the output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// Tones stand out.
+    Buzzes,
+    /// Its loudness is not the drive's.
+    Wanders,
+    /// It is more sudden than the recording.
+    Sudden,
+    /// It is less sudden.
+    Dull,
+}
+
+impl Fault {
+    /// What to change, in plain words.
+    pub fn advice(self) -> &'static str {
+        match self {
+            Self::Buzzes => "It buzzes: turn Scaling alpha down, or Dynamics mode to companded.",
+            Self::Wanders => "It does not follow the drive: turn Dynamics up, or a steady layer down.",
+            Self::Sudden => "It is more sudden than the recording: turn Drive match down.",
+            Self::Dull => "It crackles less than the recording: turn Drive match up, or extension and vortex down.",
+        }
+    }
+}
+
 impl Figures {
-    /// What to change, in plain words; nothing where all is well.
-    pub fn advice(&self) -> Option<&'static str> {
+    /// What is worst; nothing where all is well.
+    pub fn fault(&self) -> Option<Fault> {
         let beyond = |value: Option<f64>, is_bad: &dyn Fn(f64) -> bool| value.is_some_and(is_bad);
         if beyond(self.lines_db, &|lines_db| lines_db > 2.5) {
-            Some("It buzzes: turn Scaling alpha down, or Dynamics mode to companded.")
+            Some(Fault::Buzzes)
         } else if beyond(self.follows, &|follows| follows < 0.6) {
-            Some("It does not follow the drive: turn Dynamics up, or a steady layer down.")
+            Some(Fault::Wanders)
         } else if beyond(self.crackle, &|crackle| crackle > 2.5) {
-            Some("It is more sudden than the recording: turn Drive match down.")
+            Some(Fault::Sudden)
         } else if beyond(self.crackle, &|crackle| crackle < 0.4) {
-            Some("It crackles less than the recording: turn Drive match up, or extension and vortex down.")
+            Some(Fault::Dull)
         } else {
             None
         }
@@ -432,9 +457,9 @@ mod tests {
     #[test]
     fn advice_names_the_worst() {
         let good = Figures { follows: Some(0.9), lines_db: Some(0.5), crackle: Some(1.0) };
-        assert_eq!(good.advice(), None);
-        assert_eq!(Figures::default().advice(), None);
-        let says = |figures: Figures| figures.advice().unwrap();
+        assert_eq!(good.fault(), None);
+        assert_eq!(Figures::default().fault(), None);
+        let says = |figures: Figures| figures.fault().unwrap().advice();
         assert!(says(Figures { lines_db: Some(6.0), ..good }).contains("Scaling alpha"));
         assert!(says(Figures { follows: Some(0.2), ..good }).contains("follow"));
         assert!(says(Figures { crackle: Some(4.0), ..good }).contains("sudden"));

@@ -1,33 +1,34 @@
 //! The head of the window: presets, undo, A and B, bypass, what the engines cost.
 
-use egui::{Align, Button, ComboBox, Layout, RichText, Ui};
-use pyrophone_settings::{Id, Preset};
+use egui::{Align, Button, Layout, RichText, Ui};
+use nice_plug_egui::RepaintNotifier;
+use pyrophone_settings::Id;
 
 use super::hand::Hand;
+use super::presets::Presets;
 use super::theme;
 use crate::meters::Meters;
 
 /// Presets, and the page of parameters that is shown.
 pub struct Header {
-    factory: Vec<Preset>,
+    /// The list of presets.
+    pub presets: Presets,
     /// Whether the structure's parameters are shown instead of those that are played.
     pub shows_structure: bool,
 }
 
-impl Default for Header {
-    fn default() -> Self {
-        // They are part of the build, and a test reads every one.
-        Self { factory: Preset::factory().unwrap_or_default(), shows_structure: false }
-    }
-}
-
 impl Header {
+    /// `notifier` wakes the window when files were read or written.
+    pub fn new(notifier: RepaintNotifier) -> Self {
+        Self { presets: Presets::new(notifier), shows_structure: false }
+    }
+
     /// The row. `load` is the part of their time that blocks take, and the worst of the last second.
     pub fn show(&mut self, ui: &mut Ui, hand: &mut Hand<'_>, meters: &Meters, load: (f32, f32)) {
         ui.horizontal(|ui| {
             ui.label(RichText::new("PYROPHONE").heading().color(theme::EMBER).strong());
             ui.separator();
-            self.presets(ui, hand);
+            self.presets.show(ui, hand);
             ui.separator();
             history(ui, hand);
             ui.separator();
@@ -43,31 +44,6 @@ impl Header {
                 cost(ui, meters, load);
             });
         });
-    }
-
-    fn presets(&self, ui: &mut Ui, hand: &mut Hand<'_>) {
-        let values = hand.values();
-        let chosen = self.factory.iter().position(|preset| preset.values == values);
-        let shown = chosen.map_or("changed *", |index| self.factory[index].name.as_str());
-        let mut next = None;
-        ComboBox::from_id_salt("preset").width(120.0).selected_text(shown).show_ui(ui, |ui| {
-            for (index, preset) in self.factory.iter().enumerate() {
-                let line = ui.selectable_label(chosen == Some(index), &preset.name);
-                if line.on_hover_text(&preset.description).clicked() {
-                    next = Some(preset.values);
-                }
-            }
-            ui.separator();
-            let paper = ui.selectable_label(false, "the paper's values");
-            if paper.on_hover_text("Chadwick & James 2011; levels, widths, seed and envelope stay").clicked() {
-                let mut paper = values;
-                paper.reset_to_paper();
-                next = Some(paper);
-            }
-        });
-        if let Some(next) = next {
-            hand.set_all(&next);
-        }
     }
 }
 

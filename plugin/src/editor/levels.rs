@@ -1,9 +1,10 @@
-//! Level meters.
+//! Level meters; solo and mute of the layers.
 
-use egui::{Align2, Pos2, Rect, Ui, Vec2};
+use egui::{Align2, Button, Pos2, Rect, RichText, Ui, Vec2};
 
 use super::theme;
 use crate::meters::Meters;
+use crate::probe::LAYERS;
 
 /// The lowest level shown, in dB, and the highest.
 const FLOOR_DB: f32 = -60.0;
@@ -12,28 +13,66 @@ const TOP_DB: f32 = 6.0;
 const FALL_DB_PER_S: f64 = 40.0;
 
 const NAMES: [&str; 7] = ["in", "drive", "low", "ext", "tex", "vtx", "out"];
+/// The first of the layers, and their names in full.
+const FIRST_LAYER: usize = 2;
+const LAYER_NAMES: [&str; LAYERS] = ["the low layer", "extension", "texture", "vortex sound"];
+/// Height of a button below a meter, in points.
+const BUTTON: f32 = 15.0;
 
 /// The meters' falling levels.
 pub struct Levels {
     shown_db: [f32; NAMES.len()],
     last_s: f64,
+    soloed: [bool; LAYERS],
+    muted: [bool; LAYERS],
 }
 
 impl Default for Levels {
     fn default() -> Self {
-        Self { shown_db: [FLOOR_DB; NAMES.len()], last_s: 0.0 }
+        Self { shown_db: [FLOOR_DB; NAMES.len()], last_s: 0.0, soloed: [false; LAYERS], muted: [false; LAYERS] }
     }
 }
 
 impl Levels {
-    /// The meters, side by side.
-    pub fn show(&mut self, ui: &Ui, rect: Rect, meters: &Meters) {
+    /// Layers that are not to be heard: those that are muted, and beside a solo all others.
+    pub fn silenced(&self) -> [bool; LAYERS] {
+        let is_solo = self.soloed.contains(&true);
+        std::array::from_fn(|layer| self.muted[layer] || is_solo && !self.soloed[layer])
+    }
+
+    /// All layers are heard.
+    pub fn clear(&mut self) {
+        (self.soloed, self.muted) = Default::default();
+    }
+
+    /// The meters, side by side, and below those of layers their switches.
+    pub fn show(&mut self, ui: &mut Ui, rect: Rect, meters: &Meters) {
+        self.bars(ui, rect.with_max_y(rect.bottom() - 2.0 * BUTTON - 3.0), meters);
+        let step = rect.width() / NAMES.len() as f32;
+        for (layer, name) in LAYER_NAMES.iter().enumerate() {
+            let left = rect.left() + (FIRST_LAYER + layer) as f32 * step;
+            let switches = [(&mut self.soloed[layer], "S", "alone"), (&mut self.muted[layer], "M", "not at all")];
+            for (row, (is_on, letter, how)) in switches.into_iter().enumerate() {
+                let top = rect.bottom() - (2 - row) as f32 * (BUTTON + 1.0);
+                let place = Rect::from_min_size(Pos2::new(left + 1.0, top), Vec2::new(step - 2.0, BUTTON));
+                let text = RichText::new(letter).font(theme::small());
+                let button = ui.put(place, Button::new(text).selected(*is_on).min_size(place.size()));
+                let hint = format!("Hear {name} {how}, until the window closes. Not saved, not automated.");
+                if button.on_hover_text(hint).clicked() {
+                    *is_on = !*is_on;
+                }
+            }
+        }
+    }
+
+    fn bars(&mut self, ui: &Ui, rect: Rect, meters: &Meters) {
         let now_s = ui.input(|input| input.time);
         let fall_db = ((now_s - self.last_s).clamp(0.0, 1.0) * FALL_DB_PER_S) as f32;
         self.last_s = now_s;
         let fire = [&meters.low, &meters.extension, &meters.texture, &meters.vortex];
         let peaks = [&meters.input, &meters.drive].into_iter().chain(fire).chain([&meters.output]);
         let painter = ui.painter();
+        let silenced = self.silenced();
         painter.rect_filled(rect, 3.0, theme::WELL);
         let step = rect.width() / NAMES.len() as f32;
         let (top, bottom) = (rect.top() + 18.0, rect.bottom() - 16.0);
@@ -48,7 +87,9 @@ impl Levels {
                 Rect::from_min_max(Pos2::new(middle - 0.3 * step, to), Pos2::new(middle + 0.3 * step, from))
             };
             painter.rect_filled(bar(bottom, top), 1.0, theme::PANEL);
+            let is_silenced = index >= FIRST_LAYER && silenced.get(index - FIRST_LAYER) == Some(&true);
             let color = match index {
+                _ if is_silenced => theme::WEAK,
                 _ if *shown_db > 0.0 => theme::ALARM,
                 0 | 1 => theme::BLUE,
                 _ => theme::EMBER,

@@ -3,20 +3,23 @@
 //! | module | shows |
 //! |---|---|
 //! | [`header`] | presets, undo, A and B, bypass, cost |
+//! | [`presets`] | the list of presets; saving them |
 //! | [`plots`] | spectra with handles, running spectrograms, the recording's outline |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
 //! | [`controls`] | parameters, as [`widgets`] |
-//! | [`levels`] | level meters |
+//! | [`levels`] | level meters; solo and mute of layers |
 //!
-//! [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog.
+//! [`cure`] is what one click does against a fault. [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog.
 
 pub mod controls;
+pub mod cure;
 pub mod dialog;
 pub mod hand;
 pub mod header;
 pub mod levels;
 pub mod monitor;
 pub mod plots;
+pub mod presets;
 pub mod recording;
 pub mod theme;
 pub mod widgets;
@@ -93,8 +96,8 @@ impl Window {
             loader,
             meters,
             host: None,
-            recording: RecordingPanel::new(notifier),
-            header: Header::default(),
+            recording: RecordingPanel::new(notifier.clone()),
+            header: Header::new(notifier),
             monitor: Monitor::new(probe),
             history: History::default(),
             levels: Levels::default(),
@@ -129,7 +132,9 @@ impl NiceEguiApp for Window {
     fn editor_closed(&mut self) {
         self.host = None;
         self.monitor.watch(false);
+        self.levels.clear();
         self.recording.close_dialog();
+        self.header.presets.close();
         self.recording.clear_pictures();
     }
 }
@@ -172,8 +177,9 @@ impl Window {
         self.recording.show_pictures(ui, [row(2.0), row(3.0)], &view);
         part(ui, words, "recording", |ui| self.recording.show(ui, &self.loader, &self.params));
         self.levels.show(ui, meters, &self.meters);
+        self.monitor.silence(self.levels.silenced());
         if self.meters.input_cancels() {
-            let at = meters.left_bottom() - egui::vec2(0.0, 34.0);
+            let at = meters.left_bottom() - egui::vec2(0.0, 68.0);
             let warning = "The input's channels cancel each other: turn one's phase, or use mono.";
             let galley = ui.painter().layout(warning.into(), theme::small(), theme::ALARM, meters.width());
             ui.painter().galley(at, galley, theme::ALARM);

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::plots::course::Course;
 use super::plots::spectrum::Spectra;
 use crate::analysis::{Analyser, Character, Fidelity, Figures};
-use crate::probe::{Frame, ProbeOut};
+use crate::probe::{Frame, LAYERS, ProbeOut};
 
 /// Windows of the spectra and of the courses, in seconds.
 const SPECTRUM_S: f64 = 0.17;
@@ -117,6 +117,11 @@ impl Monitor {
     /// How near the output is to a recording, and how well it follows the drive.
     pub fn figures(&self, recording: Option<&Character>) -> Figures {
         self.sides.as_ref().map(|sides| sides.fidelity.figures(recording)).unwrap_or_default()
+    }
+
+    /// Which layers are to be silent while the window is open.
+    pub fn silence(&self, layers: [bool; LAYERS]) {
+        self.probe.silence(layers);
     }
 
     /// Part of their time that blocks take, and the most in the last second; `now_s` is the window's clock.

@@ -1,8 +1,9 @@
 //! Spectra of drive, recording and output on one plot, and on it what extension does, to be dragged.
 
-use egui::{Align2, Color32, CursorIcon, Id as Place, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2};
+use egui::{Align2, Button, Color32, CursorIcon, Id as Place, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
 use pyrophone_settings::Id;
 
+use super::super::cure::Cure;
 use super::super::hand::Hand;
 use super::super::theme;
 use crate::analysis::bands::{BANDS, decibels, frequency_hz, place};
@@ -90,7 +91,14 @@ impl Axes {
 
 impl Spectra {
     /// Draws the plot; handles on it move parameters.
-    pub fn show(&mut self, ui: &Ui, rect: Rect, recording: Option<&Portrait>, figures: &Figures, hand: &mut Hand<'_>) {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        rect: Rect,
+        recording: Option<&Portrait>,
+        figures: &Figures,
+        hand: &mut Hand<'_>,
+    ) {
         let (drive, output) = (self.drive.levels_db(), self.output.levels_db());
         let loudest = drive.iter().chain(&output).copied().fold(FLOOR_DB, f32::max);
         let wanted = (loudest + HEADROOM_DB).max(REST_DB);
@@ -108,7 +116,7 @@ impl Spectra {
             curve(&painter, &axes, levels, Stroke::new(1.6, color));
         }
         extension(ui, &painter, &axes, &drive, hand);
-        told(ui, &painter, rect, figures);
+        told(ui, &painter, rect, figures, hand);
         legend(&painter, rect, matched.as_ref().and_then(|(_, likeness)| *likeness), recording.is_some());
         read_out(ui, &painter, &axes, &drive, &output);
     }
@@ -263,8 +271,8 @@ fn legend(painter: &egui::Painter, rect: Rect, apart_db: Option<f32>, has_record
     }
 }
 
-/// The output's figures, and what to change.
-fn told(ui: &Ui, painter: &egui::Painter, rect: Rect, figures: &Figures) {
+/// The output's figures, what to change, and a button that does.
+fn told(ui: &mut Ui, painter: &egui::Painter, rect: Rect, figures: &Figures, hand: &mut Hand<'_>) {
     let mut words = vec![];
     words.extend(figures.follows.map(|follows| format!("follows {follows:.2}")));
     words.extend(figures.lines_db.map(|lines_db| format!("tones +{lines_db:.1} dB")));
@@ -280,9 +288,14 @@ fn told(ui: &Ui, painter: &egui::Painter, rect: Rect, figures: &Figures) {
          Tones: how far the output's strongest tones stand out beyond the recording's; noise has none, a buzz some 3 dB and more. \
          Crackle: how sudden the output is, as a multiple of the recording; 1 at best.",
     );
-    if let Some(advice) = figures.advice() {
-        let at = at + Vec2::new(0.0, 15.0);
-        painter.text(at, Align2::LEFT_TOP, advice, theme::small(), theme::EMBER);
+    let Some(fault) = figures.fault() else { return };
+    let at = at + Vec2::new(0.0, 15.0);
+    let advice = painter.text(at, Align2::LEFT_TOP, fault.advice(), theme::small(), theme::EMBER);
+    let Some(cure) = Cure::of(fault, &hand.values()) else { return };
+    let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));
+    let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
+    if ui.put(place, button).on_hover_text("Does what is advised; Undo takes it back").clicked() {
+        hand.set_once(cure.id as usize, cure.plain);
     }
 }
 

@@ -1,0 +1,80 @@
+//! What one click does against a fault of the output.
+
+use pyrophone_settings::table::DYNAMICS_MODES;
+use pyrophone_settings::{Id, Values};
+
+use crate::analysis::fidelity::Fault;
+
+/// What Scaling alpha is turned down to at once: the value that the paper's authors take where matching buzzes.
+const CALM_SCALING: f64 = 0.5;
+/// How far a click turns Dynamics, and Drive match in dB.
+const DYNAMICS_STEP: f64 = 0.25;
+const MATCH_STEP_DB: f64 = 3.0;
+
+/// A change of one parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cure {
+    /// The parameter.
+    pub id: Id,
+    /// Its value.
+    pub plain: f64,
+    /// What the button says.
+    pub words: String,
+}
+
+impl Cure {
+    /// The change that is likely to help, where there is one left to make.
+    pub fn of(fault: Fault, values: &Values) -> Option<Self> {
+        let companded = DYNAMICS_MODES.iter().position(|mode| *mode == "companded").unwrap_or(0) as f64;
+        let is_companded = values.get(Id::DynamicsMode) == companded;
+        let scaling = values.get(Id::ScalingAlpha);
+        let (id, plain) = match fault {
+            Fault::Buzzes if scaling > CALM_SCALING => (Id::ScalingAlpha, CALM_SCALING),
+            Fault::Buzzes if scaling > 0.0 => (Id::ScalingAlpha, 0.0),
+            Fault::Buzzes if !is_companded => (Id::DynamicsMode, companded),
+            Fault::Wanders if is_companded => (Id::Dynamics, values.get(Id::Dynamics) + DYNAMICS_STEP),
+            Fault::Sudden if is_companded => (Id::DriveMatch, values.get(Id::DriveMatch) - MATCH_STEP_DB),
+            Fault::Dull if is_companded => (Id::DriveMatch, values.get(Id::DriveMatch) + MATCH_STEP_DB),
+            _ => return None,
+        };
+        let parameter = id.parameter();
+        let mut next = *values;
+        next.set_nearest(id as usize, plain);
+        let plain = next.get(id);
+        let is_change = plain != values.get(id);
+        is_change.then(|| Self { id, plain, words: format!("{} to {}", parameter.name, parameter.to_text(plain)) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Clicks until there is nothing left to click.
+    fn clicks(fault: Fault, mut values: Values) -> Vec<(Id, f64)> {
+        let mut done = vec![];
+        while let Some(cure) = Cure::of(fault, &values) {
+            values.set(cure.id as usize, cure.plain).expect("in range");
+            assert!(cure.words.contains(cure.id.parameter().name), "{}", cure.words);
+            done.push((cure.id, cure.plain));
+            assert!(done.len() < 30, "{fault:?} never ends");
+        }
+        done
+    }
+
+    #[test]
+    fn every_cure_is_a_change_within_range_and_comes_to_an_end() {
+        let mut paper = Values::default();
+        paper.set_text("dynamics_mode", "paper").expect("known");
+        paper.set_text("scaling_alpha", "1").expect("known");
+        let buzzing = clicks(Fault::Buzzes, paper);
+        assert_eq!(buzzing[..2], [(Id::ScalingAlpha, 0.5), (Id::ScalingAlpha, 0.0)]);
+        assert_eq!(buzzing.len(), 3);
+        assert_eq!(buzzing[2].0, Id::DynamicsMode);
+        for fault in [Fault::Wanders, Fault::Sudden, Fault::Dull] {
+            assert_eq!(clicks(fault, paper), [], "there is nothing to turn in the paper's mode");
+            assert!(!clicks(fault, Values::default()).is_empty(), "{fault:?}");
+        }
+        assert_eq!(clicks(Fault::Wanders, Values::default()).last(), Some(&(Id::Dynamics, 1.0)));
+    }
+}
