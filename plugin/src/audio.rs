@@ -157,6 +157,8 @@ impl Audio {
             );
             if is_watched {
                 self.probe.send(running.chain.drive(), &pieces[..channels]);
+                let probe = &mut self.probe;
+                running.chain.take_matches(|found| probe.send_match(found));
             }
             if learns {
                 self.link.send_magnitudes(running.chain.top_level());

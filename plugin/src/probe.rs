@@ -5,11 +5,14 @@ use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyrophone_synthesis::controls::MixControls;
+use pyrophone_synthesis::texture::Match;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 /// Frames under way: two thirds of a second at 96 kHz, should the window be late.
 const FRAMES: usize = 1 << 16;
+/// Matches under way: several seconds' worth.
+const MATCHES: usize = 1 << 12;
 
 /// Drive and output, as means of their channels, at one sample; the drive is ahead by the latency.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -36,6 +39,7 @@ struct Shared {
 /// The audio thread's end.
 pub struct ProbeIn {
     frames: HeapProd<Frame>,
+    matches: HeapProd<Match>,
     shared: Arc<Shared>,
 }
 
@@ -43,15 +47,21 @@ pub struct ProbeIn {
 #[derive(Clone)]
 pub struct ProbeOut {
     frames: Arc<Mutex<HeapCons<Frame>>>,
+    matches: Arc<Mutex<HeapCons<Match>>>,
     shared: Arc<Shared>,
 }
 
 /// Both ends of a new probe.
 pub fn pair() -> (ProbeIn, ProbeOut) {
     let (frames_in, frames_out) = HeapRb::new(FRAMES).split();
+    let (matches, matches_out) = HeapRb::new(MATCHES).split();
     let shared = Arc::new(Shared::default());
-    let out = ProbeOut { frames: Arc::new(Mutex::new(frames_out)), shared: shared.clone() };
-    (ProbeIn { frames: frames_in, shared }, out)
+    let out = ProbeOut {
+        frames: Arc::new(Mutex::new(frames_out)),
+        matches: Arc::new(Mutex::new(matches_out)),
+        shared: shared.clone(),
+    };
+    (ProbeIn { frames: frames_in, matches, shared }, out)
 }
 
 impl ProbeIn {
@@ -83,6 +93,12 @@ impl ProbeIn {
         self.frames.push_iter(frames.take(room));
     }
 
+    /// Passes on where the texture was found; real-time safe.
+    pub fn send_match(&mut self, found: Match) {
+        // Where there is no room, nobody looks.
+        let _ = self.matches.try_push(found);
+    }
+
     /// Tells which part of its time a block has taken; real-time safe.
     pub fn tell_load(&self, load: f32) {
         if load.is_finite() && load >= 0.0 {
@@ -106,6 +122,7 @@ impl ProbeOut {
         self.shared.is_watched.store(watched, Ordering::Relaxed);
         self.silence([false; LAYERS]);
         self.frames.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.matches.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
     /// Hands over what has arrived, oldest first.
@@ -117,6 +134,12 @@ impl ProbeOut {
                 with(frame);
             }
         }
+    }
+
+    /// Hands over where the texture was found, oldest first.
+    pub fn take_matches(&self, with: impl FnMut(Match)) {
+        let mut matches = self.matches.lock().unwrap_or_else(PoisonError::into_inner);
+        matches.pop_iter().take(MATCHES).for_each(with);
     }
 
     /// Part of their time that blocks take, smoothed, and the most since the last call.

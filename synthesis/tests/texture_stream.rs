@@ -198,3 +198,34 @@ fn a_recording_of_another_shape_is_handed_back() {
     let old = texture.swap_dictionary(None).unwrap();
     assert!(Arc::ptr_eq(&old, &right));
 }
+
+#[test]
+fn matches_are_told_by_their_places_in_the_recording() {
+    let shape = Shape { levels: 5, window: 4, feature: 3, falloff: 0.0 };
+    let recording = signal(&mut Random::new(11), 1, 40_000);
+    let dictionary = Arc::new(Dictionary::new(&[recording.clone()], RATE_HZ, &shape, &|_| true).unwrap());
+    let mut engine = engine(&shape, &dictionary, 1);
+    let controls = TextureControls {
+        dynamic_range: DynamicRange::Off,
+        gate: 0.0,
+        quality: Quality::Exact,
+        ..TextureControls::default()
+    };
+    // A recording that is driven by a part of itself is found where that part is.
+    let from = 8000;
+    let mut silent = vec![0.0; 2000];
+    let mut places = vec![];
+    for drive in recording[from..from + 24_000].chunks(2000) {
+        engine.process(drive, None, &controls, &mut [&mut silent]);
+        places.extend(engine.take_matches());
+    }
+    let step = (shape.window << (shape.levels - 2)) as f64;
+    assert!(places.len() as f64 > 22_000.0 / step, "{} matches", places.len());
+    let off = |(index, found): (usize, &pyrophone_synthesis::texture::Match)| {
+        (f64::from(found.place_s) * RATE_HZ - (from as f64 + step * index as f64)) / step
+    };
+    let near = places.iter().enumerate().map(off).filter(|off| off.abs() < 1.5).count();
+    assert!(near * 10 > places.len() * 9, "{near} of {} matches are where they should be", places.len());
+    assert!(places.iter().all(|found| found.factor == 1.0 && found.magnitude >= 0.0));
+    assert_eq!(engine.take_matches().count(), 0, "they are taken once");
+}

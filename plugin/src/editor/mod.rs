@@ -174,7 +174,9 @@ impl Window {
         self.monitor.spectra.show(ui, spectra, view.portrait.as_deref(), &figures, &mut hand);
         self.monitor.drive.show(ui, row(0.0), theme::BLUE);
         self.monitor.output.show(ui, row(1.0), theme::EMBER);
+        self.monitor.follow_matches(view.portrait.as_deref().map(|portrait| portrait.duration_s), now_s);
         self.recording.show_pictures(ui, [row(2.0), row(3.0)], &view);
+        self.monitor.heat.show(ui, row(2.0));
         part(ui, words, "recording", |ui| self.recording.show(ui, &self.loader, &self.params));
         self.levels.show(ui, meters, &self.meters);
         self.monitor.silence(self.levels.silenced());

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::plots::course::Course;
+use super::plots::heat::Heat;
 use super::plots::spectrum::Spectra;
 use crate::analysis::{Analyser, Character, Fidelity, Figures};
 use crate::probe::{Frame, LAYERS, ProbeOut};
@@ -32,6 +33,8 @@ pub struct Monitor {
     pub drive: Course,
     /// Course of the output.
     pub output: Course,
+    /// Where in the recording the texture was found.
+    pub heat: Heat,
     worst: Worst,
 }
 
@@ -62,7 +65,16 @@ impl Monitor {
     /// A monitor of what comes through a probe.
     pub fn new(probe: ProbeOut) -> Self {
         let (spectra, drive, output) = (Spectra::default(), Course::new("drive"), Course::new("output"));
-        Self { probe, engine: None, sides: None, spectra, drive, output, worst: Worst::default() }
+        Self {
+            probe,
+            engine: None,
+            sides: None,
+            spectra,
+            drive,
+            output,
+            heat: Heat::default(),
+            worst: Worst::default(),
+        }
     }
 
     /// Starts watching, or stops and forgets.
@@ -73,6 +85,7 @@ impl Monitor {
         self.spectra = Spectra::default();
         self.drive.clear();
         self.output.clear();
+        self.heat = Heat::default();
     }
 
     /// Takes in what has sounded; `engine` is latency in samples and sample rate in Hz.
@@ -110,6 +123,17 @@ impl Monitor {
             }
             if let Some(density) = sides.output.course.push(output) {
                 output_course.push(density);
+            }
+        });
+    }
+
+    /// Takes in where in a recording of `duration_s` seconds the texture was found; `now_s` is the window's clock.
+    pub fn follow_matches(&mut self, duration_s: Option<f64>, now_s: f64) {
+        self.heat.cool(now_s);
+        let heat = &mut self.heat;
+        self.probe.take_matches(|found| {
+            if let Some(duration_s) = duration_s {
+                heat.take((f64::from(found.place_s) / duration_s) as f32);
             }
         });
     }

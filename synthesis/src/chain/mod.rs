@@ -16,7 +16,7 @@ use crate::companding::loudnesses;
 use crate::error::in_range;
 use crate::mix::{Layers, Mix};
 use crate::structure::Dynamics;
-use crate::texture::{Dictionary, Distribution, Shape, offline};
+use crate::texture::{Dictionary, Distribution, Match, Shape, offline};
 use crate::vortex::{Layout, Simulator, SpeedField};
 use crate::{Controls, Error, Structure, drive::Drive};
 use delay::Delay;
@@ -436,6 +436,14 @@ impl Chain {
     /// ahead of the output. Valid until the next call, of which it has the first 8192 samples.
     pub fn drive(&self) -> &[f32] {
         &self.drive
+    }
+
+    /// Hands over where in the recording the texture has been found since the last call; real-time safe.
+    pub fn take_matches(&mut self, with: impl FnMut(Match)) {
+        let [first, second] = &mut self.voices;
+        let (heard, other) = if self.active == 0 { (first, second) } else { (second, first) };
+        heard.take_matches().for_each(with);
+        drop(other.take_matches());
     }
 
     /// Magnitudes of the drive pyramid's top level that arose in the last call of `process`, in the companded

@@ -11,7 +11,7 @@ use crate::drive::Drive;
 use crate::extend::Extend;
 use crate::smoothed::Smoothed;
 use crate::structure::Dynamics;
-use crate::texture::{Dictionary, Distribution, Shape, Texture};
+use crate::texture::{Dictionary, Distribution, Match, Shape, Texture};
 use crate::{Controls, Error, Structure};
 
 /// The layers that a voice makes of one chunk.
@@ -186,6 +186,11 @@ impl Voice {
     /// Magnitudes of the drive's top level that arose in the last chunk.
     pub fn top_magnitudes(&self) -> &[f64] {
         &self.top_magnitudes
+    }
+
+    /// Takes the texture's matches since they were taken last.
+    pub fn take_matches(&mut self) -> impl Iterator<Item = Match> {
+        self.texture.take_matches()
     }
 
     /// Whether the input's channels cancel.

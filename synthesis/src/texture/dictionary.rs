@@ -220,6 +220,12 @@ impl Dictionary {
         }
     }
 
+    /// Seconds from the recording's start to the centre of a window of `level`.
+    pub fn place_s(&self, level: usize, window: usize) -> f64 {
+        let centre = ((self.shape.window * window) << level) as f64;
+        (centre - self.first as f64) / self.sample_rate_hz
+    }
+
     /// The features of `level`, which lies below the top.
     pub fn features(&self, level: usize) -> Features<'_> {
         Features {

@@ -53,12 +53,25 @@ pub struct Texture {
     latency_samples: i64,
     /// Top-level magnitudes that arose in the last call of `process`.
     top_magnitudes: Vec<f64>,
+    /// Matches of the level below the top since they were taken.
+    matches: Vec<Match>,
     /// Windows and boxes compared since it was made.
     compared: u64,
     /// Windows in a row, by level, that may follow one another where that is not the nearest.
     longest_run: Vec<usize>,
     /// Exponent of the drive's loudness.
     dynamics: Smoothed,
+}
+
+/// What a window of the level below the top was matched with.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Match {
+    /// Where the recording's window has its centre, in seconds from the recording's start.
+    pub place_s: f32,
+    /// Mean magnitude of the drive about the window, and the factor that took it into the recording's range (§5.3, eq. 7).
+    pub magnitude: f32,
+    /// See `magnitude`; 1 where nothing is mapped.
+    pub factor: f32,
 }
 
 /// One level below the top.
@@ -90,6 +103,8 @@ const LONGEST_RUN_S: f64 = 0.034;
 /// Time constant in seconds with which the part of the recording's own dynamics follows its control.
 const DYNAMICS_S: f64 = 0.02;
 
+/// Most matches that are kept until they are taken; later ones are lost.
+const MATCH_CAPACITY: usize = 512;
 /// Most top-level samples that one call may leave in `top_magnitudes`; longer calls keep the last.
 const TOP_CAPACITY: usize = 8192;
 
@@ -142,6 +157,7 @@ impl Texture {
             now: 0,
             latency_samples: latency as i64,
             top_magnitudes: Vec::with_capacity(TOP_CAPACITY),
+            matches: Vec::with_capacity(MATCH_CAPACITY),
             compared: 0,
             longest_run: (0..shape.top())
                 .map(|level| {
@@ -194,6 +210,7 @@ impl Texture {
         self.gate.reset();
         self.timeline.reset(TextureControls::default());
         self.top_magnitudes.clear();
+        self.matches.clear();
         let first_at = |level: usize| (origin + (1 << level) - 1) >> level;
         self.top.reset(first_at(self.shape.top()));
         for (l, level) in self.levels.iter_mut().enumerate() {
@@ -237,6 +254,11 @@ impl Texture {
     /// Magnitudes of the drive's top level that arose in the last call of `process`.
     pub fn top_magnitudes(&self) -> &[f64] {
         &self.top_magnitudes
+    }
+
+    /// Takes the matches of the level below the top that were made since they were taken last, 512 at most.
+    pub fn take_matches(&mut self) -> std::vec::Drain<'_, Match> {
+        self.matches.drain(..)
     }
 
     /// Windows and boxes compared since it was made.
@@ -342,7 +364,8 @@ impl Texture {
         let w = self.shape.window as i64;
         let controls = self.controls_at((window * w) << l);
         self.gather(l, window);
-        let scale = if l + 1 == self.shape.top() { self.map_dynamic_range(&controls, dictionary) } else { 1.0 };
+        let is_mapped = l + 1 == self.shape.top();
+        let (magnitude, factor) = if is_mapped { self.map_dynamic_range(&controls, dictionary) } else { (0.0, 1.0) };
         let budget = match controls.quality {
             Quality::Exact => Budget::Exact { eps: self.eps },
             Quality::Bounded { candidates } => Budget::Bounded { candidates },
@@ -363,6 +386,12 @@ impl Texture {
         level.run = if hint == Some(chosen) { level.run + 1 } else { 0 };
         level.last_match = Some(chosen);
 
+        if is_mapped && self.matches.len() < MATCH_CAPACITY {
+            let place_s = dictionary.place_s(l, chosen) as f32;
+            self.matches.push(Match { place_s, magnitude: magnitude as f32, factor: factor as f32 });
+        }
+
+        let scale = 1.0 / factor;
         for (factor, hat) in self.window.iter_mut().zip(&self.hat) {
             *factor = hat * scale;
         }
@@ -409,9 +438,9 @@ impl Texture {
         self.query.iter_mut().zip(&self.weights).for_each(|(x, weight)| *x *= weight);
     }
 
-    /// Maps the coarse half of `query` into the recording's range (§5.3); answers the factor that
-    /// takes the match back.
-    fn map_dynamic_range(&mut self, controls: &TextureControls, dictionary: &Dictionary) -> f64 {
+    /// Maps the coarse half of `query` into the recording's range (§5.3); answers its mean magnitude, and the factor, which
+    /// the match is divided by.
+    fn map_dynamic_range(&mut self, controls: &TextureControls, dictionary: &Dictionary) -> (f64, f64) {
         let coarse = &mut self.query[self.shape.causal_len()..];
         let mean = coarse.iter().map(|x| x.abs()).sum::<f64>() / coarse.len() as f64;
         let recording = dictionary.distribution();
@@ -426,7 +455,7 @@ impl Texture {
             _ => 1.0,
         };
         coarse.iter_mut().for_each(|x| *x *= factor);
-        1.0 / factor
+        (mean, factor)
     }
 }
 

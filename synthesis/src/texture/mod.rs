@@ -27,5 +27,5 @@ pub mod shape;
 
 pub use dictionary::Dictionary;
 pub use distribution::Distribution;
-pub use engine::Texture;
+pub use engine::{Match, Texture};
 pub use shape::Shape;

@@ -1,5 +1,6 @@
 //! Pictures of sound.
 
 pub mod course;
+pub mod heat;
 pub mod outline;
 pub mod spectrum;
