@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use pyrophone_host::editor::EditorWindow;
 use pyrophone_host::{Configuration, Format, numeric_id};
+use pyrophone_settings::Preset;
 use pyrophone_tests::live::{Clock, Live};
 use pyrophone_tests::{
     RATE_HZ, STEREO, await_recording, flame, load_session, open, preset, recording, session, target_dir,
@@ -142,6 +143,7 @@ struct Hand<'a> {
 
 const CONTROL: u32 = 0xffe3;
 const RETURN: u32 = 0xff0d;
+const ESCAPE: u32 = 0xff1b;
 
 impl<'a> Hand<'a> {
     fn new(window: &'a EditorWindow, live: &'a mut Live, position: i64) -> Self {
@@ -182,6 +184,12 @@ impl<'a> Hand<'a> {
         self.send(BUTTON_PRESS_EVENT, 1, (0, 0));
         self.send(BUTTON_RELEASE_EVENT, 1, (0, 0));
         self.wait();
+    }
+
+    /// Into a field: what is typed before it has the focus is lost.
+    fn click_into(&mut self, field: (i16, i16)) {
+        self.click(field);
+        (0..3).for_each(|_| self.wait());
     }
 
     /// Fast enough for two clicks to be one, and slow enough for a frame between them, if the machine allows.
@@ -295,7 +303,7 @@ const REDO: (i16, i16) = (343, 19);
 const SLOT_A: (i16, i16) = (397, 19);
 const SLOT_B: (i16, i16) = (427, 19);
 const PRESETS: (i16, i16) = (190, 19);
-const SECOND_PRESET: (i16, i16) = (166, 73);
+const PRESET_NAME: (i16, i16) = (300, 384);
 const STRUCTURE: (i16, i16) = (592, 19);
 const PLAY: (i16, i16) = (533, 19);
 const BYPASS: (i16, i16) = (1025, 19);
@@ -316,7 +324,7 @@ fn try_controls(hand: &mut Hand<'_>) {
     hand.expect("alpha", "done again", |x| x == turned);
 
     let write = |hand: &mut Hand<'_>, text: &str| {
-        hand.click(ALPHA_VALUE);
+        hand.click_into(ALPHA_VALUE);
         hand.write(text);
         hand.photograph("value-typed");
         hand.press(RETURN);
@@ -346,14 +354,55 @@ fn try_controls(hand: &mut Hand<'_>) {
     assert_eq!(hand.text("bypass"), "on");
     hand.click(BYPASS);
     assert_eq!(hand.text("bypass"), "off");
-    hand.click(PRESETS);
-    hand.photograph("presets");
-    hand.click(SECOND_PRESET);
-    hand.expect("alpha", "a preset", |x| x == 2.5);
-    assert_eq!(hand.text("texture_level"), "off", "extend");
+    try_presets(hand);
     hand.click(STRUCTURE);
     hand.photograph("structure");
     hand.click(PLAY);
+}
+
+/// Searching, choosing, saving, renaming; the folder is empty at first.
+fn try_presets(hand: &mut Hand<'_>) {
+    let folder = std::env::var_os("PYROPHONE_PRESETS").expect("a folder of our own");
+    let files = || {
+        let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+        let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    };
+    let wait_for = |hand: &mut Hand<'_>, expected: &[&str]| {
+        let began = Instant::now();
+        while files() != expected {
+            assert!(began.elapsed() < Duration::from_secs(20), "{:?} instead of {expected:?}", files());
+            hand.wait();
+        }
+        hand.wait();
+    };
+    hand.click_into(PRESETS);
+    hand.photograph("presets");
+    hand.write("extend");
+    hand.wait();
+    hand.photograph("presets-searched");
+    hand.press(RETURN);
+    hand.expect("alpha", "a preset", |x| x == 2.5);
+    assert_eq!(hand.text("texture_level"), "off", "extend");
+
+    // The field has the name of what was chosen.
+    hand.click_into(PRESET_NAME);
+    hand.with_control(b'a');
+    hand.write("mine");
+    hand.press(RETURN);
+    wait_for(hand, &["mine.toml"]);
+    let saved = Preset::find("mine").expect("the command line finds it too");
+    assert_eq!(saved.name, "mine");
+    assert_eq!(saved.values, Preset::find("extend").expect("a preset").values);
+    hand.photograph("preset-saved");
+    // There is one of that name now: the first press asks, the second replaces.
+    hand.click_into(PRESET_NAME);
+    hand.press(RETURN);
+    hand.wait();
+    hand.photograph("preset-exists");
+    hand.press(ESCAPE);
+    wait_for(hand, &["mine.toml"]);
 }
 
 const EMBER: [u8; 3] = [0xff, 0x82, 0x38];
@@ -362,6 +411,8 @@ const EMBER: [u8; 3] = [0xff, 0x82, 0x38];
 fn opens_draws_closes_and_opens_again() {
     let Some(_screen) = Screen::open() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
+    // SAFETY: the only test of this program, and no plugin is there yet; nobody else reads or writes the environment.
+    unsafe { std::env::set_var("PYROPHONE_PRESETS", folder.path().join("presets")) };
     let path = recording(folder.path(), "campfire.wav", 2, 150_000);
     let mut plugin = open(Format::Clap);
     load_session(plugin.as_mut(), &preset("default", &[]), &session(Some(&path), None));

@@ -312,9 +312,12 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// What to change, in plain words.
-    pub fn advice(self) -> &'static str {
+    /// What to change, in plain words; `is_calm` tells that nothing is left to turn against a buzz.
+    pub fn advice(self, is_calm: bool) -> &'static str {
         match self {
+            Self::Buzzes if is_calm => {
+                "Tones stand out that the recording has not: a longer, livelier recording has fewer."
+            }
             Self::Buzzes => "It buzzes: turn Scaling alpha down, or Dynamics mode to companded.",
             Self::Wanders => "It does not follow the drive: turn Dynamics up, or a steady layer down.",
             Self::Sudden => "It is more sudden than the recording: turn Drive match down.",
@@ -459,7 +462,7 @@ mod tests {
         let good = Figures { follows: Some(0.9), lines_db: Some(0.5), crackle: Some(1.0) };
         assert_eq!(good.fault(), None);
         assert_eq!(Figures::default().fault(), None);
-        let says = |figures: Figures| figures.fault().unwrap().advice();
+        let says = |figures: Figures| figures.fault().unwrap().advice(false);
         assert!(says(Figures { lines_db: Some(6.0), ..good }).contains("Scaling alpha"));
         assert!(says(Figures { follows: Some(0.2), ..good }).contains("follow"));
         assert!(says(Figures { crackle: Some(4.0), ..good }).contains("sudden"));

@@ -49,6 +49,9 @@ impl Levels {
     pub fn show(&mut self, ui: &mut Ui, rect: Rect, meters: &Meters) {
         self.bars(ui, rect.with_max_y(rect.bottom() - 2.0 * BUTTON - 3.0), meters);
         let step = rect.width() / NAMES.len() as f32;
+        let ui = &mut ui.new_child(egui::UiBuilder::new().id_salt("layers").max_rect(rect));
+        ui.spacing_mut().button_padding = Vec2::ZERO;
+        ui.spacing_mut().interact_size = Vec2::new(step - 2.0, BUTTON);
         for (layer, name) in LAYER_NAMES.iter().enumerate() {
             let left = rect.left() + (FIRST_LAYER + layer) as f32 * step;
             let switches = [(&mut self.soloed[layer], "S", "alone"), (&mut self.muted[layer], "M", "not at all")];

@@ -196,7 +196,7 @@ impl Presets {
         self.marked = (self.marked + usize::from(down)).saturating_sub(usize::from(up)).min(found.len().max(1) - 1);
         let is_naming = ui.memory(|memory| memory.has_focus(egui::Id::unique(NAME)));
         let mut next = (enter && !is_naming).then(|| found.get(self.marked).cloned()).flatten();
-        let height = ui.available_height() - 84.0;
+        let height = ui.available_height() - 66.0;
         ScrollArea::vertical().auto_shrink(false).max_height(height.max(60.0)).show(ui, |ui| {
             for (index, entry) in found.iter().enumerate() {
                 let line = self.line(ui, entry, index == self.marked);

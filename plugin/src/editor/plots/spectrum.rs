@@ -290,8 +290,9 @@ fn told(ui: &mut Ui, painter: &egui::Painter, rect: Rect, figures: &Figures, han
     );
     let Some(fault) = figures.fault() else { return };
     let at = at + Vec2::new(0.0, 15.0);
-    let advice = painter.text(at, Align2::LEFT_TOP, fault.advice(), theme::small(), theme::EMBER);
-    let Some(cure) = Cure::of(fault, &hand.values()) else { return };
+    let cure = Cure::of(fault, &hand.values());
+    let advice = painter.text(at, Align2::LEFT_TOP, fault.advice(cure.is_none()), theme::small(), theme::EMBER);
+    let Some(cure) = cure else { return };
     let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));
     let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
     if ui.put(place, button).on_hover_text("Does what is advised; Undo takes it back").clicked() {
