@@ -98,7 +98,8 @@ impl Plugin for Pyrophone {
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
 
     // Of the layouts beyond stereo these are the two that VST3 can be told rightly: seven channels and more would be named
-    // cinema's, with loudspeakers before the listener where the engine has them behind. CLAP gets the number alone.
+    // cinema's, with loudspeakers before the listener where the engine has them behind. CLAP gets the number alone. VST3 hosts
+    // can have a sidechain of as many channels as the main input only: nice-plug 0.4.2 compares it with that.
     const AUDIO_IO_LAYOUTS: &'static [AudioIOLayout] = &[
         layout(2, 2, STEREO, "Stereo, stereo sidechain"),
         layout(2, 2, &[], "Stereo"),
@@ -117,6 +118,7 @@ impl Plugin for Pyrophone {
         layout(2, 6, &[], "Stereo to 5.1 (L R C LFE Ls Rs)"),
         layout(1, 6, STEREO, "Mono to 5.1 (L R C LFE Ls Rs), stereo sidechain"),
         layout(1, 6, &[], "Mono to 5.1 (L R C LFE Ls Rs)"),
+        layout(1, 6, MONO, "Mono to 5.1 (L R C LFE Ls Rs), mono sidechain"),
         layout(5, 5, STEREO, "5.0 (L R C Ls Rs), stereo sidechain"),
         layout(5, 5, SURROUND_50, "5.0 (L R C Ls Rs), 5.0 sidechain"),
         layout(5, 5, MONO, "5.0 (L R C Ls Rs), mono sidechain"),

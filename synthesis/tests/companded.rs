@@ -179,7 +179,8 @@ fn without_a_recording_extension_stands_in() {
     let mut extension = Controls { mix: MixControls { texture: 0.0, ..MixControls::default() }, ..texture_alone() };
     extension.drive.high_pass_hz = 5.0;
     let expected = run(&mut Chain::new(RATE_HZ, MONO, &COMPANDED).unwrap(), &drive, &extension);
-    let largest = stands_in.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // 12 dB softer.
+    let largest = stands_in.iter().zip(&expected).map(|(a, b)| (a - 0.25 * b).abs()).fold(0.0, f64::max);
     assert!(largest < 1e-6, "{largest}");
     assert!(without.take_meters().no_recording);
 }

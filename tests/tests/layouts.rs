@@ -19,10 +19,13 @@ const LAYOUTS: [Layout; 9] = [
     layout(1, 1, 1),
     layout(1, 1, 2),
     layout(2, 2, 2),
-    layout(6, 2, 6),
+    layout(6, 6, 6),
     layout(2, 0, 6),
     layout(5, 0, 5),
 ];
+
+/// The channel of low-frequency effects of 5.1.
+const EFFECTS: usize = 3;
 
 struct Studio {
     folder: tempfile::TempDir,
@@ -65,7 +68,11 @@ fn any_block_size_in_place_or_not_gives_the_same() {
             let options =
                 |block: BlockSize, in_place| BounceOptions { block, in_place, ..BounceOptions::new(RATE_HZ, layout) };
             let expected = play_all(plugin.as_mut(), &input, &sidechain, &options(BlockSize::Fixed(512), false));
-            assert_sounds(&part(&expected, 4000..30_000), 2000, &format!("{format}, {layout}"));
+            let mut burning = part(&expected, 4000..30_000);
+            if layout.output == 6 {
+                burning.remove(EFFECTS);
+            }
+            assert_sounds(&burning, 2000, &format!("{format}, {layout}"));
             let blocks = [
                 BlockSize::Cycle(vec![0, 1, 2, 17, 0, 64, 480, 1024, 4096, 8192]),
                 BlockSize::Fixed(8192),
@@ -155,10 +162,9 @@ fn one_channel_becomes_two_different_ones() {
 
 #[test]
 fn every_loudspeaker_burns_by_itself_and_low_frequency_effects_pass() {
-    const EFFECTS: usize = 3;
     let studio = Studio::new();
     for format in Format::ALL {
-        for layout in [layout(6, 2, 6), layout(6, 0, 6), layout(2, 2, 6), layout(1, 0, 6), layout(5, 2, 5)] {
+        for layout in [layout(6, 6, 6), layout(6, 0, 6), layout(2, 2, 6), layout(1, 0, 6), layout(5, 5, 5)] {
             let context = format!("{format}, {layout}");
             let input = flame(66, layout.input as usize, 40_000);
             let mut plugin = studio.instance(format, "default", &[("vortex_level", "0")], layout);
@@ -273,7 +279,11 @@ fn bypass_is_the_input_delayed() {
             let mut plugin = studio.instance(format, "default", &[("bypass", "on")], layout);
             let output = play_all(plugin.as_mut(), &input, &sidechain, &BounceOptions::new(RATE_HZ, layout));
             for (channel, output) in output.iter().enumerate() {
-                let expected = &input[channel.min(input.len() - 1)];
+                let silence = vec![0.0; output.len()];
+                let expected = match (&input[..], channel) {
+                    ([only], 0 | 1) => only,
+                    (all, channel) => all.get(channel).unwrap_or(&silence),
+                };
                 assert_eq!(differing(output, expected), 0, "{format}, {layout}, channel {channel}");
             }
         }

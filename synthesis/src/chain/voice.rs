@@ -55,6 +55,8 @@ impl VoiceLayers {
 
 /// Time constant in seconds with which a recording that arrives takes over.
 const STAND_IN_S: f64 = 0.02;
+/// Level of extension that stands in, -12 dB: about as loud as what is matched from a recording, whose loudness is evened out.
+const STAND_IN_LEVEL: f64 = 0.25;
 
 /// What texture needs around it in the companded mode.
 #[derive(Debug)]
@@ -271,7 +273,7 @@ impl Companded {
         for i in 0..samples {
             let share = self.stand_in.next(share);
             for (texture, extension) in layers.texture.iter_mut().zip(&layers.extension) {
-                texture[i] += share * (layers.low[i] + extension[i] - texture[i]);
+                texture[i] += share * (STAND_IN_LEVEL * (layers.low[i] + extension[i]) - texture[i]);
             }
         }
     }
