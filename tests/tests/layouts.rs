@@ -12,7 +12,7 @@ const fn layout(input: u32, sidechain: u32, output: u32) -> Layout {
     Layout { input, sidechain, output }
 }
 
-const LAYOUTS: [Layout; 9] = [
+const LAYOUTS: [Layout; 8] = [
     layout(1, 0, 1),
     layout(1, 0, 2),
     layout(2, 0, 2),
@@ -21,7 +21,6 @@ const LAYOUTS: [Layout; 9] = [
     layout(2, 2, 2),
     layout(6, 6, 6),
     layout(2, 0, 6),
-    layout(5, 0, 5),
 ];
 
 /// The channel of low-frequency effects of 5.1.
@@ -68,11 +67,15 @@ fn any_block_size_in_place_or_not_gives_the_same() {
             let options =
                 |block: BlockSize, in_place| BounceOptions { block, in_place, ..BounceOptions::new(RATE_HZ, layout) };
             let expected = play_all(plugin.as_mut(), &input, &sidechain, &options(BlockSize::Fixed(512), false));
-            let mut burning = part(&expected, 4000..30_000);
-            if layout.output == 6 {
-                burning.remove(EFFECTS);
-            }
-            assert_sounds(&burning, 2000, &format!("{format}, {layout}"));
+            // That channel is silent where the input has none like it.
+            let burning = |mut channels: Vec<Vec<f32>>| {
+                if layout.output == 6 {
+                    channels.remove(EFFECTS);
+                }
+                channels
+            };
+            let expected = burning(expected);
+            assert_sounds(&part(&expected, 4000..30_000), 2000, &format!("{format}, {layout}"));
             let blocks = [
                 BlockSize::Cycle(vec![0, 1, 2, 17, 0, 64, 480, 1024, 4096, 8192]),
                 BlockSize::Fixed(8192),
@@ -82,6 +85,7 @@ fn any_block_size_in_place_or_not_gives_the_same() {
             for block in blocks {
                 for in_place in [false, true] {
                     let found = play_all(plugin.as_mut(), &input, &sidechain, &options(block.clone(), in_place));
+                    let found = burning(found);
                     assert_same(&found, &expected, &format!("{format}, {layout}, {block:?}, in place {in_place}"));
                 }
             }
