@@ -239,7 +239,7 @@ impl Plugin for Pyrophone {
             self.audio.tell_load(began.elapsed().as_secs_f32() * self.sample_rate_hz / samples.max(1) as f32);
         }
         self.since_repaint += samples as f32;
-        if self.since_repaint * METER_HZ >= self.sample_rate_hz {
+        if self.since_repaint * METER_HZ >= self.sample_rate_hz && self.audio.is_watched() {
             self.since_repaint = 0.0;
             self.notifier.request_repaint();
         }

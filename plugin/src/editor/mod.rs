@@ -62,6 +62,8 @@ pub struct Window {
     monitor: Monitor,
     history: History,
     levels: Levels,
+    /// Whether a frame was drawn since it was opened.
+    is_seen: bool,
 }
 
 /// The size of a window that was never opened.
@@ -101,6 +103,7 @@ impl Window {
             monitor: Monitor::new(probe),
             history: History::default(),
             levels: Levels::default(),
+            is_seen: false,
         }
     }
 }
@@ -114,13 +117,18 @@ impl NiceEguiApp for Window {
     ) -> Result<(), baseview::HandlerError> {
         theme::apply(&context);
         self.host = Some(host);
-        self.monitor.watch(true);
+        self.is_seen = false;
         Ok(())
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut Frame) {
         let Some(host) = self.host.clone() else { return };
         let setter = host.param_setter();
+        // From here on the audio thread asks for frames. A window that is asked before it is shown may wait for ever for the
+        // display to be ready.
+        if !std::mem::replace(&mut self.is_seen, true) {
+            self.monitor.watch(true);
+        }
         self.monitor.follow(self.meters.engine());
         ResizableWindow::new("window").min_size(egui::vec2(SMALLEST.0, SMALLEST.1)).show(ui, |ui| {
             let all = ui.max_rect();
