@@ -8,6 +8,8 @@ use super::super::theme;
 const CELLS: usize = 256;
 /// Time constant in seconds with which a place cools down.
 const COOLING_S: f64 = 2.0;
+/// Matches of late below which a place is cold.
+const COLD: f32 = 1e-3;
 /// Height of the strip in points.
 const HEIGHT: f32 = 7.0;
 
@@ -39,7 +41,12 @@ impl Heat {
     pub fn cool(&mut self, now_s: f64) {
         let part = (-((now_s - self.last_s).max(0.0) / COOLING_S)).exp() as f32;
         self.last_s = now_s;
-        self.cells.iter_mut().for_each(|heat| *heat = if *heat < 1e-3 { 0.0 } else { *heat * part });
+        for heat in &mut self.cells {
+            *heat *= part;
+            if *heat < COLD {
+                *heat = 0.0;
+            }
+        }
         if self.cells.iter().all(|heat| *heat == 0.0) {
             self.last = None;
         }
