@@ -157,9 +157,14 @@ impl Audio {
             );
             if is_watched {
                 self.probe.send(running.chain.drive(), &pieces[..channels]);
-                let probe = &mut self.probe;
-                running.chain.take_matches(|found| probe.send_match(found));
             }
+            // Taken in any case: a window is not to be shown what was long ago.
+            let probe = &mut self.probe;
+            running.chain.take_matches(|found| {
+                if is_watched {
+                    probe.send_match(found);
+                }
+            });
             if learns {
                 self.link.send_magnitudes(running.chain.top_level());
             }

@@ -132,7 +132,12 @@ const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "com", "lpt"];
 
 fn load(path: &Path) -> Result<Preset, Error> {
     let refuse = |source| Error::File { path: path.to_owned(), source };
-    if fs::metadata(path).map_err(refuse)?.len() > LARGEST_BYTES {
+    let metadata = fs::metadata(path).map_err(refuse)?;
+    // A pipe would be waited for, maybe for ever.
+    if !metadata.is_file() {
+        return Err(refuse(std::io::Error::other("it is no file")));
+    }
+    if metadata.len() > LARGEST_BYTES {
         return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is no preset")));
     }
     Preset::load(path)
@@ -210,6 +215,13 @@ mod tests {
             fs::write(library.folder().join(format!("{name}.toml")), text).expect("written");
         }
         fs::create_dir(library.folder().join("folder.toml")).expect("made");
+        #[cfg(unix)]
+        {
+            let pipe = library.folder().join("pipe.toml");
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+            assert!(matches!(library.rename(&pipe, "x"), Err(Error::File { .. })), "nobody writes to it");
+            fs::remove_file(pipe).expect("removed");
+        }
         let (listed, errors) = library.list();
         assert_eq!(listed.len(), 1);
         assert_eq!(errors.len(), 4, "{errors:?}");

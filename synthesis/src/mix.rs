@@ -138,6 +138,7 @@ impl Mix {
         for (channel, output) in outputs.iter_mut().enumerate() {
             if self.effects == Some(channel) {
                 output[i] = layers.dry[channel][i];
+                peaks.output = peaks.output.max(f64::from(output[i]).abs());
                 continue;
             }
             let texture = layers.texture[channel][i];

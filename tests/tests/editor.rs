@@ -364,7 +364,7 @@ fn try_controls(hand: &mut Hand<'_>) {
     hand.click(PLAY);
 }
 
-/// Searching, choosing, saving, renaming; the folder is empty at first.
+/// Searching, choosing, saving; the folder is empty at first.
 fn try_presets(hand: &mut Hand<'_>) {
     let folder = std::env::var_os("PYROPHONE_PRESETS").expect("a folder of our own");
     let files = || {
@@ -400,13 +400,17 @@ fn try_presets(hand: &mut Hand<'_>) {
     assert_eq!(saved.name, "mine");
     assert_eq!(saved.values, Preset::find("extend").expect("a preset").values);
     hand.photograph("preset-saved");
-    // There is one of that name now: the first press asks, the second replaces.
+    // There is one of that name now: the first press only asks.
+    let file = Path::new(&folder).join("mine.toml");
+    let written = || std::fs::metadata(&file).and_then(|metadata| metadata.modified()).expect("a time");
+    let before = written();
     hand.click_into(PRESET_NAME);
     hand.press(RETURN);
     hand.wait();
     hand.photograph("preset-exists");
     hand.press(ESCAPE);
     wait_for(hand, &["mine.toml"]);
+    assert_eq!(written(), before, "nothing is replaced unasked");
 }
 
 const EMBER: [u8; 3] = [0xff, 0x82, 0x38];

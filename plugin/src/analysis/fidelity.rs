@@ -464,6 +464,7 @@ mod tests {
         assert_eq!(Figures::default().fault(), None);
         let says = |figures: Figures| figures.fault().unwrap().advice(false);
         assert!(says(Figures { lines_db: Some(6.0), ..good }).contains("Scaling alpha"));
+        assert!(!Fault::Buzzes.advice(true).contains("Scaling alpha"), "that is down already");
         assert!(says(Figures { follows: Some(0.2), ..good }).contains("follow"));
         assert!(says(Figures { crackle: Some(4.0), ..good }).contains("sudden"));
         assert!(says(Figures { crackle: Some(0.2), ..good }).contains("less"));

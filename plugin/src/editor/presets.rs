@@ -108,7 +108,10 @@ impl Presets {
             self.has_opened = self.is_open;
             if self.is_open {
                 self.message = None;
-                self.run(|_| Ok(Done::Listed));
+                // What is under way lists them too, and would have to be waited for.
+                if self.task.is_none() {
+                    self.run(|_| Ok(Done::Listed));
+                }
             }
         }
         if self.is_open {

@@ -29,7 +29,9 @@ pub(super) struct Hop {
     moments: Option<[Moment; 2]>,
     /// Sources that are to be heard by its end.
     wanted: usize,
-    /// Logarithms of the envelope's speed and of the reference's gain.
+    /// The envelope's speed in m/s.
+    speed_m_s: f64,
+    /// Logarithms of that and of the reference's gain.
     ln_speed: f32,
     ln_reference: f32,
     /// Whether sources that nothing moves stand where they stood.
@@ -40,6 +42,13 @@ pub(super) struct Hop {
     pub sources: usize,
     /// Sources that have been summed.
     summed: usize,
+}
+
+/// What a source is summed by.
+struct Summing<'a> {
+    hop: Hop,
+    bank: &'a Bank,
+    motion: Motion<'a>,
 }
 
 impl Vortex {
@@ -70,12 +79,7 @@ impl Vortex {
         }
         self.decide(start, controls, false);
         if let Some(live) = &mut self.live {
-            let frame = &self.present.frame;
-            if controls.flow == Flow::Live {
-                live.advance(frame.speed_m_s * self.envelope_now.powf(frame.curve));
-            } else {
-                live.stop();
-            }
+            if controls.flow == Flow::Live { live.advance(self.present.speed_m_s) } else { live.stop() }
         }
     }
 
@@ -111,6 +115,7 @@ impl Vortex {
             identity,
             moments,
             wanted,
+            speed_m_s,
             ln_speed: if self.envelope_now > 0.0 { speed_m_s.ln() as f32 } else { f32::NEG_INFINITY },
             ln_reference: self.bank.as_deref().map_or(0.0, reference),
             stays: frame.place == before.place && !is_fresh,
@@ -140,12 +145,13 @@ impl Vortex {
         let mut sources = std::mem::take(&mut self.sources);
         let motion = Motion { field: field.as_deref().zip(hop.moments), live: live.as_ref() };
         let bank_here = bank.as_deref().filter(|bank| bank.sample_rate_hz() == self.sample_rate_hz);
+        let summing = bank_here.map(|bank| Summing { hop, bank, motion });
         let number = hop.start.div_euclid(self.hop as i64);
         for (index, source) in sources[range.clone()].iter_mut().enumerate() {
             let index = range.start + index;
             let present = source.turn(index, number, index < hop.wanted, hop.identity);
-            if let Some(bank) = bank_here.filter(|_| present > 0.0 || source.presence > 0.0) {
-                self.sum_source(&hop, bank, &motion, index, source, present);
+            if let Some(summing) = summing.as_ref().filter(|_| present > 0.0 || source.presence > 0.0) {
+                self.sum_source(summing, index, source, present);
             }
         }
         self.sources = sources;
@@ -153,21 +159,14 @@ impl Vortex {
     }
 
     /// Adds one source, whose presence was `present` at the hop's start.
-    fn sum_source(
-        &mut self,
-        hop: &Hop,
-        bank: &Bank,
-        motion: &Motion<'_>,
-        index: usize,
-        source: &mut Source,
-        present: f32,
-    ) {
+    fn sum_source(&mut self, summing: &Summing<'_>, index: usize, source: &mut Source, present: f32) {
+        let Summing { hop, bank, .. } = summing;
         source.vary(hop.frame.variation as f32);
         if hop.is_fresh {
-            source.edge = self.edge(hop, bank, motion, false, index, source, false);
+            source.edge = self.edge(summing, false, index, source, false);
         }
         let heard = present > 0.0 && source.edge.gains.iter().any(|gain| *gain != 0.0);
-        let end = self.edge(hop, bank, motion, true, index, source, heard);
+        let end = self.edge(summing, true, index, source, heard);
         // What was not heard may have stood anywhere.
         let start = if heard { source.edge } else { Edge { gains: [0.0; MOST_CHANNELS], ..end } };
         source.edge = end;
@@ -220,18 +219,10 @@ impl Vortex {
         self.reader.process(&parts[..count], phase, step as f32, &gains[..audible], &mut self.pressures);
     }
 
-    /// What a source sounds like at the start of the hop, or at its `end`; `heard` tells whether its edge is what it sounded like before.
-    #[expect(clippy::too_many_arguments, reason = "all of them are of the moment")]
-    fn edge(
-        &self,
-        hop: &Hop,
-        bank: &Bank,
-        motion: &Motion<'_>,
-        end: bool,
-        index: usize,
-        source: &Source,
-        heard: bool,
-    ) -> Edge {
+    /// What a source sounds like at the start of the hop, or at its `end`; `heard` tells whether its edge is what it sounded
+    /// like before.
+    fn edge(&self, summing: &Summing<'_>, end: bool, index: usize, source: &Source, heard: bool) -> Edge {
+        let Summing { hop, bank, motion } = summing;
         let stand = &hop.stand;
         let edge = &source.edge;
         let (position, ln_speed, presence) = if source.identity.flow == Flow::Envelope {

@@ -239,6 +239,7 @@ impl Vortex {
         self.is_exchanged = false;
         self.farewell_hop = FAREWELL_HOPS;
         self.raise.reset();
+        self.present = Hop::default();
         if let Some(live) = &mut self.live {
             live.reset();
         }
