@@ -6,7 +6,7 @@ use pyrophone_settings::Id;
 
 use super::hand::Hand;
 use super::presets::Presets;
-use super::theme;
+use super::{map, theme};
 use crate::meters::Meters;
 
 /// Presets, and the page of parameters that is shown.
@@ -32,12 +32,15 @@ impl Header {
             ui.separator();
             history(ui, hand);
             ui.separator();
-            ui.selectable_value(&mut self.shows_structure, false, "Play");
-            ui.selectable_value(&mut self.shows_structure, true, "Structure");
+            for (name, is_structure) in [("Play", false), ("Structure", true)] {
+                let page = ui.selectable_value(&mut self.shows_structure, is_structure, name);
+                map::note(ui, format_args!("button.{name}"), page.rect);
+            }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let bypass = Id::Bypass as usize;
                 let is_on = hand.values().get(Id::Bypass) > 0.5;
                 let button = ui.add(Button::new("Bypass").selected(is_on));
+                map::note(ui, "button.Bypass", button.rect);
                 if button.on_hover_text(Id::Bypass.parameter().help).clicked() {
                     hand.set_once(bypass, f64::from(u8::from(!is_on)));
                 }
@@ -50,10 +53,12 @@ impl Header {
 fn history(ui: &mut Ui, hand: &mut Hand<'_>) {
     let keys = |key| move |input: &mut egui::InputState| input.consume_key(egui::Modifiers::COMMAND, key);
     let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo")).on_hover_text("Ctrl+Z");
+    map::note(ui, "button.Undo", undo.rect);
     if undo.clicked() || ui.input_mut(keys(egui::Key::Z)) {
         hand.undo();
     }
     let redo = ui.add_enabled(hand.history.can_redo(), Button::new("Redo")).on_hover_text("Ctrl+Y");
+    map::note(ui, "button.Redo", redo.rect);
     if redo.clicked() || ui.input_mut(keys(egui::Key::Y)) {
         hand.redo();
     }
@@ -61,12 +66,15 @@ fn history(ui: &mut Ui, hand: &mut Hand<'_>) {
     for (name, is_b) in [("A", false), ("B", true)] {
         let is_heard = hand.history.is_b() == is_b;
         let slot = ui.add(Button::new(name).selected(is_heard)).on_hover_text("Two settings to compare");
+        map::note(ui, format_args!("button.{name}"), slot.rect);
         if slot.clicked() && !is_heard {
             hand.exchange();
         }
     }
     let (from, to) = if hand.history.is_b() { ("B", "A") } else { ("A", "B") };
-    if ui.button(format!("{from} to {to}")).on_hover_text("Makes both equal to what sounds").clicked() {
+    let copy = ui.button(format!("{from} to {to}")).on_hover_text("Makes both equal to what sounds");
+    map::note(ui, "button.Copy", copy.rect);
+    if copy.clicked() {
         hand.copy();
     }
 }

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Button, Pos2, Rect, RichText, Ui, Vec2};
 
-use super::theme;
+use super::{map, theme};
 use crate::meters::Meters;
 use crate::probe::LAYERS;
 
@@ -60,6 +60,7 @@ impl Levels {
                 let place = Rect::from_min_size(Pos2::new(left + 1.0, top), Vec2::new(step - 2.0, BUTTON));
                 let text = RichText::new(letter).font(theme::small());
                 let button = ui.put(place, Button::new(text).selected(*is_on).min_size(place.size()));
+                map::note(ui, format_args!("button.{letter} {}", NAMES[FIRST_LAYER + layer]), place);
                 let hint = format!("Hear {name} {how}, until the window closes. Not saved, not automated.");
                 if button.on_hover_text(hint).clicked() {
                     *is_on = !*is_on;

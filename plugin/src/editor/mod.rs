@@ -9,7 +9,8 @@
 //! | [`controls`] | parameters, as [`widgets`] |
 //! | [`levels`] | level meters; solo and mute of layers |
 //!
-//! [`cure`] is what one click does against a fault. [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog.
+//! [`cure`] is what one click does against a fault. [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog,
+//! [`map`] tells tests where things are.
 
 pub mod controls;
 pub mod cure;
@@ -17,6 +18,7 @@ pub mod dialog;
 pub mod hand;
 pub mod header;
 pub mod levels;
+pub mod map;
 pub mod monitor;
 pub mod plots;
 pub mod presets;
@@ -124,6 +126,7 @@ impl NiceEguiApp for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut Frame) {
         let Some(host) = self.host.clone() else { return };
         let setter = host.param_setter();
+        let began = map::begin(ui.ctx());
         // From here on the audio thread asks for frames. A window that is asked before it is shown may wait for ever for the
         // display to be ready.
         if !std::mem::replace(&mut self.is_seen, true) {
@@ -135,6 +138,7 @@ impl NiceEguiApp for Window {
             ui.painter().rect_filled(all, 0.0, theme::GROUND);
             self.contents(ui, all.shrink(8.0), &setter);
         });
+        map::end(ui.ctx(), began);
     }
 
     fn editor_closed(&mut self) {

@@ -10,7 +10,7 @@ use pyrophone_settings::library::Stored;
 use pyrophone_settings::{Error, Library, Preset, Values};
 
 use super::hand::Hand;
-use super::theme;
+use super::{map, theme};
 use task::Task;
 
 /// Size of the list, in points.
@@ -103,6 +103,7 @@ impl Presets {
         };
         let button = ui.add(Button::new(shown).min_size(Vec2::new(132.0, 0.0)).truncate().selected(self.is_open));
         let button = button.on_hover_text("Presets; a star: changed since");
+        map::note(ui, "button.Presets", button.rect);
         if button.clicked() {
             self.is_open = !self.is_open;
             self.has_opened = self.is_open;
@@ -187,6 +188,7 @@ impl Presets {
         });
         let search = TextEdit::singleline(&mut self.search).hint_text("Search names, words and tags");
         let search = ui.add(search.desired_width(f32::INFINITY));
+        map::note(ui, "field.Search", search.rect);
         if std::mem::take(&mut self.has_opened) {
             search.request_focus();
         }
@@ -203,6 +205,7 @@ impl Presets {
         ScrollArea::vertical().auto_shrink(false).max_height(height.max(60.0)).show(ui, |ui| {
             for (index, entry) in found.iter().enumerate() {
                 let line = self.line(ui, entry, index == self.marked);
+                map::note(ui, format_args!("preset.{}", entry.preset.name), line.rect);
                 if index == self.marked && (up || down) {
                     line.scroll_to_me(None);
                 }
@@ -237,7 +240,9 @@ impl Presets {
         ui.horizontal_wrapped(|ui| {
             for tag in tags {
                 let is_chosen = self.tag.as_ref() == Some(&tag);
-                if ui.add(Button::new(RichText::new(&tag).font(theme::small())).selected(is_chosen)).clicked() {
+                let button = ui.add(Button::new(RichText::new(&tag).font(theme::small())).selected(is_chosen));
+                map::note(ui, format_args!("tag.{tag}"), button.rect);
+                if button.clicked() {
                     self.tag = (!is_chosen).then_some(tag);
                     self.marked = 0;
                 }
@@ -282,16 +287,20 @@ impl Presets {
                 let own = self.chosen.as_ref().and_then(|entry| Some((entry.path.clone()?, entry.preset.name.clone())));
                 let can_rename = is_free && own.as_ref().is_some_and(|(_, name)| *name != self.name.trim());
                 let button = ui.add_enabled(can_rename, Button::new("Rename"));
+                map::note(ui, "button.Rename", button.rect);
                 rename = button
                     .on_hover_text("Gives the preset that was chosen, one of yours, the name at the left")
                     .clicked();
                 let can_save = is_free && !self.name.trim().is_empty();
                 let button = ui.add_enabled(can_save, Button::new(if self.replaces { "Replace" } else { "Save" }));
+                map::note(ui, "button.Save", button.rect);
                 save =
                     button.on_hover_text("Keeps what is set now as a preset of yours").clicked() || entered && can_save;
                 let field =
                     TextEdit::singleline(&mut self.name).id(egui::Id::unique(NAME)).hint_text("Name to save by");
-                if ui.add(field.desired_width(f32::INFINITY)).changed() {
+                let field = ui.add(field.desired_width(f32::INFINITY));
+                map::note(ui, "field.Preset name", field.rect);
+                if field.changed() {
                     self.replaces = false;
                     self.message = None;
                 }
@@ -307,6 +316,7 @@ impl Presets {
             let paper = ui
                 .button("The paper's values")
                 .on_hover_text("Chadwick & James 2011; levels, widths, seed and envelope stay as they are");
+            map::note(ui, "button.The paper's values", paper.rect);
             if paper.clicked() {
                 let mut values = hand.values();
                 values.reset_to_paper();

@@ -11,7 +11,7 @@ use pyrophone_settings::table::DYNAMIC_RANGES;
 use super::dialog::Dialog;
 use super::plots::course::{Still, label};
 use super::plots::outline;
-use super::theme;
+use super::{map, theme};
 use crate::loader::LoaderHandle;
 use crate::loader::status::View;
 use crate::parameters::EffectParams;
@@ -68,6 +68,7 @@ impl RecordingPanel {
         ui.horizontal(|ui| {
             let mut embed = view.embed;
             let keep = ui.checkbox(&mut embed, "Keep in the session");
+            map::note(ui, "toggle.Keep in the session", keep.rect);
             if keep.on_hover_text("Saves the recording itself with the session, up to 10 MB").changed() {
                 loader.set_embed(embed);
             }
@@ -98,6 +99,7 @@ impl RecordingPanel {
 
     fn loading(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
         let browse = ui.add_enabled(self.dialog.is_none(), egui::Button::new("Load recording…"));
+        map::note(ui, "button.Load recording", browse.rect);
         if browse
             .on_hover_text("Or drop a sound file on the window; a .field file is the speed field of vortex sound")
             .clicked()
@@ -109,12 +111,15 @@ impl RecordingPanel {
             .hint_text("or the path of a sound file, then Enter")
             .desired_width(width);
         let typed = ui.add(field);
+        map::note(ui, "field.Recording", typed.rect);
         let entered = typed.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let path = self.path.trim();
         if entered && !path.is_empty() {
             self.take(PathBuf::from(path), loader);
         }
-        if ui.add_enabled(view.path.is_some(), egui::Button::new("Remove")).clicked() {
+        let remove = ui.add_enabled(view.path.is_some(), egui::Button::new("Remove"));
+        map::note(ui, "button.Remove recording", remove.rect);
+        if remove.clicked() {
             loader.unload();
         }
     }
@@ -166,6 +171,7 @@ fn learning(ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams, view: &Vi
     let is_on = learning.load(Ordering::Relaxed);
     let text = if is_on { "Learning: press when it has played" } else { "Learn the drive" };
     let learn = ui.add(egui::Button::new(text).selected(is_on));
+    map::note(ui, "button.Learn", learn.rect);
     if learn.on_hover_text("Press, play the track once, press again: the texture then follows its loudness").clicked() {
         learning.store(!is_on, Ordering::Relaxed);
     }

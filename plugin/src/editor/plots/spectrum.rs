@@ -5,7 +5,7 @@ use pyrophone_settings::Id;
 
 use super::super::cure::Cure;
 use super::super::hand::Hand;
-use super::super::theme;
+use super::super::{map, theme};
 use crate::analysis::bands::{BANDS, decibels, frequency_hz, place};
 use crate::analysis::{FLOOR_DB, Figures, Portrait};
 
@@ -185,6 +185,7 @@ fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS]
 
     let mut handle = |name: &str, at: Rect, cursor: CursorIcon, help: &str, id: Id, to: &dyn Fn(Pos2) -> f64| -> bool {
         let response = ui.interact(at, Place::unique(("spectrum", name)), Sense::drag()).on_hover_cursor(cursor);
+        map::note(ui, format_args!("handle.{name}"), at);
         if response.drag_started() {
             hand.begin(id as usize);
         }
@@ -295,6 +296,7 @@ fn told(ui: &mut Ui, painter: &egui::Painter, rect: Rect, figures: &Figures, han
     let Some(cure) = cure else { return };
     let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));
     let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
+    map::note(ui, "button.Cure", place);
     if ui.put(place, button).on_hover_text("Does what is advised; Undo takes it back").clicked() {
         hand.set_once(cure.id as usize, cure.plain);
     }

@@ -5,7 +5,7 @@ use egui::{Align2, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Stroke, Ui
 use pyrophone_settings::{Kind, PARAMETERS, Parameter};
 
 use super::super::hand::Hand;
-use super::super::theme;
+use super::super::{map, theme};
 
 /// A knob with its name and value, in points.
 pub const SIZE: Vec2 = Vec2::new(74.0, 80.0);
@@ -28,6 +28,7 @@ pub fn knob(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
     let id = Id::unique(("knob", parameter.id));
     let response = ui.interact(dial, id, Sense::click_and_drag());
     let plain = turn(ui, &response, parameter, index, hand);
+    map::note(ui, format_args!("knob.{}", parameter.id), dial);
 
     let painter = ui.painter();
     painter.text(
@@ -136,6 +137,7 @@ fn draw(ui: &Ui, response: &Response, centre: Pos2, parameter: &Parameter, plain
 /// The value as text, which a click makes a field.
 fn value(ui: &mut Ui, rect: Rect, parameter: &Parameter, index: usize, plain: f64, hand: &mut Hand<'_>) {
     let id = Id::unique(("value", parameter.id));
+    map::note(ui, format_args!("value.{}", parameter.id), rect);
     let typed: Option<String> = ui.data(|data| data.get_temp(id));
     let Some(mut typed) = typed else {
         let response = ui.interact(rect, id.with("shown"), Sense::click());

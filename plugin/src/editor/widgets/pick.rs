@@ -4,7 +4,7 @@ use egui::{ComboBox, RichText, Ui, Vec2};
 use pyrophone_settings::{PARAMETERS, Parameter};
 
 use super::super::hand::Hand;
-use super::super::theme;
+use super::super::{map, theme};
 
 /// Width of a choice, in points.
 pub const WIDTH: f32 = 112.0;
@@ -17,16 +17,18 @@ pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
     ui.allocate_ui(Vec2::new(WIDTH, 42.0), |ui| {
         ui.vertical(|ui| {
             name(ui, parameter);
-            ComboBox::from_id_salt(parameter.id)
+            let choice = ComboBox::from_id_salt(parameter.id)
                 .width(WIDTH - 12.0)
                 .selected_text(names[chosen.min(names.len() - 1)])
                 .show_ui(ui, |ui| {
                     for (index, name) in names.iter().enumerate() {
-                        ui.selectable_value(&mut chosen, index, *name);
+                        let line = ui.selectable_value(&mut chosen, index, *name);
+                        map::note(ui, format_args!("choice.{}.{name}", parameter.id), line.rect);
                     }
                 })
                 .response
                 .on_hover_text(parameter.help);
+            map::note(ui, format_args!("choice.{}", parameter.id), choice.rect);
         });
     });
     if chosen != before {
@@ -39,7 +41,9 @@ pub fn toggle(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
     let parameter = &PARAMETERS[index];
     let mut is_on = hand.values().as_slice()[index] > 0.5;
     let text = RichText::new(parameter.name).color(if is_on { theme::TEXT } else { theme::WEAK });
-    if ui.checkbox(&mut is_on, text).on_hover_text(parameter.help).changed() {
+    let switch = ui.checkbox(&mut is_on, text).on_hover_text(parameter.help);
+    map::note(ui, format_args!("toggle.{}", parameter.id), switch.rect);
+    if switch.changed() {
         hand.set_once(index, f64::from(u8::from(is_on)));
     }
 }

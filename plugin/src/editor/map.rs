@@ -1,0 +1,70 @@
+//! Where things are in the window: a text file for tests, which have no other way to know.
+//!
+//! It is written only where the environment variable `PYROPHONE_EDITOR_MAP` names a file, and then with every frame. Its first lines are
+//! `frame`, the number of frames since the window opened; `size`, the window's width and height; and `ui_us`, microseconds that laying out
+//! and drawing have taken in all these frames, without tessellation and the graphics card's part. Then comes a line for each thing that can
+//! be seen: left, top, right, bottom and name. All are in physical pixels.
+
+use std::fmt::{Display, Write};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+use std::time::{Duration, Instant};
+
+use egui::{Context, Id, Rect, Ui};
+
+const VARIABLE: &str = "PYROPHONE_EDITOR_MAP";
+
+static FILE: LazyLock<Option<PathBuf>> = LazyLock::new(|| std::env::var_os(VARIABLE).map(PathBuf::from));
+
+/// What a window has noted so far.
+#[derive(Debug, Clone, Default)]
+struct Notes {
+    frames: u64,
+    spent: Duration,
+    /// Of the frame that is being drawn.
+    things: String,
+}
+
+/// Begins a frame; none where nobody wants to know.
+pub fn begin(context: &Context) -> Option<Instant> {
+    FILE.as_ref()?;
+    with_notes(context, |notes| notes.things.clear());
+    Some(Instant::now())
+}
+
+/// Notes where something is, as far as it can be seen.
+pub fn note(ui: &Ui, name: impl Display, place: Rect) {
+    if FILE.is_none() {
+        return;
+    }
+    let seen = place.intersect(ui.clip_rect());
+    if seen.is_positive() {
+        let scale = ui.ctx().pixels_per_point();
+        let [left, top, right, bottom] =
+            [seen.left(), seen.top(), seen.right(), seen.bottom()].map(|at| (at * scale).round());
+        // Writing to a string does not fail.
+        with_notes(ui.ctx(), |notes| writeln!(notes.things, "{left} {top} {right} {bottom} {name}")).ok();
+    }
+}
+
+/// Ends a frame that began then.
+pub fn end(context: &Context, began: Option<Instant>) {
+    let (Some(began), Some(file)) = (began, FILE.as_ref()) else { return };
+    let spent = began.elapsed();
+    let size = context.content_rect().size() * context.pixels_per_point();
+    let text = with_notes(context, |notes| {
+        notes.frames += 1;
+        notes.spent += spent;
+        let (frames, us, things) = (notes.frames, notes.spent.as_micros(), &notes.things);
+        format!("frame {frames}\nsize {} {}\nui_us {us}\n{things}", size.x.round(), size.y.round())
+    });
+    // Whoever reads it sees a whole frame.
+    let unfinished = file.with_extension("unfinished");
+    if let Err(error) = std::fs::write(&unfinished, text).and_then(|()| std::fs::rename(&unfinished, file)) {
+        nice_plug::prelude::nice_warn!("Pyrophone cannot write {}: {error}", file.display());
+    }
+}
+
+fn with_notes<T>(context: &Context, work: impl FnOnce(&mut Notes) -> T) -> T {
+    context.data_mut(|data| work(data.get_temp_mut_or_default(Id::NULL)))
+}
