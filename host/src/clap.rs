@@ -12,7 +12,7 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use clack_extensions::audio_ports::PluginAudioPorts;
 use clack_extensions::audio_ports_config::{AudioPortsConfigBuffer, PluginAudioPortsConfig};
-use clack_extensions::gui::{GuiApiType, GuiConfiguration, PluginGui, Window};
+use clack_extensions::gui::{GuiApiType, GuiConfiguration, GuiSize, PluginGui, Window};
 use clack_extensions::latency::PluginLatency;
 use clack_extensions::params::PluginParams;
 use clack_extensions::render::{PluginRender, RenderMode};
@@ -267,12 +267,35 @@ impl Plugin for ClapPlugin {
         Ok((size.width, size.height))
     }
 
+    fn resize_editor(&mut self, (width, height): (u32, u32)) -> Result<(u32, u32), HostError> {
+        let failed = |what: &str| HostError::Unsupported(format!("the editor {what}"));
+        if !self.editor_is_open {
+            return Err(failed("is not open"));
+        }
+        let gui: PluginGui = self.extension("editor")?;
+        let handle = self.instance.plugin_handle();
+        if !gui.can_resize(&handle) {
+            return Err(failed("keeps its size"));
+        }
+        let size = gui.adjust_size(&handle, GuiSize { width, height }).ok_or_else(|| failed("takes no size"))?;
+        gui.set_size(&handle, size).map_err(|_| failed("cannot be resized"))?;
+        Ok((size.width, size.height))
+    }
+
+    fn take_wanted_editor_size(&mut self) -> Option<(u32, u32)> {
+        self.flags.take_editor_size()
+    }
+
     fn close_editor(&mut self) {
         if std::mem::take(&mut self.editor_is_open)
             && let Ok(gui) = self.extension::<PluginGui>("editor")
         {
             gui.destroy(&self.instance.plugin_handle());
         }
+    }
+
+    fn forget_editor(&mut self) {
+        self.editor_is_open = false;
     }
 }
 

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
-    ConfigureWindowAux, ConnectionExt, CreateWindowAux, EventMask, PropMode, Window, WindowClass,
+    ConfigureWindowAux, ConnectionExt, CreateWindowAux, EventMask, PropMode, StackMode, Window, WindowClass,
 };
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
@@ -31,10 +31,9 @@ impl EditorWindow {
         let (connection, screen) = x11rb::connect(None).map_err(no_display)?;
         let window = create_window(&connection, screen, title).map_err(no_display)?;
         let size = plugin.open_editor(window)?;
-        let fit = ConfigureWindowAux::new().width(size.0).height(size.1);
-        connection.configure_window(window, &fit).map_err(no_display)?;
-        connection.sync().map_err(no_display)?;
-        Ok(Self { connection, window, size })
+        let mut opened = Self { connection, window, size };
+        opened.fit(size).map_err(no_display)?;
+        Ok(opened)
     }
 
     /// The X11 id of the window, as `import -window` and `xdotool` take it.
@@ -49,14 +48,55 @@ impl EditorWindow {
         self.size
     }
 
-    /// Lets the editor live for this long, running the plugin's callbacks.
-    pub fn run_for(&self, plugin: &mut dyn Plugin, duration: Duration) {
+    /// Resizes editor and window to the size in pixels nearest to this that the editor takes.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when the editor keeps its size, or the display is gone.
+    pub fn resize(&mut self, plugin: &mut dyn Plugin, size: (u32, u32)) -> Result<(), HostError> {
+        let size = plugin.resize_editor(size)?;
+        self.fit(size).map_err(no_display)
+    }
+
+    /// Gives the window the editor's size.
+    fn fit(&mut self, size: (u32, u32)) -> Result<(), Box<dyn std::error::Error>> {
+        let fit = ConfigureWindowAux::new().width(size.0).height(size.1);
+        self.connection.configure_window(self.window, &fit)?;
+        self.connection.sync()?;
+        self.size = size;
+        Ok(())
+    }
+
+    /// Lets the editor live for this long, running the plugin's callbacks and giving it the size that it asks for.
+    pub fn run_for(&mut self, plugin: &mut dyn Plugin, duration: Duration) {
         let end = Instant::now() + duration;
         while Instant::now() < end {
             let _ = plugin.run_callbacks();
+            if let Some(size) = plugin.take_wanted_editor_size() {
+                // An editor that refuses what it asked for, or a display that is gone, leaves things as they are.
+                let _ = self.resize(plugin, size);
+            }
             while matches!(self.connection.poll_for_event(), Ok(Some(_))) {}
             thread::sleep(FRAME);
         }
+    }
+
+    /// Puts the window before all others.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when the display is gone.
+    pub fn raise(&self) -> Result<(), HostError> {
+        let above = ConfigureWindowAux::new().stack_mode(StackMode::ABOVE);
+        self.connection.configure_window(self.window, &above).map_err(no_display)?;
+        self.connection.sync().map_err(no_display)
+    }
+
+    /// Destroys the window under its editor, as a host may in the wrong order. The editor is still to be closed.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when the display is gone.
+    pub fn destroy_window(&self) -> Result<(), HostError> {
+        self.connection.destroy_window(self.window).map_err(no_display)?;
+        self.connection.sync().map_err(no_display)
     }
 
     /// Closes editor and window.

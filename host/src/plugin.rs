@@ -248,8 +248,20 @@ pub trait Plugin {
     /// [`HostError::Unsupported`] where there is no editor, or none that can be embedded.
     fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError>;
 
+    /// Resizes the open editor to the size in pixels nearest to this that it takes, and gives that.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] where no editor is open, or it keeps its size.
+    fn resize_editor(&mut self, size: (u32, u32)) -> Result<(u32, u32), HostError>;
+
+    /// Size in pixels that the editor has asked for since the last time.
+    fn take_wanted_editor_size(&mut self) -> Option<(u32, u32)>;
+
     /// Closes the editor, if it is open.
     fn close_editor(&mut self);
+
+    /// Forgets the open editor without closing it, as hosts should not but may, so that it goes with the plugin.
+    fn forget_editor(&mut self);
 }
 
 /// The half of an active plugin instance that plays; it may live on another thread.

@@ -1,6 +1,7 @@
 //! VST3, through the bindings of the `vst3` crate.
 
 mod description;
+mod editor;
 mod interfaces;
 mod module;
 mod processor;
@@ -18,6 +19,7 @@ use ::vst3::Steinberg::{FUnknown, IBStream, IPluginBaseTrait, kResultOk};
 use ::vst3::{ComPtr, ComWrapper};
 
 use self::description::{arrangement, create_component, from_utf16, read_parameters};
+use self::editor::Editor;
 use self::interfaces::{Handler, HostApplication, MemoryStream};
 use self::module::Module;
 use self::processor::Vst3Processor;
@@ -43,6 +45,7 @@ pub(crate) struct Vst3Plugin {
     parameters: Vec<Parameter>,
     pending: Arc<Mutex<Vec<Event>>>,
     active: bool,
+    editor: Option<Editor>,
 }
 
 impl Vst3Plugin {
@@ -62,7 +65,8 @@ impl Vst3Plugin {
         let controller = component
             .cast::<IEditController>()
             .ok_or_else(|| fail("its controller is a separate object, which this host does not support"))?;
-        let handler = ComWrapper::new(Handler::default());
+        let pending = Arc::default();
+        let handler = ComWrapper::new(Handler::new(Arc::clone(&pending)));
         if let Some(interface) = handler.as_com_ref::<IComponentHandler>() {
             // SAFETY: a live controller; the handler lives as long as this instance.
             unsafe { controller.setComponentHandler(interface.as_ptr()) };
@@ -77,9 +81,15 @@ impl Vst3Plugin {
             number: INSTANCES.fetch_add(1, Ordering::Relaxed),
             name,
             parameters,
-            pending: Arc::default(),
+            pending,
             active: false,
+            editor: None,
         })
+    }
+
+    fn set_active(&mut self, active: bool) {
+        self.active = active;
+        self.handler.set_active(active);
     }
 
     fn known(&self, id: u32) -> Result<(), HostError> {
@@ -239,7 +249,7 @@ impl Plugin for Vst3Plugin {
         if result != kResultOk {
             return Err(HostError::Activate("it refuses".to_owned()));
         }
-        self.active = true;
+        self.set_active(true);
         Ok(Box::new(Vst3Processor::new(
             self.processor.clone(),
             self.number,
@@ -259,7 +269,7 @@ impl Plugin for Vst3Plugin {
         }
         processor.stop();
         drop(processor);
-        self.active = false;
+        self.set_active(false);
         // SAFETY: a live component whose processor is gone.
         unsafe { self.component.setActive(0) };
         let unplayed = std::mem::take(&mut *lock(&self.pending));
@@ -272,18 +282,46 @@ impl Plugin for Vst3Plugin {
     }
 
     fn run_callbacks(&mut self) -> Requests {
+        if let Some(editor) = &self.editor {
+            editor.run();
+        }
         self.handler.take_requests()
     }
 
-    fn open_editor(&mut self, _: u32) -> Result<(u32, u32), HostError> {
-        Err(HostError::Unsupported("this host shows editors of CLAP bundles only".to_owned()))
+    fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError> {
+        if self.editor.is_some() {
+            return Err(HostError::Unsupported("the editor is open already".to_owned()));
+        }
+        let (editor, size) = Editor::open(&self.controller, x11_window)?;
+        self.editor = Some(editor);
+        Ok(size)
     }
 
-    fn close_editor(&mut self) {}
+    fn resize_editor(&mut self, size: (u32, u32)) -> Result<(u32, u32), HostError> {
+        match &self.editor {
+            Some(editor) => editor.resize(size),
+            None => Err(HostError::Unsupported("no editor is open".to_owned())),
+        }
+    }
+
+    fn take_wanted_editor_size(&mut self) -> Option<(u32, u32)> {
+        self.editor.as_ref().and_then(Editor::take_wanted_size)
+    }
+
+    fn close_editor(&mut self) {
+        self.editor = None;
+    }
+
+    fn forget_editor(&mut self) {
+        if let Some(editor) = self.editor.take() {
+            editor.forget();
+        }
+    }
 }
 
 impl Drop for Vst3Plugin {
     fn drop(&mut self) {
+        self.close_editor();
         // SAFETY: live interfaces; a plugin dropped while active is made inactive first, as the format demands.
         unsafe {
             if self.active {

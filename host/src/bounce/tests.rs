@@ -116,7 +116,17 @@ impl Plugin for DelayPlugin {
         Err(HostError::Unsupported(String::new()))
     }
 
+    fn resize_editor(&mut self, _: (u32, u32)) -> Result<(u32, u32), HostError> {
+        Err(HostError::Process)
+    }
+
+    fn take_wanted_editor_size(&mut self) -> Option<(u32, u32)> {
+        None
+    }
+
     fn close_editor(&mut self) {}
+
+    fn forget_editor(&mut self) {}
 }
 
 #[test]

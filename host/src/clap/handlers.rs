@@ -1,7 +1,7 @@
 //! What a CLAP plugin may ask of its host.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use clack_extensions::gui::{GuiSize, HostGui, HostGuiImpl};
 use clack_extensions::latency::{HostLatency, HostLatencyImpl};
@@ -11,6 +11,7 @@ use clack_extensions::params::{
 use clack_extensions::state::{HostState, HostStateImpl};
 use clack_host::prelude::*;
 
+use super::lock;
 use crate::Requests;
 
 /// Requests that wait to be noticed; set from any thread.
@@ -20,11 +21,16 @@ pub(super) struct Flags {
     callback: AtomicBool,
     latency_changed: AtomicBool,
     values_changed: AtomicBool,
+    editor_size: Mutex<Option<(u32, u32)>>,
 }
 
 impl Flags {
     pub fn take_callback(&self) -> bool {
         self.callback.swap(false, Ordering::AcqRel)
+    }
+
+    pub fn take_editor_size(&self) -> Option<(u32, u32)> {
+        lock(&self.editor_size).take()
     }
 
     pub fn take_requests(&self) -> Requests {
@@ -71,8 +77,10 @@ impl HostParamsImplShared for Shared {
 impl HostGuiImpl for Shared {
     fn resize_hints_changed(&self) {}
 
-    fn request_resize(&self, _: GuiSize) -> Result<(), HostError> {
-        Err(HostError::Message("this host's windows keep their size"))
+    /// The window follows with the next round of callbacks, as CLAP allows.
+    fn request_resize(&self, size: GuiSize) -> Result<(), HostError> {
+        *lock(&self.0.editor_size) = Some((size.width, size.height));
+        Ok(())
     }
 
     fn request_show(&self) -> Result<(), HostError> {

@@ -2,7 +2,8 @@
 
 use std::cell::{Cell, RefCell};
 use std::ffi::c_void;
-use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::{Arc, Mutex};
 
 use ::vst3::Steinberg::IBStream_::IStreamSeekMode_::{kIBSeekCur, kIBSeekEnd, kIBSeekSet};
 use ::vst3::Steinberg::Vst::{
@@ -14,6 +15,7 @@ use ::vst3::Steinberg::{
 };
 use ::vst3::{Class, ComPtr, ComWrapper};
 
+use super::lock;
 use crate::{Event, Requests};
 
 /// Tells the plugin who its host is.
@@ -40,12 +42,23 @@ impl IHostApplicationTrait for HostApplication {
 }
 
 /// Hears what the plugin wants of its host, from any thread.
-#[derive(Default)]
 pub(super) struct Handler {
     restart_flags: AtomicI32,
+    /// What goes to the plugin with the next block.
+    pending: Arc<Mutex<Vec<Event>>>,
+    active: AtomicBool,
 }
 
 impl Handler {
+    pub fn new(pending: Arc<Mutex<Vec<Event>>>) -> Self {
+        Self { restart_flags: AtomicI32::new(0), pending, active: AtomicBool::new(false) }
+    }
+
+    /// Whether there are blocks for changes to go with.
+    pub fn set_active(&self, active: bool) {
+        self.active.store(active, Ordering::Release);
+    }
+
     pub fn take_requests(&self) -> Requests {
         let flags = self.restart_flags.swap(0, Ordering::AcqRel);
         let has = |flag| flags & flag != 0;
@@ -66,7 +79,11 @@ impl IComponentHandlerTrait for Handler {
         kResultOk
     }
 
-    unsafe fn performEdit(&self, _: ParamID, _: ParamValue) -> tresult {
+    unsafe fn performEdit(&self, id: ParamID, value: ParamValue) -> tresult {
+        // The controller knows already; the component is told by the host.
+        if self.active.load(Ordering::Acquire) {
+            lock(&self.pending).push(Event { offset: 0, id, value });
+        }
         kResultOk
     }
 
