@@ -1,4 +1,7 @@
 //! The system's file dialog, on a thread of its own so that neither window nor sound wait for it.
+//!
+//! Where the environment variable `PYROPHONE_DIALOG` names a path, that is chosen at once and no dialog is shown: for tests, and for
+//! systems without a dialog to show.
 
 use std::future::Future;
 use std::path::{Path, PathBuf};
@@ -14,6 +17,8 @@ use nice_plug_egui::RepaintNotifier;
 
 /// File names that recordings have.
 const EXTENSIONS: &[&str] = &["wav", "wave", "flac", "ogg", "oga", "mp3", "aif", "aiff", "aifc", "caf"];
+
+const VARIABLE: &str = "PYROPHONE_DIALOG";
 
 /// How often the thread looks whether it was called off.
 const GLANCE: Duration = Duration::from_millis(50);
@@ -38,18 +43,11 @@ impl Dialog {
     pub fn open(path: &str, notifier: RepaintNotifier) -> Self {
         let folder = Path::new(path).parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
         let (sender, receiver) = channel();
+        let answer = std::env::var_os(VARIABLE).map(PathBuf::from);
         let called_off = Arc::new(AtomicBool::new(false));
         let flag = called_off.clone();
         let ask = move || {
-            let mut dialog = rfd::AsyncFileDialog::new()
-                .set_title("Load a recording of fire")
-                .add_filter("Sound files", EXTENSIONS)
-                .add_filter("Speed fields", &["field"])
-                .add_filter("All files", &["*"]);
-            if let Some(folder) = folder {
-                dialog = dialog.set_directory(folder);
-            }
-            let chosen = wait_for(dialog.pick_file(), &flag).flatten().map(|file| file.path().to_owned());
+            let chosen = answer.or_else(|| show(folder.as_deref(), &flag));
             // The window may be gone; then nobody wants the answer.
             let _ = sender.send(chosen);
             notifier.request_repaint();
@@ -78,6 +76,19 @@ impl Drop for Dialog {
             let _ = thread.join();
         }
     }
+}
+
+/// Shows the dialog, beginning in a folder, and gives what was chosen.
+fn show(folder: Option<&Path>, called_off: &AtomicBool) -> Option<PathBuf> {
+    let mut dialog = rfd::AsyncFileDialog::new()
+        .set_title("Load a recording of fire")
+        .add_filter("Sound files", EXTENSIONS)
+        .add_filter("Speed fields", &["field"])
+        .add_filter("All files", &["*"]);
+    if let Some(folder) = folder {
+        dialog = dialog.set_directory(folder);
+    }
+    wait_for(dialog.pick_file(), called_off).flatten().map(|file| file.path().to_owned())
 }
 
 /// Runs a future to its end on this thread, or until called off.
