@@ -3,6 +3,7 @@
 //! The bundles and the command line must have been built: `cargo xtask test` does it all.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use pyrophone_host::bounce::{BounceOptions, bounce};
 use pyrophone_host::state::wrap;
@@ -11,6 +12,7 @@ use pyrophone_settings::session::{Learned, RecordingReference, Session, plugin_s
 use pyrophone_settings::{Preset, Values};
 use pyrophone_synthesis::structure::Dynamics;
 
+pub mod desk;
 pub mod live;
 /// Reference data.
 #[allow(missing_docs, reason = "written for one crate's own tests")]
@@ -196,4 +198,22 @@ pub fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
     while !condition() {
         assert!(began.elapsed().as_secs() < 60, "{what}: not within a minute");
     }
+}
+
+/// Runs the test of this name in another process, because what goes wrong here aborts the host, or kills a thread of the framework,
+/// which is only heard of on the error stream.
+pub fn in_a_process_of_its_own(test: &str, body: fn()) {
+    const INSIDE: &str = "PYROPHONE_TEST_INSIDE";
+    if std::env::var_os(INSIDE).is_some() {
+        return body();
+    }
+    let program = std::env::current_exe().expect("this program");
+    let mut command = Command::new(program);
+    let output = command.args(["--exact", test, "--nocapture"]).env(INSIDE, "1").output().expect("it runs again");
+    let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    assert!(said.contains("1 passed") && output.status.success(), "{test}: {}\n{said}", output.status);
+    // What a measurement has printed.
+    said.lines().filter(|line| line.starts_with("figure: ")).for_each(|line| println!("{line}"));
+    let panics: Vec<&str> = said.lines().filter(|line| line.contains("panicked")).collect();
+    assert!(panics.is_empty(), "{test}: threads were lost:\n{}", panics.join("\n"));
 }

@@ -1,7 +1,6 @@
 //! Instances come and go, under automation and with loads under way, and the host survives.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::thread;
 use std::time::Duration;
 
@@ -9,8 +8,8 @@ use pyrophone_host::bounce::{AutomationPoint, BlockSize, BounceOptions};
 use pyrophone_host::{Configuration, Format, numeric_id};
 use pyrophone_tests::live::{Clock, Live};
 use pyrophone_tests::{
-    MONO, RATE_HZ, STEREO, assert_same, assert_sounds, await_recording, flame, load_session, open, part, peak, play,
-    preset, recording, session, set,
+    MONO, RATE_HZ, STEREO, assert_same, assert_sounds, await_recording, flame, in_a_process_of_its_own, load_session,
+    open, part, peak, play, preset, recording, session, set,
 };
 
 fn recordings(folder: &Path, count: usize, samples: usize) -> Vec<PathBuf> {
@@ -66,22 +65,6 @@ fn three_hundred_clap_instances_come_and_go() {
 #[test]
 fn three_hundred_vst3_instances_come_and_go() {
     in_a_process_of_its_own("three_hundred_vst3_instances_come_and_go", || three_hundred(Format::Vst3));
-}
-
-/// Runs a test in another process, because what goes wrong here aborts the host, or kills a thread of the framework,
-/// which is only heard of on the error stream.
-fn in_a_process_of_its_own(test: &str, body: fn()) {
-    const INSIDE: &str = "PYROPHONE_LIFECYCLE_INSIDE";
-    if std::env::var_os(INSIDE).is_some() {
-        return body();
-    }
-    let program = std::env::current_exe().expect("this program");
-    let mut command = Command::new(program);
-    let output = command.args(["--exact", test, "--nocapture"]).env(INSIDE, "1").output().expect("it runs again");
-    let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
-    assert!(said.contains("1 passed") && output.status.success(), "{test}: {}\n{said}", output.status);
-    let panics: Vec<&str> = said.lines().filter(|line| line.contains("panicked")).collect();
-    assert!(panics.is_empty(), "{test}: threads were lost:\n{}", panics.join("\n"));
 }
 
 fn three_hundred(format: Format) {

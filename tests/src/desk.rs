@@ -1,0 +1,153 @@
+//! A desk to try editors at: a screen, a hand on mouse and keyboard, and an eye for what is drawn.
+//!
+//! A program that uses it may hold one test only: the desk is set up in the environment, which all threads share.
+
+mod hand;
+mod map;
+mod picture;
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use pyrophone_host::Plugin;
+use pyrophone_host::editor::EditorWindow;
+
+pub use hand::{ESCAPE, Hand, RETURN};
+pub use map::Map;
+pub use picture::Picture;
+
+use crate::target_dir;
+
+/// Size of the screen of a server of our own, in pixels.
+pub const SCREEN: (u32, u32) = (1280, 800);
+
+/// How long anything may take; machines are slow and busy.
+pub const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A screen, and a folder that the editors' files are in.
+pub struct Desk {
+    folder: tempfile::TempDir,
+    server: Option<Child>,
+}
+
+impl Desk {
+    /// On the display that `DISPLAY` names, else on a server of our own; none where there is neither, but for continuous integration,
+    /// where a test that is left out has failed.
+    pub fn set_up() -> Option<Self> {
+        let server = match std::env::var_os("DISPLAY") {
+            Some(_) => None,
+            None => Some(start_server()?),
+        };
+        let desk = Self { folder: tempfile::tempdir().expect("a temporary folder"), server };
+        let variables = [
+            ("PYROPHONE_PRESETS", desk.presets()),
+            ("PYROPHONE_EDITOR_MAP", desk.map_file()),
+            ("PYROPHONE_DIALOG", desk.dialog_answer()),
+        ];
+        for (name, path) in variables {
+            // SAFETY: the only test of its program, and no plugin is there yet; nobody else reads or writes the environment.
+            unsafe { std::env::set_var(name, path) };
+        }
+        Some(desk)
+    }
+
+    /// A folder of its own.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The user's presets; none at first.
+    pub fn presets(&self) -> PathBuf {
+        self.folder().join("presets")
+    }
+
+    /// The file that is chosen in the system's dialog; it is not there at first.
+    pub fn dialog_answer(&self) -> PathBuf {
+        self.folder().join("chosen in the dialog.wav")
+    }
+
+    fn map_file(&self) -> PathBuf {
+        self.folder().join("map")
+    }
+
+    /// Where things are in the window that has drawn last, once one has.
+    pub fn map(&self) -> Option<Map> {
+        Map::read(&self.map_file())
+    }
+
+    /// Opens an editor; the map is that of its window from then on, once it has drawn.
+    pub fn open(&self, plugin: &mut dyn Plugin) -> EditorWindow {
+        // There is none at first.
+        let _ = std::fs::remove_file(self.map_file());
+        EditorWindow::open(plugin, "Pyrophone").unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Opens an editor, and makes `pass` until it is drawn.
+    pub fn open_drawn(&self, plugin: &mut dyn Plugin, mut pass: impl FnMut()) -> EditorWindow {
+        for _ in 0..3 {
+            let mut window = self.open(plugin);
+            let began = Instant::now();
+            while began.elapsed() < PATIENCE {
+                pass();
+                window.run_for(plugin, Duration::from_millis(20));
+                if self.map().is_some_and(|map| map.frames >= 3) && Picture::of(&window).is_drawn() {
+                    return window;
+                }
+            }
+            // With baseview 0.4.2 a window that is asked to draw before it is shown may stay empty. The effect asks later; should it
+            // happen all the same, users open the window again, and so does this, but not for ever.
+            println!("nothing was drawn in {PATIENCE:?}; opening the window again");
+            window.close(plugin);
+        }
+        panic!("nothing is drawn, however often it is opened");
+    }
+
+    /// Keeps a picture of a window among what was built.
+    pub fn photograph(window: &EditorWindow, name: &str) -> Picture {
+        let folder = target_dir().join("screenshots");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let picture = Picture::of(window);
+        picture.save(&folder.join(format!("{name}.png")));
+        picture
+    }
+}
+
+fn start_server() -> Option<Child> {
+    let (width, height) = SCREEN;
+    let server = Command::new("Xvfb")
+        .args(["-displayfd", "1", "-screen", "0", &format!("{width}x{height}x24"), "+extension", "GLX"])
+        // Without -noreset it starts over whenever its last client leaves, and refuses whoever comes meanwhile. With -r a key
+        // that is held a little too long on a busy machine is one key all the same.
+        .args(["-nolisten", "tcp", "-noreset", "-r"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn();
+    let mut server = match server {
+        Ok(server) => server,
+        Err(error) => {
+            assert!(std::env::var("CI").as_deref() != Ok("true"), "no DISPLAY, and Xvfb: {error}");
+            eprintln!("skipped: no DISPLAY, and Xvfb: {error}");
+            return None;
+        }
+    };
+    let mut number = String::new();
+    let output = server.stdout.as_mut().expect("a pipe");
+    BufReader::new(output).read_line(&mut number).expect("Xvfb tells its display");
+    // SAFETY: the only test of its program; no other thread reads or writes the environment yet.
+    unsafe { std::env::set_var("DISPLAY", format!(":{}", number.trim())) };
+    Some(server)
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        if let Some(server) = &mut self.server {
+            // baseview 0.4.2 does not always wait for a window's thread to end, and Xlib ends a program whose server has gone.
+            std::thread::sleep(Duration::from_secs(2));
+            // It may have ended by itself; then there is nothing to end.
+            let _ = server.kill();
+            let _ = server.wait();
+        }
+    }
+}
