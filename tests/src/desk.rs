@@ -4,6 +4,7 @@
 
 mod hand;
 mod map;
+mod parcel;
 mod picture;
 
 use std::io::{BufRead, BufReader};

@@ -53,7 +53,7 @@ fn try_format(desk: &Desk, format: Format) {
         try_saving(&mut hand, desk);
     }
     try_preset(&mut hand, format);
-    try_files(&mut hand, format);
+    try_files(&mut hand, desk, format);
     try_sizes(&mut hand, format);
     let Hand { window, .. } = hand;
     window.close(live.plugin());
@@ -194,13 +194,18 @@ fn session_recording(hand: &mut Hand<'_>) -> String {
     state.fields[FIELD].clone()
 }
 
-/// A recording chosen in the system's dialog.
-fn try_files(hand: &mut Hand<'_>, format: Format) {
+/// A recording chosen in the system's dialog, and one that is dropped on the window.
+fn try_files(hand: &mut Hand<'_>, desk: &Desk, format: Format) {
     assert!(session_recording(hand).contains("campfire.wav"));
     hand.click("button.Load recording");
     hand.wait_until("what the dialog told", |hand| session_recording(hand).contains("chosen in the dialog.wav"));
     hand.settle();
     hand.photograph(&format!("{format}-file-chosen"));
+    let dropped = recording(desk.folder(), "bonfire, 100 % dry.wav", 1, 70_000);
+    hand.drop_file(&dropped, "handle.cutoff");
+    hand.wait_until("what was dropped", |hand| session_recording(hand).contains("bonfire, 100 % dry.wav"));
+    hand.settle();
+    hand.photograph(&format!("{format}-file-dropped"));
 }
 
 /// Sizes by the host's frame, down to the smallest, and by the corner that the window draws itself.

@@ -9,12 +9,14 @@
 //! | [`controls`] | parameters, as [`widgets`] |
 //! | [`levels`] | level meters; solo and mute of layers |
 //!
-//! [`cure`] is what one click does against a fault. [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog,
+//! [`cure`] is what one click does against a fault. [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog, [`drop`] takes
+//! files that are dropped,
 //! [`map`] tells tests where things are.
 
 pub mod controls;
 pub mod cure;
 pub mod dialog;
+pub mod drop;
 pub mod hand;
 pub mod header;
 pub mod levels;
@@ -115,9 +117,10 @@ impl NiceEguiApp for Window {
         &mut self,
         context: egui::Context,
         host: GuiContext,
-        _frame: &mut Frame,
+        frame: &mut Frame,
     ) -> Result<(), baseview::HandlerError> {
         theme::apply(&context);
+        self.recording.take_drops(frame.baseview_window());
         self.host = Some(host);
         self.is_seen = false;
         Ok(())
@@ -146,6 +149,7 @@ impl NiceEguiApp for Window {
         self.monitor.watch(false);
         self.levels.clear();
         self.recording.close_dialog();
+        self.recording.refuse_drops();
         self.header.presets.close();
         self.recording.clear_pictures();
     }

@@ -7,8 +7,10 @@ use egui::{Rect, RichText, StrokeKind, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::Id;
 use pyrophone_settings::table::DYNAMIC_RANGES;
+use raw_window_handle::HasWindowHandle;
 
 use super::dialog::Dialog;
+use super::drop::DropTarget;
 use super::plots::course::{Still, label};
 use super::plots::outline;
 use super::{map, theme};
@@ -25,6 +27,7 @@ pub struct RecordingPanel {
     path: String,
     followed: Option<String>,
     dialog: Option<Dialog>,
+    drops: Option<DropTarget>,
     course: Still,
     notifier: RepaintNotifier,
 }
@@ -32,12 +35,22 @@ pub struct RecordingPanel {
 impl RecordingPanel {
     /// An empty panel; `notifier` wakes the window when a file was chosen.
     pub fn new(notifier: RepaintNotifier) -> Self {
-        Self { path: String::new(), followed: None, dialog: None, course: Still::default(), notifier }
+        Self { path: String::new(), followed: None, dialog: None, drops: None, course: Still::default(), notifier }
     }
 
     /// Calls off the system's dialog.
     pub fn close_dialog(&mut self) {
         self.dialog = None;
+    }
+
+    /// Takes what is dropped on this window.
+    pub fn take_drops(&mut self, window: &impl HasWindowHandle) {
+        self.drops = DropTarget::open(window, self.notifier.clone());
+    }
+
+    /// Takes nothing more.
+    pub fn refuse_drops(&mut self) {
+        self.drops = None;
     }
 
     /// Forgets what a window that is gone has drawn.
@@ -52,8 +65,7 @@ impl RecordingPanel {
             self.path = view.path.clone().unwrap_or_default();
             self.followed = view.path.clone();
         }
-        let dropped = ui.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
-        if let Some(path) = dropped.filter(|path| !path.as_os_str().is_empty()) {
+        if let Some(path) = self.drops.as_mut().and_then(DropTarget::poll) {
             self.take(path, loader);
         }
         if let Some(chosen) = self.dialog.as_mut().and_then(Dialog::poll) {
@@ -160,7 +172,7 @@ impl RecordingPanel {
                 }
             }
         }
-        if ui.input(|input| !input.raw.hovered_files.is_empty()) {
+        if self.drops.as_ref().is_some_and(DropTarget::is_hovered) {
             painter.rect_stroke(above.union(below), 3.0, egui::Stroke::new(2.0, theme::EMBER), StrokeKind::Inside);
         }
     }

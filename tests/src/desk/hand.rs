@@ -1,4 +1,5 @@
 use std::collections::HashMap;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use pyrophone_host::editor::EditorWindow;
@@ -10,6 +11,7 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
+use super::parcel::Parcel;
 use super::{Desk, Map, PATIENCE, Picture};
 use crate::flame;
 use crate::live::{Clock, Live};
@@ -216,6 +218,14 @@ impl<'a> Hand<'a> {
         self.strike(u32::from(letter));
         self.send(KEY_RELEASE_EVENT, code, (0, 0));
         self.settle();
+    }
+
+    /// Drops a file on something, from a window of another program.
+    #[track_caller]
+    pub fn drop_file(&mut self, path: &Path, thing: &str) {
+        let at = self.middle(thing);
+        let mut parcel = Parcel::new(path, &self.window, at);
+        self.wait_until("the file is taken", |_| parcel.is_taken());
     }
 
     /// The text of a parameter's value.
