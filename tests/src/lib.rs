@@ -200,19 +200,23 @@ pub fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
     }
 }
 
-/// Runs the test of this name in another process, because what goes wrong here aborts the host, or kills a thread of the framework,
-/// which is only heard of on the error stream.
-pub fn in_a_process_of_its_own(test: &str, body: fn()) {
+/// Runs the test of this name in another process, with more in its environment, because what goes wrong here aborts the host,
+/// or kills a thread of the framework, which is only heard of on the error stream. Lines that begin with `figure: ` are shown.
+pub fn in_a_process_of_its_own(test: &str, environment: &[(&str, &str)], body: fn()) {
     const INSIDE: &str = "PYROPHONE_TEST_INSIDE";
     if std::env::var_os(INSIDE).is_some() {
         return body();
     }
     let program = std::env::current_exe().expect("this program");
     let mut command = Command::new(program);
-    let output = command.args(["--exact", test, "--nocapture"]).env(INSIDE, "1").output().expect("it runs again");
+    let output = command
+        .args(["--exact", test, "--nocapture"])
+        .env(INSIDE, "1")
+        .envs(environment.iter().copied())
+        .output()
+        .expect("it runs again");
     let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
     assert!(said.contains("1 passed") && output.status.success(), "{test}: {}\n{said}", output.status);
-    // What a measurement has printed.
     said.lines().filter(|line| line.starts_with("figure: ")).for_each(|line| println!("{line}"));
     let panics: Vec<&str> = said.lines().filter(|line| line.contains("panicked")).collect();
     assert!(panics.is_empty(), "{test}: threads were lost:\n{}", panics.join("\n"));

@@ -59,12 +59,12 @@ fn group(format: Format, size: usize, round: usize, recordings: &[PathBuf]) {
 
 #[test]
 fn three_hundred_clap_instances_come_and_go() {
-    in_a_process_of_its_own("three_hundred_clap_instances_come_and_go", || three_hundred(Format::Clap));
+    in_a_process_of_its_own("three_hundred_clap_instances_come_and_go", &[], || three_hundred(Format::Clap));
 }
 
 #[test]
 fn three_hundred_vst3_instances_come_and_go() {
-    in_a_process_of_its_own("three_hundred_vst3_instances_come_and_go", || three_hundred(Format::Vst3));
+    in_a_process_of_its_own("three_hundred_vst3_instances_come_and_go", &[], || three_hundred(Format::Vst3));
 }
 
 fn three_hundred(format: Format) {
