@@ -9,7 +9,7 @@ pub struct Map {
     pub frames: u64,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// What laying out and drawing all these frames have taken.
+    /// Processor time that laying out and drawing all these frames have taken.
     pub spent: Duration,
     /// Left, top, right and bottom of all that can be seen, by name.
     pub things: HashMap<String, [i16; 4]>,
