@@ -133,6 +133,15 @@ pub struct RenderArgs {
     /// Fire recording that texture draws from
     #[arg(long, value_name = "T.wav")]
     pub training: Option<PathBuf>,
+    /// Learn from this part of the recording only, in seconds
+    #[arg(long, value_name = "START-END", requires = "training", value_parser = region)]
+    pub training_region: Option<[f64; 2]>,
+    /// Gain of the recording in dB
+    #[arg(long, value_name = "DB", default_value_t = 0.0, requires = "training", allow_negative_numbers = true)]
+    pub training_gain: f64,
+    /// Bring that part of the recording to a peak of full scale first
+    #[arg(long, requires = "training")]
+    pub training_normalise: bool,
     /// Where the input's loudness distribution comes from, instead of the preset's choice
     #[arg(long, value_enum)]
     pub dynamic_range: Option<DynamicRange>,
@@ -154,6 +163,16 @@ pub struct RenderArgs {
     /// Channels of the output [default: as many as the input's]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub channels: Option<usize>,
+}
+
+/// A stretch of time in seconds, as in `1.5-4`.
+fn region(text: &str) -> Result<[f64; 2], String> {
+    let parts =
+        text.split_once('-').and_then(|(start, end)| Some([start.trim().parse().ok()?, end.trim().parse().ok()?]));
+    match parts {
+        Some([start_s, end_s]) if start_s >= 0.0 && start_s < end_s && end_s < f64::INFINITY => Ok([start_s, end_s]),
+        _ => Err("write start and end in seconds, as in 1.5-4".to_owned()),
+    }
 }
 
 /// Values of `--dynamic-range`.

@@ -18,9 +18,13 @@ pub fn load(path: &Path, work: &Work) -> Result<Recording, Error> {
 
 /// Reads a sound file and brings it to `rate_hz`.
 pub fn load_at(path: &Path, rate_hz: u32, work: &Work) -> Result<Recording, Error> {
-    let recording = load(path, work)?;
+    at_rate(&load(path, work)?, rate_hz, work)
+}
+
+/// Brings a sound to `rate_hz`.
+pub fn at_rate(recording: &Recording, rate_hz: u32, work: &Work) -> Result<Recording, Error> {
     let stage = work.stage("resampling");
-    stop(resample(&recording, rate_hz, &|done| stage.at(done)))
+    stop(resample(recording, rate_hz, &|done| stage.at(done)))
 }
 
 fn stop(result: Result<Recording, pyrophone_recording::Error>) -> Result<Recording, Error> {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use pyrophone_flame::live::{Inline, LiveFlow};
-use pyrophone_recording::{MAX_CHANNELS, Recording, check_finite, check_not_among, write_wav_f32};
+use pyrophone_recording::{Cut, MAX_CHANNELS, Recording, check_finite, check_not_among, write_wav_f32};
 use pyrophone_settings::automation::Event;
 use pyrophone_settings::table::{DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
@@ -51,7 +51,9 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
     let channels = Channels { input: main.channels.len(), sidechain: sidechain.len(), output: outputs };
     let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&args.input))?;
     if let Some(path) = &args.training {
-        let training = input::load_at(path, main.sample_rate_hz, work)?;
+        let cut =
+            Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
+        let training = input::at_rate(&cut.of(&input::load(path, work)?)?, main.sample_rate_hz, work)?;
         let shape = Shape::at_rate(&structure, rate_hz);
         let dictionary = texture::index(&training, path, &shape, structure.dynamics, work)?;
         drop(chain.swap_dictionary(Some(dictionary)));

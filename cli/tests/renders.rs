@@ -29,6 +29,25 @@ fn made(folder: &TempDir, name: &str, arguments: &str) -> std::path::PathBuf {
     folder.path().join(name)
 }
 
+#[test]
+fn a_part_of_the_recording_is_learnt_from_at_its_level() {
+    let folder = folder();
+    let whole = read(&folder.path().join("fire.wav"));
+    let part: Vec<Vec<f32>> = whole.channels.iter().map(|channel| channel[11_025..33_075].to_vec()).collect();
+    let half = part.iter().map(|channel| channel.iter().map(|sample| 0.5 * sample).collect()).collect::<Vec<_>>();
+    write(folder.path(), "part.wav", &part, 44_100);
+    write(folder.path(), "half.wav", &half, 44_100);
+    let render = |name: &str, training: &str| {
+        read(&made(&folder, name, &format!("render --preset default --input mono.wav --training {training}"))).channels
+    };
+    let from_part = render("a.wav", "part.wav");
+    assert_eq!(render("b.wav", "fire.wav --training-region 0.25-0.75"), from_part);
+    assert_eq!(render("c.wav", "half.wav --training-gain 6.020599913279624"), from_part);
+    let full = render("d.wav", "part.wav --training-normalise");
+    assert_eq!(render("e.wav", "half.wav --training-normalise"), full, "whatever its level was");
+    assert_ne!(render("f.wav", "fire.wav"), from_part);
+}
+
 /// Settings that leave vortex sound alone.
 const WHOOSH: &str = "--set texture_level=off --set vortex_level=0 --set threshold=off";
 

@@ -1,13 +1,19 @@
 //! The audio thread's part: the engines, and their ends of the rings to the loader. Nothing here
 //! allocates, locks, frees or waits, but for [`Audio::set_chain`].
 
+pub mod audition;
+pub mod burst;
+
 use std::sync::atomic::Ordering;
 
 use pyrophone_settings::Values;
-use pyrophone_synthesis::chain::{Chain, Meters, Transport};
+use pyrophone_synthesis::chain::{Chain, Channels, Meters, Transport};
+use pyrophone_synthesis::vortex::Layout;
 
 use crate::loader::link::{AudioLink, Retired, Update, fingerprint};
 use crate::probe::ProbeIn;
+use audition::Audition;
+use burst::Burst;
 
 /// Longest piece that the engines are given at once.
 const LONGEST_PIECE: usize = 8192;
@@ -27,7 +33,11 @@ pub struct Audio {
 
 struct Running {
     chain: Chain,
-    sidechain_channels: usize,
+    channels: Channels,
+    audition: Audition,
+    burst: Burst,
+    /// The sidechain with a burst in it, channel by channel.
+    burning: Vec<Vec<f32>>,
     /// Of the structure that runs.
     structure: u64,
     latency_samples: u32,
@@ -60,13 +70,18 @@ impl Audio {
     }
 
     /// Exchanges the engines; not real-time safe. `values` are those they were made of.
-    pub fn set_chain(&mut self, chain: Option<Chain>, sidechain_channels: usize, max_block: usize, values: &Values) {
-        self.silence = vec![0.0; max_block.clamp(1, LONGEST_PIECE)];
+    pub fn set_chain(&mut self, chain: Option<Chain>, channels: Channels, max_block: usize, values: &Values) {
+        let piece = max_block.clamp(1, LONGEST_PIECE);
+        self.silence = vec![0.0; piece];
         let structure = fingerprint(&values.structure());
+        let effects = Layout::of_channels(channels.output).ok().and_then(Layout::low_frequency_effects);
         self.running = chain.map(|chain| Running {
             latency_samples: chain.latency_samples() as u32,
+            audition: Audition::new(chain.sample_rate_hz(), chain.latency_samples(), effects),
+            burst: Burst::new(chain.sample_rate_hz()),
+            burning: vec![vec![0.0; piece]; channels.sidechain.min(MAX_CHANNELS)],
             chain,
-            sidechain_channels,
+            channels,
             structure,
             restart_asked: structure,
         });
@@ -81,6 +96,7 @@ impl Audio {
                 Update::Dictionary(new) => running.chain.swap_dictionary(new).map(Retired::Dictionary),
                 Update::Distribution(new) => running.chain.swap_distribution(new).map(Retired::Distribution),
                 Update::Field(new) => running.chain.swap_field(new).map(Retired::Field),
+                Update::Tape(new) => running.audition.swap_tape(new).map(Retired::Tape),
             };
             if let Some(retired) = retired {
                 self.link.retire(retired);
@@ -114,6 +130,7 @@ impl Audio {
     pub fn reset(&mut self) {
         if let Some(running) = &mut self.running {
             running.chain.reset();
+            running.audition.reset();
         }
     }
 
@@ -136,6 +153,10 @@ impl Audio {
         let learns =
             self.link.shared.learning.load(Ordering::Relaxed) && (transport.playing || transport.position.is_none());
         let is_watched = self.probe.is_watched();
+        let listen = self.probe.listen();
+        if self.probe.is_burst_wanted() {
+            running.burst.start();
+        }
         let channels = main.len().min(MAX_CHANNELS);
         let mut start = 0;
         while start < samples {
@@ -148,10 +169,15 @@ impl Audio {
             for (piece, channel) in side.iter_mut().zip(sidechain) {
                 *piece = channel.get(start..end).unwrap_or(piece);
             }
+            let burst = running.burst.next(end - start);
+            if !burst.is_empty() {
+                let inputs = running.channels.input.min(channels);
+                add_burst(burst, &mut pieces[..inputs], &mut running.burning, &mut side);
+            }
             let position = transport.position.map(|position| position.wrapping_add(start as i64));
             running.chain.process(
                 &mut pieces[..channels],
-                &side[..running.sidechain_channels.min(MAX_CHANNELS)],
+                &side[..running.channels.sidechain.min(MAX_CHANNELS)],
                 &controls,
                 Transport { position, ..transport },
             );
@@ -160,11 +186,12 @@ impl Audio {
             }
             // Taken in any case: a window is not to be shown what was long ago.
             let probe = &mut self.probe;
-            running.chain.take_matches(|found| {
+            running.chain.take_traces(|trace| {
                 if is_watched {
-                    probe.send_match(found);
+                    probe.send_trace(trace);
                 }
             });
+            running.audition.process(listen, running.chain.drive(), &mut pieces[..channels]);
             if learns {
                 self.link.send_magnitudes(running.chain.top_level());
             }
@@ -195,5 +222,17 @@ impl Audio {
             Some(samples) => Tail::Samples(samples.min(u32::MAX as usize - 1) as u32),
             None => Tail::Endless,
         }
+    }
+}
+
+/// Adds a burst to what comes in; the sidechain is copied for that, since it is the host's.
+fn add_burst<'a>(burst: &[f32], inputs: &mut [&mut [f32]], burning: &'a mut [Vec<f32>], side: &mut [&'a [f32]]) {
+    let add = |samples: &mut [f32]| samples.iter_mut().zip(burst).for_each(|(sample, burst)| *sample += burst);
+    inputs.iter_mut().for_each(|input| add(input));
+    for (burning, side) in burning.iter_mut().zip(side) {
+        let burning = &mut burning[..side.len()];
+        burning.copy_from_slice(side);
+        add(burning);
+        *side = burning;
     }
 }

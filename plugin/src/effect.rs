@@ -4,11 +4,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use nice_plug::prelude::*;
-use nice_plug_egui::{EguiEditor, EguiEditorState, RepaintNotifier};
+use nice_plug_egui::RepaintNotifier;
+use pyrophone_settings::Recent;
 use pyrophone_synthesis::chain::{Chain, Channels};
 
 use crate::audio::{Audio, Tail};
-use crate::editor::{self, Window};
+use crate::editor::Window;
+use crate::editor::frame::PyrophoneEditor;
 use crate::fence::Fence;
 use crate::gas::Gas;
 use crate::host_clock::{HostClock, Reported};
@@ -36,7 +38,6 @@ pub struct Pyrophone {
     gas: Option<Gas>,
     executor: Option<AsyncExecutor<Self>>,
     notifier: RepaintNotifier,
-    window: Arc<EguiEditorState>,
     sample_rate_hz: f32,
     /// Samples since the window was asked to show new levels.
     since_repaint: f32,
@@ -48,7 +49,7 @@ pub struct PassFence;
 impl Default for Pyrophone {
     fn default() -> Self {
         let notifier = RepaintNotifier::new();
-        let (loader, params, link) = Loader::start(notifier.clone());
+        let (loader, params, link) = Loader::start(notifier.clone(), Recent::of_user());
         let (probe_in, probe) = probe::pair();
         Self {
             params,
@@ -61,7 +62,6 @@ impl Default for Pyrophone {
             gas: None,
             executor: None,
             notifier,
-            window: editor::initial_state(),
             sample_rate_hz: 0.0,
             since_repaint: 0.0,
         }
@@ -128,7 +128,7 @@ impl Plugin for Pyrophone {
     ];
     const SAMPLE_ACCURATE_AUTOMATION: bool = true;
 
-    type Editor = EguiEditor<Window>;
+    type Editor = PyrophoneEditor;
     type SysExMessage = ();
     type BackgroundTask = PassFence;
 
@@ -150,7 +150,7 @@ impl Plugin for Pyrophone {
             self.probe(),
             self.notifier.clone(),
         );
-        editor::create(self.window.clone(), self.notifier.clone(), window)
+        PyrophoneEditor::new(window, self.params.window.clone(), self.notifier.clone())
     }
 
     fn filter_state(state: &mut PluginState) {
@@ -198,7 +198,7 @@ impl Plugin for Pyrophone {
             let why = if offline { "an offline render needs its recording" } else { "a recording was loading" };
             nice_log!("Pyrophone waited {waited_s:.1} s, because {why}");
         }
-        self.audio.set_chain(Some(chain), channels.sidechain, config.max_buffer_size as usize, &values);
+        self.audio.set_chain(Some(chain), channels, config.max_buffer_size as usize, &values);
         self.sample_rate_hz = config.sample_rate;
         self.meters.set_engine(config.sample_rate, latency_samples);
         context.set_latency_samples(latency_samples);
@@ -250,6 +250,8 @@ impl Plugin for Pyrophone {
             context.request_restart();
         }
         match self.audio.tail() {
+            // A window may light a burst or listen to the recording while nothing comes in: hosts must go on asking.
+            _ if self.audio.is_watched() => ProcessStatus::KeepAlive,
             Tail::Over => ProcessStatus::Normal,
             Tail::Samples(samples) => ProcessStatus::Tail(samples),
             Tail::Endless => ProcessStatus::KeepAlive,

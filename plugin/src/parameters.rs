@@ -11,6 +11,7 @@ use nice_plug::prelude::*;
 use nice_plug_core::plugin::ParamValue;
 use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, index_of, session};
 
+use crate::editor::frame::WindowSize;
 use crate::persist::SessionStore;
 
 /// One host parameter.
@@ -29,12 +30,17 @@ pub struct EffectParams {
     slots: Box<[Slot]>,
     /// The recording and the learned distribution.
     pub session: Arc<SessionStore>,
+    /// The window's size.
+    pub window: Arc<WindowSize>,
 }
+
+/// Name of the window's size in the state.
+const WINDOW: &str = "window";
 
 impl EffectParams {
     /// Parameters at their defaults.
     pub fn new(session: Arc<SessionStore>) -> Self {
-        Self { slots: PARAMETERS.iter().map(Slot::new).collect(), session }
+        Self { slots: PARAMETERS.iter().map(Slot::new).collect(), session, window: Arc::default() }
     }
 
     /// The present values, rounded to the table's grid; real-time safe.
@@ -144,12 +150,18 @@ unsafe impl Params for EffectParams {
     }
 
     fn serialize_fields(&self) -> BTreeMap<String, String> {
-        BTreeMap::from([(session::FIELD.to_owned(), self.session.field().to_string())])
+        BTreeMap::from([
+            (session::FIELD.to_owned(), self.session.field().to_string()),
+            (WINDOW.to_owned(), self.window.to_json()),
+        ])
     }
 
     fn deserialize_fields(&self, serialized: &BTreeMap<String, String>) {
         if let Some(field) = serialized.get(session::FIELD) {
             self.session.arrive(field.as_str().into());
+        }
+        if let Some(size) = serialized.get(WINDOW) {
+            self.window.read_json(size);
         }
     }
 }

@@ -1,26 +1,49 @@
-//! What the window sees of the sound: drive and output, sample by sample, through a ring that the audio thread fills only
-//! while a window looks; and which layers it wants silent meanwhile.
+//! What the window sees of the sound: drive and output, sample by sample, and what the engines do, through rings that the
+//! audio thread fills only while a window looks; and what the window wants to be heard meanwhile.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use pyrophone_synthesis::chain::Trace;
 use pyrophone_synthesis::controls::MixControls;
-use pyrophone_synthesis::texture::Match;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
+use crate::audio::MAX_CHANNELS;
+
 /// Frames under way: two thirds of a second at 96 kHz, should the window be late.
 const FRAMES: usize = 1 << 16;
-/// Matches under way: several seconds' worth.
-const MATCHES: usize = 1 << 12;
+/// Traces under way: several seconds' worth.
+const TRACES: usize = 1 << 13;
 
-/// Drive and output, as means of their channels, at one sample; the drive is ahead by the latency.
+/// Drive and output at one sample; the drive is ahead by the latency.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Frame {
-    /// Drive.
+    /// Drive, one channel.
     pub drive: f32,
-    /// Output.
-    pub output: f32,
+    /// Output by channel; [`ProbeOut::channels`] tells how many there are.
+    pub output: [f32; MAX_CHANNELS],
+}
+
+impl Frame {
+    /// Mean of the first `channels` channels of the output.
+    pub fn mean(&self, channels: usize) -> f32 {
+        let channels = channels.clamp(1, MAX_CHANNELS);
+        self.output[..channels].iter().sum::<f32>() / channels as f32
+    }
+}
+
+/// What is heard, as long as a window looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Listen {
+    /// The output, as always.
+    #[default]
+    Output,
+    /// What drives the engines, in time with what would be the output.
+    Drive,
+    /// The part of the recording that is learnt from, over and over.
+    Recording,
 }
 
 /// Layers, in the order of the mix: low, extension, texture, vortex.
@@ -31,15 +54,28 @@ struct Shared {
     is_watched: AtomicBool,
     /// Layers that are silent, a bit each.
     silenced: AtomicU8,
+    /// A [`Listen`].
+    listen: AtomicU8,
+    is_burst_wanted: AtomicBool,
+    channels: AtomicU8,
+    /// Frames that had no room since a window began to look.
+    lost: AtomicU32,
     /// What the engines need of the time that they have: of the last blocks, and the most since it was asked.
     load: AtomicU32,
     worst_load: AtomicU32,
 }
 
+impl Shared {
+    fn listen(&self) -> Listen {
+        let listens = [Listen::Output, Listen::Drive, Listen::Recording];
+        listens.get(usize::from(self.listen.load(Ordering::Relaxed))).copied().unwrap_or_default()
+    }
+}
+
 /// The audio thread's end.
 pub struct ProbeIn {
     frames: HeapProd<Frame>,
-    matches: HeapProd<Match>,
+    traces: HeapProd<Trace>,
     shared: Arc<Shared>,
 }
 
@@ -47,21 +83,21 @@ pub struct ProbeIn {
 #[derive(Clone)]
 pub struct ProbeOut {
     frames: Arc<Mutex<HeapCons<Frame>>>,
-    matches: Arc<Mutex<HeapCons<Match>>>,
+    traces: Arc<Mutex<HeapCons<Trace>>>,
     shared: Arc<Shared>,
 }
 
 /// Both ends of a new probe.
 pub fn pair() -> (ProbeIn, ProbeOut) {
     let (frames_in, frames_out) = HeapRb::new(FRAMES).split();
-    let (matches, matches_out) = HeapRb::new(MATCHES).split();
+    let (traces, traces_out) = HeapRb::new(TRACES).split();
     let shared = Arc::new(Shared::default());
     let out = ProbeOut {
         frames: Arc::new(Mutex::new(frames_out)),
-        matches: Arc::new(Mutex::new(matches_out)),
+        traces: Arc::new(Mutex::new(traces_out)),
         shared: shared.clone(),
     };
-    (ProbeIn { frames: frames_in, matches, shared }, out)
+    (ProbeIn { frames: frames_in, traces, shared }, out)
 }
 
 impl ProbeIn {
@@ -81,22 +117,38 @@ impl ProbeIn {
         }
     }
 
-    /// Passes on one block, as much of it as there is room for; real-time safe.
-    pub fn send(&mut self, drive: &[f32], output: &[&mut [f32]]) {
-        let Some(first) = output.first() else { return };
-        let share = 1.0 / output.len() as f32;
-        let frames = drive.iter().zip(first.iter()).enumerate().map(|(at, (drive, first))| {
-            let others: f32 = output[1..].iter().map(|channel| channel.get(at).copied().unwrap_or(0.0)).sum();
-            Frame { drive: *drive, output: share * (first + others) }
-        });
-        let room = self.frames.vacant_len();
-        self.frames.push_iter(frames.take(room));
+    /// What is to be heard; real-time safe.
+    pub fn listen(&self) -> Listen {
+        self.shared.listen()
     }
 
-    /// Passes on where the texture was found; real-time safe.
-    pub fn send_match(&mut self, found: Match) {
+    /// Whether a burst is to begin, told once; real-time safe.
+    pub fn is_burst_wanted(&self) -> bool {
+        self.shared.is_burst_wanted.swap(false, Ordering::Relaxed)
+    }
+
+    /// Passes on one block, as much of it as there is room for; real-time safe.
+    pub fn send(&mut self, drive: &[f32], output: &[&mut [f32]]) {
+        self.shared.channels.store(output.len().min(MAX_CHANNELS) as u8, Ordering::Relaxed);
+        let frames = drive.iter().enumerate().map(|(at, drive)| {
+            let mut frame = Frame { drive: *drive, ..Frame::default() };
+            for (sample, channel) in frame.output.iter_mut().zip(output) {
+                *sample = channel.get(at).copied().unwrap_or(0.0);
+            }
+            frame
+        });
+        let room = self.frames.vacant_len();
+        let lost = drive.len().saturating_sub(room);
+        self.frames.push_iter(frames.take(room));
+        if lost > 0 {
+            self.shared.lost.fetch_add(lost as u32, Ordering::Relaxed);
+        }
+    }
+
+    /// Passes on what the engines have left to be seen; real-time safe.
+    pub fn send_trace(&mut self, trace: Trace) {
         // Where there is no room, nobody looks.
-        let _ = self.matches.try_push(found);
+        let _ = self.traces.try_push(trace);
     }
 
     /// Tells which part of its time a block has taken; real-time safe.
@@ -117,12 +169,40 @@ impl ProbeOut {
         self.shared.silenced.store(bits, Ordering::Relaxed);
     }
 
-    /// Starts or stops watching; what was under way is forgotten, and all layers sound.
+    /// What is to be heard, as long as a window looks.
+    pub fn listen_to(&self, listen: Listen) {
+        self.shared.listen.store(listen as u8, Ordering::Relaxed);
+    }
+
+    /// What is heard.
+    pub fn listen(&self) -> Listen {
+        self.shared.listen()
+    }
+
+    /// Adds a burst to what comes in.
+    pub fn burst(&self) {
+        self.shared.is_burst_wanted.store(true, Ordering::Relaxed);
+    }
+
+    /// Channels of the output.
+    pub fn channels(&self) -> usize {
+        usize::from(self.shared.channels.load(Ordering::Relaxed))
+    }
+
+    /// Frames that were lost since the last call, because the host was too fast for the window.
+    pub fn take_lost(&self) -> u32 {
+        self.shared.lost.swap(0, Ordering::Relaxed)
+    }
+
+    /// Starts or stops watching; what was under way is forgotten, all layers sound, and the output is heard.
     pub fn watch(&self, watched: bool) {
         self.shared.is_watched.store(watched, Ordering::Relaxed);
         self.silence([false; LAYERS]);
+        self.listen_to(Listen::Output);
+        self.shared.is_burst_wanted.store(false, Ordering::Relaxed);
+        self.take_lost();
         self.frames.lock().unwrap_or_else(PoisonError::into_inner).clear();
-        self.matches.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.traces.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
     /// Hands over what has arrived, oldest first.
@@ -136,10 +216,10 @@ impl ProbeOut {
         }
     }
 
-    /// Hands over where the texture was found, oldest first.
-    pub fn take_matches(&self, with: impl FnMut(Match)) {
-        let mut matches = self.matches.lock().unwrap_or_else(PoisonError::into_inner);
-        matches.pop_iter().take(MATCHES).for_each(with);
+    /// Hands over what the engines have left to be seen, oldest first.
+    pub fn take_traces(&self, with: impl FnMut(Trace)) {
+        let mut traces = self.traces.lock().unwrap_or_else(PoisonError::into_inner);
+        traces.pop_iter().take(TRACES).for_each(with);
     }
 
     /// Part of their time that blocks take, smoothed, and the most since the last call.
@@ -170,6 +250,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_heard_is_the_window_s_choice_while_it_is_there() {
+        let (audio, window) = pair();
+        window.watch(true);
+        for listen in [Listen::Drive, Listen::Recording, Listen::Output, Listen::Recording] {
+            window.listen_to(listen);
+            assert_eq!((audio.listen(), window.listen()), (listen, listen));
+        }
+        window.burst();
+        assert_eq!([audio.is_burst_wanted(), audio.is_burst_wanted()], [true, false]);
+        window.burst();
+        window.watch(false);
+        assert_eq!((audio.listen(), audio.is_burst_wanted()), (Listen::Output, false), "the window has gone");
+    }
+
+    #[test]
     fn frames_arrive_in_order_and_what_has_no_room_is_lost() {
         let (mut sent, seen) = pair();
         assert!(!sent.is_watched());
@@ -178,16 +273,20 @@ mod tests {
         let drive: Vec<f32> = (0..100).map(|n| n as f32).collect();
         let (mut left, mut right) = (vec![1.0; 100], vec![3.0; 100]);
         sent.send(&drive, &[&mut left, &mut right]);
+        assert_eq!(seen.channels(), 2);
         let mut frames = vec![];
         seen.take(|frame| frames.push(frame));
         assert_eq!(frames.len(), 100);
-        assert!(frames.iter().enumerate().all(|(n, frame)| *frame == Frame { drive: n as f32, output: 2.0 }));
+        let output = [1.0, 3.0, 0.0, 0.0, 0.0, 0.0];
+        assert!(frames.iter().enumerate().all(|(n, frame)| *frame == Frame { drive: n as f32, output }));
+        assert_eq!(seen.take_lost(), 0);
         for _ in 0..2 * FRAMES / 100 {
             sent.send(&drive, &[&mut left]);
         }
         let mut count = 0;
         seen.take(|_| count += 1);
         assert_eq!(count, FRAMES);
+        assert_eq!(seen.take_lost() as usize, 2 * FRAMES / 100 * 100 - FRAMES);
         sent.send(&drive, &[&mut left]);
         seen.watch(true);
         seen.take(|_| panic!("what was under way is forgotten"));

@@ -6,7 +6,7 @@ use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
 use pyrophone::audio::{Audio, Tail};
 use pyrophone::loader::{Engine, Loader};
-use pyrophone::probe;
+use pyrophone::probe::{self, Listen};
 use pyrophone_settings::{Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 
@@ -22,9 +22,9 @@ fn chain(values: &Values, sidechain: usize) -> Chain {
 
 /// An `Audio` that runs, with the loader that feeds it.
 fn audio(values: &Values, sidechain: usize, max_block: usize) -> (Loader, Audio) {
-    let (loader, _, link) = Loader::start(RepaintNotifier::new());
+    let (loader, _, link) = Loader::start(RepaintNotifier::new(), None);
     let mut audio = Audio::new(link, probe::pair().0);
-    audio.set_chain(Some(chain(values, sidechain)), sidechain, max_block, values);
+    audio.set_chain(Some(chain(values, sidechain)), channels(sidechain), max_block, values);
     (loader, audio)
 }
 
@@ -80,7 +80,7 @@ fn a_sidechain_of_another_length_is_silent() {
 
 #[test]
 fn without_engines_there_is_silence() {
-    let (_loader, _, link) = Loader::start(RepaintNotifier::new());
+    let (_loader, _, link) = Loader::start(RepaintNotifier::new(), None);
     let mut audio = Audio::new(link, probe::pair().0);
     let mut channel = noise(100, 1);
     audio.process(&mut [&mut channel], &[], &Values::default(), PLAYING);
@@ -90,10 +90,10 @@ fn without_engines_there_is_silence() {
 
 #[test]
 fn a_restart_is_asked_for_once_and_when_all_is_ready() {
-    let (loader, params, link) = Loader::start(RepaintNotifier::new());
+    let (loader, params, link) = Loader::start(RepaintNotifier::new(), None);
     let old = params.values();
     let mut audio = Audio::new(link, probe::pair().0);
-    audio.set_chain(Some(chain(&old, 0)), 0, 64, &old);
+    audio.set_chain(Some(chain(&old, 0)), channels(0), 64, &old);
     let ticket =
         loader.set_engine(Engine { sample_rate_hz: RATE_HZ, structure: old.structure(), channels: channels(0) });
     assert!(loader.wait(ticket, None));
@@ -114,4 +114,40 @@ fn a_restart_is_asked_for_once_and_when_all_is_ready() {
     assert_eq!(restart.latency_samples as usize, chain(&new, 0).latency_samples());
     assert_eq!(audio.wanted_restart(&new), None, "once");
     assert_eq!(audio.wanted_restart(&old), None, "and not when it was taken back");
+}
+
+#[test]
+fn a_burst_drives_whatever_the_drive_is_taken_from() {
+    // The input itself, and a sidechain that is not the input.
+    for (mode, sidechain) in [("pressure", 0), ("envelope", 2), ("envelope", 0)] {
+        let mut values = Preset::find("extend").unwrap().values;
+        values.set_text("drive_mode", mode).unwrap();
+        let (loader, _, link) = Loader::start(RepaintNotifier::new(), None);
+        let (sent, window) = probe::pair();
+        let mut audio = Audio::new(link, sent);
+        audio.set_chain(Some(chain(&values, sidechain)), channels(sidechain), 512, &values);
+        let mut played = |listen: Listen| {
+            window.listen_to(listen);
+            let mut all = vec![];
+            for block in 0..200 {
+                let (mut left, mut right) = (vec![0.0; 512], vec![0.0; 512]);
+                let (mut x, mut y) = (vec![0.0; 512], vec![0.0; 512]);
+                let side: [&mut [f32]; 2] = [&mut x, &mut y];
+                let transport = Transport { playing: true, position: Some(block * 512) };
+                audio.process(&mut [&mut left, &mut right], &side[..sidechain], &values, transport);
+                all.extend(left);
+            }
+            all
+        };
+        let peak = |samples: &[f32]| samples.iter().fold(0.0f32, |peak, x| peak.max(x.abs()));
+        window.watch(true);
+        assert_eq!(peak(&played(Listen::Output)), 0.0, "silence in, silence out");
+        window.burst();
+        let output = played(Listen::Output);
+        assert!(peak(&output) > 0.01, "{mode}, {sidechain}: {}", peak(&output));
+        window.burst();
+        let drive = played(Listen::Drive);
+        assert!(peak(&drive) > 0.01 && drive != output, "{mode}, {sidechain}: the drive alone");
+        drop(loader);
+    }
 }

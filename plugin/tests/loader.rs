@@ -7,16 +7,17 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
+use pyrophone::audio::audition::Tape;
 use pyrophone::loader::link::{AudioLink, Update};
 use pyrophone::loader::status::View;
 use pyrophone::loader::{Engine, Loader};
 use pyrophone::parameters::EffectParams;
 use pyrophone::persist;
-use pyrophone_settings::session::{FieldReference, Learned, RecordingReference};
-use pyrophone_settings::{Session, session};
+use pyrophone_settings::session::{Cut, FieldReference, Learned, RecordingReference};
+use pyrophone_settings::{Recent, Session, session};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::Channels;
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::texture::{Dictionary, Distribution};
 use pyrophone_synthesis::vortex::{End, SpeedField};
 
 const RATE_HZ: f64 = 44_100.0;
@@ -29,7 +30,11 @@ struct Instance {
 
 impl Instance {
     fn new() -> Self {
-        let (loader, params, link) = Loader::start(RepaintNotifier::new());
+        Self::with_recent(None)
+    }
+
+    fn with_recent(recent: Option<Recent>) -> Self {
+        let (loader, params, link) = Loader::start(RepaintNotifier::new(), recent);
         Self { loader, params, link }
     }
 
@@ -95,6 +100,14 @@ impl Instance {
 
     fn field(&mut self) -> Option<Option<Arc<SpeedField>>> {
         self.last(|update| if let Update::Field(field) = update { Some(field) } else { None })
+    }
+
+    fn tape(&mut self) -> Option<Option<Tape>> {
+        self.last(|update| if let Update::Tape(tape) = update { Some(tape) } else { None })
+    }
+
+    fn distribution(&mut self) -> Option<Option<Arc<Distribution>>> {
+        self.last(|update| if let Update::Distribution(found) = update { Some(found) } else { None })
     }
 
     fn dictionary(&mut self) -> Option<Option<Arc<Dictionary>>> {
@@ -272,7 +285,7 @@ fn a_missing_recording_is_named_and_the_session_saved_unharmed() {
         }),
         embed: true,
         learned: Some(Learned { sample_rate_hz: RATE_HZ, levels: 6, companded: true, quantiles: vec![0.0, 0.5, 1.0] }),
-        field: None,
+        ..Session::default()
     };
     instance.load_session(&session);
     let view = instance.view();
@@ -460,4 +473,126 @@ fn a_speed_field_is_loaded_kept_in_the_session_and_taken_away() {
     let damaged = Session { field: Some(FieldReference { path: "x.field".into(), bytes: vec![1, 2] }), ..saved };
     other.load_session(&damaged);
     assert!(other.view().error.unwrap().contains("speed field"));
+}
+
+#[test]
+fn a_part_of_the_recording_is_learnt_from_and_kept() {
+    let sounds = Sounds::new();
+    let path = sounds.wav("long.wav", 2.0, 51);
+    let mut first = Instance::running();
+    first.load_and_wait(&path);
+    first.activate(RATE_HZ);
+    let whole = first.dictionary().unwrap().unwrap();
+    assert!((whole.seconds() - 2.0).abs() < 1e-3);
+    let cut = Cut { region_s: Some([0.5, 1.25]), gain_db: -6.0, normalise: true };
+    let loader = first.loader.handle();
+    loader.set_cut(cut);
+    first.activate(RATE_HZ);
+    let part = first.dictionary().unwrap().unwrap();
+    assert!((part.seconds() - 0.75).abs() < 1e-3, "{}", part.seconds());
+    let view = first.view();
+    assert_eq!((view.cut, view.portrait.as_ref().unwrap().start_s), (cut, 0.5));
+    assert_eq!(first.saved().cut, cut);
+
+    // Another instance gets it with the session, and the same dictionary.
+    let mut second = Instance::new();
+    second.load_session(&first.saved());
+    assert!(Arc::ptr_eq(&second.dictionary().unwrap().unwrap(), &part));
+
+    // The same file from another place keeps its part, another recording does not.
+    let moved = sounds.0.path().join("moved.wav");
+    std::fs::copy(&path, &moved).unwrap();
+    second.load_and_wait(&moved);
+    assert_eq!(second.saved().cut, cut);
+    second.load_and_wait(&sounds.wav("other.wav", 0.5, 52));
+    assert_eq!(second.saved().cut, Cut { region_s: None, ..cut });
+
+    let saved_at = sounds.0.path().join("part.wav");
+    loader.save_part(saved_at.clone());
+    first.wait_for("saving", |view| view.notice.as_ref().is_some_and(|notice| notice.contains("part.wav")));
+    let saved = pyrophone_recording::decode(&saved_at, &|_| true).unwrap();
+    let peak = saved.channels[0].iter().fold(0.0f32, |peak, x| peak.max(x.abs()));
+    assert_eq!(saved.len_samples(), 33_075);
+    assert!((peak - 0.501).abs() < 1e-3, "6 dB below full scale: {peak}");
+    loader.save_part(path.clone());
+    first.wait_for("refusal", |view| view.error.as_ref().is_some_and(|error| error.contains("long.wav")));
+    assert_eq!(pyrophone_recording::decode(&path, &|_| true).unwrap().len_samples(), 88_200, "not overwritten");
+}
+
+#[test]
+fn a_recording_is_there_to_be_listened_to_as_long_as_that_is_wanted() {
+    let sounds = Sounds::new();
+    let mut instance = Instance::running();
+    let loader = instance.loader.handle();
+    instance.load_and_wait(&sounds.wav("tape.wav", 1.0, 61));
+    instance.activate(RATE_HZ);
+    assert!(instance.tape().flatten().is_none(), "nobody has asked for it");
+    loader.audition(true);
+    instance.wait_for("a tape", |view| view.has_tape);
+    let tape = instance.tape().unwrap().unwrap();
+    assert_eq!((tape.len(), tape[0].len()), (1, 44_100));
+    loader.set_cut(Cut { region_s: Some([0.0, 0.5]), ..Cut::default() });
+    instance.activate(RATE_HZ);
+    assert_eq!(instance.tape().unwrap().unwrap()[0].len(), 22_050);
+    instance.activate(2.0 * RATE_HZ);
+    assert_eq!(instance.tape().unwrap().unwrap()[0].len(), 44_100, "at the engine's rate");
+    loader.audition(false);
+    instance.wait_for("no tape", |view| !view.has_tape);
+    assert!(instance.tape().unwrap().is_none());
+}
+
+#[test]
+fn a_drive_is_learned_from_a_file() {
+    let sounds = Sounds::new();
+    let path = sounds.wav("drive.wav", 1.5, 71);
+    let mut instance = Instance::running();
+    instance.loader.handle().learn_from(path.clone());
+    instance.wait_for("a learned drive", |view| view.learned.is_some());
+    let values = instance.params.values();
+    let sound = pyrophone_recording::decode(&path, &|_| true).unwrap().channels;
+    let expected = pyrophone_synthesis::chain::learn(RATE_HZ, &values.structure(), &values.controls(), &sound, &[]);
+    assert_eq!(instance.distribution().unwrap().unwrap().quantiles(), expected.unwrap().quantiles());
+    let saved = instance.saved().learned.unwrap();
+    assert_eq!((saved.sample_rate_hz, saved.companded), (RATE_HZ, true));
+    assert_eq!(instance.view().amplitudes[1].as_ref().map(|shown| shown.len()), Some(65));
+    instance.loader.handle().learn_from("/no/such/drive.wav".into());
+    instance.wait_for("a message", |view| view.error.as_ref().is_some_and(|error| error.contains("drive.wav")));
+    assert_eq!(instance.saved().learned.unwrap(), saved, "what was learned before stays");
+}
+
+#[test]
+fn what_is_under_way_can_be_cancelled_and_the_old_sound_plays_on() {
+    let sounds = Sounds::new();
+    let mut instance = Instance::running();
+    instance.load_and_wait(&sounds.wav("short.wav", 0.5, 81));
+    instance.activate(RATE_HZ);
+    let old = instance.dictionary().unwrap().unwrap();
+    let long = sounds.wav("endless.wav", 120.0, 82);
+    let loader = instance.loader.handle();
+    loader.load(long);
+    instance.wait_for("progress", |view| view.progress.is_some());
+    loader.cancel();
+    instance.wait_for("a message", |view| {
+        view.progress.is_none() && view.error.as_ref().is_some_and(|error| error.contains("endless.wav"))
+    });
+    assert!(instance.view().recording.unwrap().starts_with("short.wav"));
+    assert!(instance.saved().recording.unwrap().path.ends_with("short.wav"));
+    instance.activate(RATE_HZ);
+    assert!(Arc::ptr_eq(&instance.dictionary().unwrap().unwrap(), &old));
+    loader.cancel();
+    instance.activate(RATE_HZ);
+    assert!(instance.view().recording.unwrap().starts_with("short.wav"), "there was nothing left to cancel");
+}
+
+#[test]
+fn recordings_that_were_loaded_are_listed_for_all_instances() {
+    let sounds = Sounds::new();
+    let recent = Recent::new(&sounds.0.path().join("settings"));
+    let first = Instance::with_recent(Some(recent.clone()));
+    for name in ["a.wav", "b.wav"] {
+        first.load_and_wait(&sounds.wav(name, 0.5, 91));
+    }
+    first.wait_for("a list", |view| view.recent.len() == 2 && view.recent[0].ends_with("b.wav"));
+    let second = Instance::with_recent(Some(recent));
+    second.wait_for("the same list", |view| view.recent.len() == 2 && view.recent[1].ends_with("a.wav"));
 }

@@ -18,6 +18,7 @@ use nice_plug::prelude::*;
 use nice_plug_core::context::process::SendEventError;
 use pyrophone::Pyrophone;
 use pyrophone::effect::PassFence;
+use pyrophone::probe::Listen;
 use pyrophone_settings::session::{FIELD, FieldReference, RecordingReference, Session};
 use pyrophone_settings::{COUNT, PARAMETERS};
 use pyrophone_synthesis::vortex::{End, SpeedField};
@@ -136,7 +137,7 @@ fn run(sidechain_channels: usize) {
     });
 
     let probe = plugin.probe();
-    let mut watched_frames = 0;
+    let (mut watched_frames, mut traces) = (0, 0);
     let map = params.param_map();
     let (left, right, side) = (noise(8192, 1), noise(8192, 2), noise(8192, 3));
     let mut heard = 0.0f32;
@@ -150,8 +151,14 @@ fn run(sidechain_channels: usize) {
         // A window comes and goes; at times it is too slow to take what there is.
         match round % 60 {
             0 => probe.watch(true),
+            10 => probe.listen_to(Listen::Drive),
+            20 => probe.listen_to(Listen::Recording),
+            30 => probe.burst(),
             40 => probe.watch(false),
-            _ if round % 7 == 0 => probe.take(|_| watched_frames += 1),
+            _ if round % 7 == 0 => {
+                probe.take(|_| watched_frames += 1);
+                probe.take_traces(|_| traces += 1);
+            }
             _ => {}
         }
         let (mut x, mut y) = (left[..samples].to_vec(), right[..samples].to_vec());
@@ -179,7 +186,7 @@ fn run(sidechain_channels: usize) {
     done.store(true, Ordering::Relaxed);
     assert!(loading.join().unwrap() > 20, "states were loaded");
     assert!(heard > 1e-5, "something was heard");
-    assert!(watched_frames > 10_000, "something was seen");
+    assert!(watched_frames > 10_000 && traces > 100, "something was seen: {watched_frames} frames, {traces} traces");
     plugin.deactivate();
 }
 

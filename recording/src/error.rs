@@ -37,6 +37,24 @@ pub enum Error {
         /// What the system said.
         reason: String,
     },
+    /// The region of a recording is none.
+    #[error("{name}: its region from {start_s} s to {end_s} s is none; end it after its start")]
+    Region {
+        /// The file.
+        name: String,
+        /// The start in seconds.
+        start_s: f64,
+        /// The end in seconds.
+        end_s: f64,
+    },
+    /// A gain beyond what is allowed.
+    #[error("the recording's gain is {found_db} dB, but must lie within ±{most_db} dB; choose less")]
+    Gain {
+        /// The gain in dB.
+        found_db: f64,
+        /// The most that is allowed.
+        most_db: f64,
+    },
     /// The file holds no bytes.
     #[error("{name}: the file is empty (0 bytes); export or copy it again")]
     Empty {

@@ -1,12 +1,13 @@
 //! Sound files in and out: what is read is checked, what is written is whole.
 //!
 //! [`read`] and [`decode`] take WAV, AIFF, CAF (linear PCM), FLAC, Ogg Vorbis and MP3 and refuse,
-//! with a one-line reason, whatever cannot serve as a recording. [`resample`] brings a recording to
+//! with a one-line reason, whatever cannot serve as a recording. [`Cut`] takes a part of one, [`resample`] brings a recording to
 //! another sample rate, [`write_wav_f32`] and [`write_broadcast_wav_f32`] write float WAV files, and [`embed`] packs a file's
 //! bytes into text, for keeping inside a session.
 
 mod broadcast;
 mod container;
+mod cut;
 mod decode;
 mod embed;
 mod error;
@@ -14,6 +15,7 @@ mod resample;
 mod write;
 
 pub use broadcast::{Broadcast, write_broadcast_wav_f32};
+pub use cut::{Cut, MAX_GAIN_DB};
 pub use decode::{decode, decode_bytes, read};
 pub use embed::{MAX_EMBEDDED_BYTES, embed, unembed};
 pub use error::Error;

@@ -1,4 +1,4 @@
-//! Pyrophone's settings: the table of parameters, presets, the user's library of them, and automation.
+//! Pyrophone's settings: the table of parameters, presets, the user's library of them, recent recordings, and automation.
 //!
 //! Plugin, command line and tests all take ids, ranges, defaults and texts from
 //! [`PARAMETERS`]; nothing states them a second time. [`Values`] holds one value for each and
@@ -10,6 +10,7 @@ pub mod error;
 pub mod library;
 pub mod parameter;
 pub mod preset;
+pub mod recent;
 pub mod session;
 pub mod table;
 pub mod values;
@@ -19,6 +20,7 @@ pub use error::Error;
 pub use library::Library;
 pub use parameter::{Kind, Parameter};
 pub use preset::Preset;
+pub use recent::Recent;
 pub use session::Session;
 pub(crate) use table::ids_as_list;
 pub use table::{COUNT, Id, PARAMETERS, index_of};

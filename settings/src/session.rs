@@ -39,6 +39,39 @@ pub struct Session {
     pub learned: Option<Learned>,
     /// The speed field that vortex sound follows.
     pub field: Option<FieldReference>,
+    /// Which part of the recording is learnt from, and how loud it is taken.
+    pub cut: Cut,
+}
+
+/// Which part of the recording is learnt from, and how loud it is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Cut {
+    /// Start and end in seconds; none: all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region_s: Option<[f64; 2]>,
+    /// Gain in dB, within ±[`MAX_CUT_GAIN_DB`].
+    #[serde(default)]
+    pub gain_db: f64,
+    /// Whether the part is first brought to a peak of full scale.
+    #[serde(default)]
+    pub normalise: bool,
+}
+
+/// Most gain of a [`Cut`], up or down, in dB.
+pub const MAX_CUT_GAIN_DB: f64 = 60.0;
+
+impl Cut {
+    fn is_whole(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn check(self) -> Result<Self, String> {
+        let region = self.region_s.is_none_or(|[start_s, end_s]| start_s < end_s && end_s.is_finite());
+        if !(region && (-MAX_CUT_GAIN_DB..=MAX_CUT_GAIN_DB).contains(&self.gain_db)) {
+            return Err("its part of the recording is no stretch of time, or its gain is beyond 60 dB".to_owned());
+        }
+        Ok(self)
+    }
 }
 
 /// Where a recording is, and which it is.
@@ -96,6 +129,8 @@ struct File {
     learned: Option<PackedLearned>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     field: Option<PackedField>,
+    #[serde(default, skip_serializing_if = "Cut::is_whole")]
+    cut: Cut,
 }
 
 /// Quantiles as little-endian 64-bit floats in Base64: exact, and an eighth of their size as text.
@@ -121,7 +156,8 @@ impl Session {
             .field
             .as_ref()
             .map(|field| PackedField { path: field.path.clone(), bytes: STANDARD.encode(&field.bytes) });
-        let file = File { version: VERSION, recording: self.recording.clone(), embed: self.embed, learned, field };
+        let (recording, cut) = (self.recording.clone(), self.cut);
+        let file = File { version: VERSION, recording, embed: self.embed, learned, field, cut };
         // Strings, numbers and booleans always have a JSON form.
         serde_json::to_string(&file).unwrap_or_default()
     }
@@ -141,7 +177,8 @@ impl Session {
         let file: File = serde_json::from_value(value).map_err(|error| damaged(error.to_string()))?;
         let learned = file.learned.map(PackedLearned::unpack).transpose().map_err(damaged)?;
         let field = file.field.map(PackedField::unpack).transpose().map_err(damaged)?;
-        Ok(Self { recording: file.recording, embed: file.embed, learned, field })
+        let cut = file.cut.check().map_err(damaged)?;
+        Ok(Self { recording: file.recording, embed: file.embed, learned, field, cut })
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a session keeps: round trips, and damaged ones.
 
 use proptest::prelude::*;
-use pyrophone_settings::session::{FieldReference, Learned, RecordingReference, Session, plugin_state};
+use pyrophone_settings::session::{Cut, FieldReference, Learned, RecordingReference, Session, plugin_state};
 use pyrophone_settings::{Error, Values};
 
 fn full() -> Session {
@@ -19,6 +19,7 @@ fn full() -> Session {
             quantiles: vec![0.0, 1e-300, 0.1, 0.3],
         }),
         field: Some(FieldReference { path: "/caches/flame.field".to_owned(), bytes: vec![0, 255, 7] }),
+        cut: Cut { region_s: Some([0.5, 2.25]), gain_db: -3.0, normalise: true },
     }
 }
 
@@ -48,10 +49,21 @@ fn damaged_texts_are_refused() {
         Session { learned, ..Session::default() }.to_json()
     };
     bad.extend([with(vec![]), with(vec![0.2, 0.1]), with(vec![f64::NAN]), with(vec![-1.0]), with(vec![0.0; 65_537])]);
+    bad.push(good.replace("[0.5,2.25]", "[2.25,0.5]"));
+    bad.push(good.replace("[0.5,2.25]", "[0.5]"));
+    bad.push(good.replace("\"gain_db\":-3.0", "\"gain_db\":1e9"));
+    assert!(bad.iter().all(|text| *text != good), "every one is damaged");
     for text in bad {
         assert!(matches!(Session::from_json(&text), Err(Error::Session { .. })), "{text:.80}");
     }
     assert!(matches!(Session::from_json("{\"version\":2}"), Err(Error::SessionVersion { found: 2, .. })));
+}
+
+#[test]
+fn sessions_from_before_there_was_a_cut_take_all_of_the_recording() {
+    let whole = Session { cut: Cut::default(), ..full() };
+    assert!(!whole.to_json().contains("cut"), "and builds of that time can read what is saved");
+    assert_eq!(Session::from_json(&whole.to_json()).unwrap(), whole);
 }
 
 #[test]

@@ -214,10 +214,12 @@ fn matches_are_told_by_their_places_in_the_recording() {
     // A recording that is driven by a part of itself is found where that part is.
     let from = 8000;
     let mut silent = vec![0.0; 2000];
-    let mut places = vec![];
+    let (mut places, mut swings) = (vec![], vec![]);
     for drive in recording[from..from + 24_000].chunks(2000) {
         engine.process(drive, None, &controls, &mut [&mut silent]);
-        places.extend(engine.take_matches());
+        let (matches, extents) = engine.take_traces();
+        places.extend(matches);
+        swings.extend(extents);
     }
     let step = (shape.window << (shape.levels - 2)) as f64;
     assert!(places.len() as f64 > 22_000.0 / step, "{} matches", places.len());
@@ -227,5 +229,15 @@ fn matches_are_told_by_their_places_in_the_recording() {
     let near = places.iter().enumerate().map(off).filter(|off| off.abs() < 1.5).count();
     assert!(near * 10 > places.len() * 9, "{near} of {} matches are where they should be", places.len());
     assert!(places.iter().all(|found| found.factor == 1.0 && found.magnitude >= 0.0));
-    assert_eq!(engine.take_matches().count(), 0, "they are taken once");
+    for level in 0..shape.levels {
+        let here = swings.iter().filter(|extent| usize::from(extent.level) == level);
+        // From the first window whose context has sound on, every sixtieth of a second swings both ways.
+        let sounding = here.clone().filter(|extent| extent.low < 0.0 && extent.high > 0.0).count();
+        assert!(
+            sounding + 2 >= here.count() && sounding as f64 > 22_000.0 / RATE_HZ * 60.0 - 6.0,
+            "{level}: {sounding}"
+        );
+    }
+    let (matches, extents) = engine.take_traces();
+    assert_eq!((matches.count(), extents.count()), (0, 0), "they are taken once");
 }

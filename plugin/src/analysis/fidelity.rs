@@ -303,6 +303,8 @@ pub struct Figures {
 pub enum Fault {
     /// Tones stand out.
     Buzzes,
+    /// They are likely to: loudness is matched over a long way.
+    MayBuzz,
     /// Its loudness is not the drive's.
     Wanders,
     /// It is more sudden than the recording.
@@ -319,6 +321,9 @@ impl Fault {
                 "Tones stand out that the recording has not: a longer, livelier recording has fewer."
             }
             Self::Buzzes => "It buzzes: turn Scaling alpha down, or Dynamics mode to companded.",
+            Self::MayBuzz => {
+                "Drive and recording differ so much in loudness that this may buzz: turn Scaling alpha down."
+            }
             Self::Wanders => "It does not follow the drive: turn Dynamics up, or a steady layer down.",
             Self::Sudden => "It is more sudden than the recording: turn Drive match down.",
             Self::Dull => "It crackles less than the recording: turn Drive match up, or extension and vortex down.",

@@ -6,11 +6,13 @@
 //! | [`analyser`] | a running spectrum |
 //! | [`fidelity`] | how near the output is to the recording, and how well it follows the drive |
 //! | [`portrait`] | a whole recording at a glance |
+//! | [`range`] | whether matching two ranges of amplitudes is likely to buzz |
 
 pub mod analyser;
 pub mod bands;
 pub mod fidelity;
 pub mod portrait;
+pub mod range;
 
 pub use analyser::Analyser;
 pub use bands::{BANDS, FLOOR_DB};

@@ -1,9 +1,9 @@
 //! A whole recording at a glance: its outline, its spectrum, its course.
 
-use pyrophone_recording::Recording;
+use pyrophone_recording::{Cut, Recording};
 
 use super::analyser::Analyser;
-use super::bands::{BANDS, decibels};
+use super::bands::{BANDS, FLOOR_DB, decibels};
 use super::fidelity::Character;
 
 /// Columns of outline and course.
@@ -15,12 +15,12 @@ const GLANCE_S: f64 = 0.1;
 /// Longest stretch, in seconds, from a recording's middle by which an output is judged.
 const JUDGED_S: f64 = 12.0;
 
-/// What is drawn of a recording, and judged by.
+/// What is drawn of a recording, and judged by: outline and course are of all of it, the rest of the part that is learnt from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Portrait {
     /// Least and largest sample by column.
     pub outline: Vec<[f32; 2]>,
-    /// Mean power density in dB by band.
+    /// Mean power density in dB by band, at the part's level.
     pub spectrum_db: [f32; BANDS],
     /// Power density in dB, by column, then band.
     pub course_db: Vec<[f32; BANDS]>,
@@ -28,11 +28,13 @@ pub struct Portrait {
     pub character: Character,
     /// Length in seconds.
     pub duration_s: f64,
+    /// Where the part begins, in seconds.
+    pub start_s: f64,
 }
 
 impl Portrait {
-    /// The portrait of a recording.
-    pub fn of(recording: &Recording) -> Self {
+    /// The portrait of a recording of which the part `cut` is learnt from.
+    pub fn of(recording: &Recording, cut: &Cut) -> Self {
         let samples = recording.len_samples();
         let share = 1.0 / recording.channels.len().max(1) as f32;
         let mean = |at: usize| share * recording.channels.iter().map(|channel| channel[at]).sum::<f32>();
@@ -47,7 +49,6 @@ impl Portrait {
         let rate_hz = f64::from(recording.sample_rate_hz);
         let glance = (GLANCE_S * rate_hz) as usize;
         let mut analyser = Analyser::new(rate_hz, GLANCE_S / 2.0, GLANCE_S);
-        let mut sum = [0.0f64; BANDS];
         let course = (0..COLUMNS).map(|index| {
             let span = column(index);
             // Windows reach beyond a column where columns are short.
@@ -60,18 +61,44 @@ impl Portrait {
                     here = *density;
                 }
             }
-            sum.iter_mut().zip(here).for_each(|(sum, x)| *sum += f64::from(x));
             here.map(decibels)
         });
-        let course_db: Vec<[f32; BANDS]> = course.collect();
-        let judged = samples.min((JUDGED_S * rate_hz) as usize);
-        let first = (samples - judged) / 2;
-        Self {
+        let course_db = course.collect();
+        let all = Self {
             outline: outline.collect(),
-            spectrum_db: sum.map(|sum| decibels((sum / COLUMNS as f64) as f32)),
             course_db,
-            character: Character::of((first..first + judged).map(mean), rate_hz),
+            spectrum_db: [FLOOR_DB; BANDS],
+            character: Character::default(),
             duration_s: recording.duration_s(),
+            start_s: 0.0,
+        };
+        all.with_cut(recording, cut)
+    }
+
+    /// The same recording's, of which another part is learnt from. A part that makes no sense is taken as all.
+    pub fn with_cut(&self, recording: &Recording, cut: &Cut) -> Self {
+        let samples = recording.len_samples();
+        let span = cut.span(recording).unwrap_or(0..samples);
+        let gain_db = 20.0 * cut.gain(recording).unwrap_or(1.0).log10() as f32;
+        let column = |sample: usize| (sample * COLUMNS / samples.max(1)).min(COLUMNS - 1);
+        let columns = column(span.start)..column(span.end.saturating_sub(1)) + 1;
+        let spectrum_db = std::array::from_fn(|band| {
+            let powers =
+                self.course_db[columns.clone()].iter().map(|levels| 10f64.powf(f64::from(levels[band]) / 10.0));
+            decibels((powers.sum::<f64>() / columns.len() as f64) as f32) + gain_db
+        });
+        let rate_hz = f64::from(recording.sample_rate_hz);
+        let judged = span.len().min((JUDGED_S * rate_hz) as usize);
+        let first = span.start + (span.len() - judged) / 2;
+        let share = 1.0 / recording.channels.len().max(1) as f32;
+        let mean = |at: usize| share * recording.channels.iter().map(|channel| channel[at]).sum::<f32>();
+        Self {
+            outline: self.outline.clone(),
+            course_db: self.course_db.clone(),
+            spectrum_db,
+            character: Character::of((first..first + judged).map(mean), rate_hz),
+            duration_s: self.duration_s,
+            start_s: span.start as f64 / rate_hz,
         }
     }
 }
@@ -91,7 +118,7 @@ mod tests {
         let channel = |sign: f32| -> Vec<f32> {
             (0..88_200).map(|n| if n < 44_100 { 0.0 } else { sign * 0.1 * noise.at(n) as f32 }).collect()
         };
-        let portrait = Portrait::of(&recording(vec![channel(1.0), channel(0.5)]));
+        let portrait = Portrait::of(&recording(vec![channel(1.0), channel(0.5)]), &Cut::default());
         assert_eq!((portrait.outline.len(), portrait.course_db.len()), (COLUMNS, COLUMNS));
         assert_eq!(portrait.outline[100], [0.0, 0.0]);
         let [low, high] = portrait.outline[400];
@@ -102,9 +129,28 @@ mod tests {
     }
 
     #[test]
+    fn the_part_that_is_learnt_from_is_judged_at_its_level() {
+        let noise = pyrophone_synthesis::noise::White::new(1, 0);
+        let loudness = |n: i64| if n < 44_100 { 0.1 } else { 0.001 };
+        let recording = recording(vec![(0..88_200).map(|n| (loudness(n) * noise.at(n)) as f32).collect()]);
+        let whole = Portrait::of(&recording, &Cut::default());
+        let part = |region_s, gain_db| {
+            let cut = Cut { region_s: Some(region_s), gain_db, normalise: false };
+            whole.with_cut(&recording, &cut)
+        };
+        let band = 120;
+        let quiet = part([1.1, 1.9], 0.0);
+        assert!((whole.spectrum_db[band] - quiet.spectrum_db[band] - 37.0).abs() < 2.0, "40 dB, less the half");
+        assert_eq!((quiet.start_s, quiet.duration_s), (1.1, 2.0));
+        assert_eq!((&quiet.outline, &quiet.course_db), (&whole.outline, &whole.course_db));
+        let louder = part([1.1, 1.9], 12.0);
+        assert!((louder.spectrum_db[band] - quiet.spectrum_db[band] - 12.0).abs() < 1e-3);
+    }
+
+    #[test]
     fn single_samples_and_hours_are_no_trouble() {
         for samples in [1, 2, 511, 513, 3_000_000] {
-            let portrait = Portrait::of(&recording(vec![vec![0.5; samples]]));
+            let portrait = Portrait::of(&recording(vec![vec![0.5; samples]]), &Cut::default());
             assert_eq!(portrait.outline.len(), COLUMNS);
             assert!(portrait.outline.iter().any(|[_, high]| *high == 0.5), "{samples}");
             assert!(portrait.course_db.iter().flatten().all(|level| level.is_finite()), "{samples}");

@@ -7,30 +7,54 @@ use super::hand::Hand;
 use super::theme;
 use super::widgets::{KNOB, PICK_WIDTH, choice, knob, toggle};
 
-/// Groups in the order of the signal, with a word on what they do.
-const GROUPS: [Group; 6] = [
-    Group { name: "Drive", note: "what goes in" },
-    Group { name: "Flame", note: "what burns where nothing goes in (drive flame)" },
-    Group { name: "Extension", note: "noise above the cutoff" },
-    Group { name: "Levels", note: "what is heard" },
-    Group { name: "Texture", note: "fire from the recording" },
-    Group { name: "Vortex", note: "the whoosh of turbulent gas" },
-];
+/// A page of parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Page {
+    /// What most is played with.
+    #[default]
+    Play,
+    /// Vortex sound, and the flame that may move it.
+    Vortex,
+    /// What decides sizes and latency.
+    Structure,
+}
 
-/// What decides sizes and latency.
-const STRUCTURE: [Group; 1] =
-    [Group { name: "Structure", note: "sizes of the engines: a change restarts them and may change the latency" }];
+impl Page {
+    /// Its groups, with a word on what they do.
+    const fn groups(self) -> &'static [Group] {
+        match self {
+            Self::Play => &[
+                Group { name: "Drive", note: "what goes in" },
+                Group { name: "Levels", note: "what is heard" },
+                Group { name: "Extension", note: "noise above the cutoff" },
+                Group { name: "Flame", note: "what burns where nothing goes in (drive flame)" },
+                Group { name: "Texture", note: "fire from the recording" },
+            ],
+            Self::Vortex => &[
+                Group { name: "Vortex", note: "the whoosh of turbulent gas" },
+                Group {
+                    name: "Flame",
+                    note: "what burns where nothing goes in (drive flame), and moves the flow of fields",
+                },
+                Group { name: "Levels", note: "what is heard" },
+            ],
+            Self::Structure => &[Group {
+                name: "Structure",
+                note: "sizes of the engines: a change restarts them and may change the latency",
+            }],
+        }
+    }
+}
 
 /// Between groups and within them, in points.
 const SPACING: f32 = 6.0;
 const MARGIN: i8 = 9;
 
-/// The groups of a page: those that are played, or the structure.
-pub fn show(ui: &mut Ui, is_structure: bool, hand: &mut Hand<'_>) {
-    let groups: &[Group] = if is_structure { &STRUCTURE } else { &GROUPS };
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+/// The groups of a page.
+pub fn show(ui: &mut Ui, page: Page, hand: &mut Hand<'_>) {
+    ScrollArea::vertical().id_salt(page as usize).auto_shrink(false).show(ui, |ui| {
         let room = ui.available_width();
-        let mut rest = groups;
+        let mut rest = page.groups();
         while let [first, ..] = rest {
             // As many as fit beside each other, but one at least.
             let mut width = first.width();

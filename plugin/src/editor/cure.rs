@@ -29,7 +29,7 @@ impl Cure {
         let is_companded = values.get(Id::DynamicsMode) == companded;
         let scaling = values.get(Id::ScalingAlpha);
         let (id, plain) = match fault {
-            Fault::Buzzes if scaling > CALM_SCALING => (Id::ScalingAlpha, CALM_SCALING),
+            Fault::Buzzes | Fault::MayBuzz if scaling > CALM_SCALING => (Id::ScalingAlpha, CALM_SCALING),
             Fault::Buzzes if scaling > 0.0 => (Id::ScalingAlpha, 0.0),
             Fault::Buzzes if !is_companded => (Id::DynamicsMode, companded),
             Fault::Wanders if is_companded => (Id::Dynamics, values.get(Id::Dynamics) + DYNAMICS_STEP),
@@ -71,6 +71,7 @@ mod tests {
         assert_eq!(buzzing[..2], [(Id::ScalingAlpha, 0.5), (Id::ScalingAlpha, 0.0)]);
         assert_eq!(buzzing.len(), 3);
         assert_eq!(buzzing[2].0, Id::DynamicsMode);
+        assert_eq!(clicks(Fault::MayBuzz, paper), [(Id::ScalingAlpha, 0.5)]);
         for fault in [Fault::Wanders, Fault::Sudden, Fault::Dull] {
             assert_eq!(clicks(fault, paper), [], "there is nothing to turn in the paper's mode");
             assert!(!clicks(fault, Values::default()).is_empty(), "{fault:?}");

@@ -14,6 +14,7 @@ use std::thread::{JoinHandle, Thread};
 use std::time::Duration;
 
 use nice_plug_egui::RepaintNotifier;
+use rfd::AsyncFileDialog;
 
 /// File names that recordings have.
 const EXTENSIONS: &[&str] = &["wav", "wave", "flac", "ogg", "oga", "mp3", "aif", "aiff", "aifc", "caf"];
@@ -22,6 +23,17 @@ const VARIABLE: &str = "PYROPHONE_DIALOG";
 
 /// How often the thread looks whether it was called off.
 const GLANCE: Duration = Duration::from_millis(50);
+
+/// What the user is asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Ask {
+    /// A recording of fire, or a speed field.
+    Recording,
+    /// A sound whose loudness is learned.
+    Drive,
+    /// Where to save a sound, which is likely to be called so.
+    Save(String),
+}
 
 /// An open dialog; dropping it calls it off.
 pub struct Dialog {
@@ -40,14 +52,14 @@ impl Wake for Unpark {
 
 impl Dialog {
     /// Opens the dialog in the folder of `path`; `notifier` wakes the window at its end.
-    pub fn open(path: &str, notifier: RepaintNotifier) -> Self {
+    pub fn open(ask: Ask, path: &str, notifier: RepaintNotifier) -> Self {
         let folder = Path::new(path).parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
         let (sender, receiver) = channel();
         let answer = std::env::var_os(VARIABLE).map(PathBuf::from);
         let called_off = Arc::new(AtomicBool::new(false));
         let flag = called_off.clone();
         let ask = move || {
-            let chosen = answer.or_else(|| show(folder.as_deref(), &flag));
+            let chosen = answer.or_else(|| show(&ask, folder.as_deref(), &flag));
             // The window may be gone; then nobody wants the answer.
             let _ = sender.send(chosen);
             notifier.request_repaint();
@@ -79,16 +91,27 @@ impl Drop for Dialog {
 }
 
 /// Shows the dialog, beginning in a folder, and gives what was chosen.
-fn show(folder: Option<&Path>, called_off: &AtomicBool) -> Option<PathBuf> {
-    let mut dialog = rfd::AsyncFileDialog::new()
-        .set_title("Load a recording of fire")
-        .add_filter("Sound files", EXTENSIONS)
-        .add_filter("Speed fields", &["field"])
-        .add_filter("All files", &["*"]);
+fn show(ask: &Ask, folder: Option<&Path>, called_off: &AtomicBool) -> Option<PathBuf> {
+    let mut dialog = AsyncFileDialog::new();
     if let Some(folder) = folder {
         dialog = dialog.set_directory(folder);
     }
-    wait_for(dialog.pick_file(), called_off).flatten().map(|file| file.path().to_owned())
+    let sounds = |dialog: AsyncFileDialog| dialog.add_filter("Sound files", EXTENSIONS);
+    let every = |dialog: AsyncFileDialog| dialog.add_filter("All files", &["*"]);
+    let chosen = match ask {
+        Ask::Recording => {
+            let dialog = sounds(dialog.set_title("Load a recording of fire")).add_filter("Speed fields", &["field"]);
+            wait_for(every(dialog).pick_file(), called_off)
+        }
+        Ask::Drive => {
+            wait_for(every(sounds(dialog.set_title("Learn the loudness of a sound"))).pick_file(), called_off)
+        }
+        Ask::Save(name) => {
+            let dialog = dialog.set_title("Save a sound").set_file_name(name).add_filter("WAV", &["wav"]);
+            wait_for(dialog.save_file(), called_off)
+        }
+    };
+    chosen.flatten().map(|file| file.path().to_owned())
 }
 
 /// Runs a future to its end on this thread, or until called off.

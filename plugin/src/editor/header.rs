@@ -4,6 +4,7 @@ use egui::{Align, Button, Layout, RichText, Ui};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::Id;
 
+use super::controls::Page;
 use super::hand::Hand;
 use super::presets::Presets;
 use super::{map, theme};
@@ -13,14 +14,14 @@ use crate::meters::Meters;
 pub struct Header {
     /// The list of presets.
     pub presets: Presets,
-    /// Whether the structure's parameters are shown instead of those that are played.
-    pub shows_structure: bool,
+    /// The page of parameters that is shown.
+    pub page: Page,
 }
 
 impl Header {
     /// `notifier` wakes the window when files were read or written.
     pub fn new(notifier: RepaintNotifier) -> Self {
-        Self { presets: Presets::new(notifier), shows_structure: false }
+        Self { presets: Presets::new(notifier), page: Page::Play }
     }
 
     /// The row. `load` is the part of their time that blocks take, and the worst of the last second.
@@ -32,9 +33,9 @@ impl Header {
             ui.separator();
             history(ui, hand);
             ui.separator();
-            for (name, is_structure) in [("Play", false), ("Structure", true)] {
-                let page = ui.selectable_value(&mut self.shows_structure, is_structure, name);
-                map::note(ui, format_args!("button.{name}"), page.rect);
+            for (name, page) in [("Play", Page::Play), ("Vortex", Page::Vortex), ("Structure", Page::Structure)] {
+                let button = ui.selectable_value(&mut self.page, page, name);
+                map::note(ui, format_args!("button.{name}"), button.rect);
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let bypass = Id::Bypass as usize;

@@ -2,11 +2,17 @@
 
 use std::collections::VecDeque;
 
+use pyrophone_synthesis::chain::Trace;
+
+use super::plots::beta::Betas;
 use super::plots::course::Course;
+use super::plots::dynamics::Dynamics;
 use super::plots::heat::Heat;
+use super::plots::pyramid::Levels;
 use super::plots::spectrum::Spectra;
+use super::take::Take;
 use crate::analysis::{Analyser, Character, Fidelity, Figures};
-use crate::probe::{Frame, LAYERS, ProbeOut};
+use crate::probe::{LAYERS, Listen, ProbeOut};
 
 /// Windows of the spectra and of the courses, in seconds.
 const SPECTRUM_S: f64 = 0.17;
@@ -35,6 +41,14 @@ pub struct Monitor {
     pub output: Course,
     /// Where in the recording the texture was found.
     pub heat: Heat,
+    /// Noise factors of extension's windows.
+    pub betas: Betas,
+    /// Levels of the output pyramid.
+    pub levels: Levels,
+    /// What dynamic-range matching maps.
+    pub dynamics: Dynamics,
+    /// What is kept of drive and output to be saved.
+    pub take: Take,
     worst: Worst,
 }
 
@@ -73,6 +87,10 @@ impl Monitor {
             drive,
             output,
             heat: Heat::default(),
+            betas: Betas::default(),
+            levels: Levels::default(),
+            dynamics: Dynamics::default(),
+            take: Take::default(),
             worst: Worst::default(),
         }
     }
@@ -86,6 +104,10 @@ impl Monitor {
         self.drive.clear();
         self.output.clear();
         self.heat = Heat::default();
+        self.betas = Betas::default();
+        self.levels = Levels::default();
+        self.dynamics = Dynamics::default();
+        self.take = Take::default();
     }
 
     /// Takes in what has sounded; `engine` is latency in samples and sample rate in Hz.
@@ -105,12 +127,16 @@ impl Monitor {
             return;
         };
         let (spectra, drive_course, output_course) = (&mut self.spectra, &mut self.drive, &mut self.output);
-        self.probe.take(|Frame { drive, output }| {
-            sides.waiting.push_back(drive);
+        let (take, channels) = (&mut self.take, self.probe.channels());
+        take.lose(self.probe.take_lost());
+        self.probe.take(|frame| {
+            sides.waiting.push_back(frame.drive);
             if sides.waiting.len() <= sides.latency_samples {
                 return;
             }
             let drive = sides.waiting.pop_front().unwrap_or(0.0);
+            take.push(drive, &frame.output[..channels]);
+            let output = frame.mean(channels);
             sides.fidelity.push(drive, output);
             if let Some(density) = sides.drive.spectrum.push(drive) {
                 spectra.drive.take(density, SPECTRUM_STEP_S as f32);
@@ -127,15 +153,36 @@ impl Monitor {
         });
     }
 
-    /// Takes in where in a recording of `duration_s` seconds the texture was found; `now_s` is the window's clock.
-    pub fn follow_matches(&mut self, duration_s: Option<f64>, now_s: f64) {
+    /// Takes in what the engines have left to be seen; `recording_s` is the recording's length, and where in it the part begins
+    /// that is learnt from; `now_s` is the window's clock.
+    pub fn follow_traces(&mut self, recording_s: Option<[f64; 2]>, now_s: f64) {
         self.heat.cool(now_s);
-        let heat = &mut self.heat;
-        self.probe.take_matches(|found| {
-            if let Some(duration_s) = duration_s {
-                heat.take((f64::from(found.place_s) / duration_s) as f32);
+        let (heat, dynamics, levels, betas) = (&mut self.heat, &mut self.dynamics, &mut self.levels, &mut self.betas);
+        self.probe.take_traces(|trace| match trace {
+            Trace::Beta(beta) => betas.take(beta),
+            Trace::Extent(extent) => levels.take(extent),
+            Trace::Match(found) => {
+                if let Some([duration_s, start_s]) = recording_s {
+                    heat.take(((start_s + f64::from(found.place_s)) / duration_s) as f32);
+                }
+                dynamics.take(found);
             }
         });
+    }
+
+    /// What is heard.
+    pub fn listen(&self) -> Listen {
+        self.probe.listen()
+    }
+
+    /// What is to be heard while the window is open.
+    pub fn listen_to(&self, listen: Listen) {
+        self.probe.listen_to(listen);
+    }
+
+    /// Adds a burst to what comes in.
+    pub fn burst(&self) {
+        self.probe.burst();
     }
 
     /// How near the output is to a recording, and how well it follows the drive.

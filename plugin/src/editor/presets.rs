@@ -1,7 +1,5 @@
 //! Presets: a list to search, those that come with Pyrophone and the user's own; saving and renaming.
 
-mod task;
-
 use std::path::PathBuf;
 
 use egui::{Align, Align2, Button, Key, Label, Layout, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, Vec2};
@@ -10,8 +8,8 @@ use pyrophone_settings::library::Stored;
 use pyrophone_settings::{Error, Library, Preset, Values};
 
 use super::hand::Hand;
+use super::task::Task;
 use super::{map, theme};
-use task::Task;
 
 /// Size of the list, in points.
 const SIZE: Vec2 = Vec2::new(480.0, 400.0);

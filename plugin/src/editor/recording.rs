@@ -1,15 +1,18 @@
-//! The recording and the speed field: loading them, names, progress and messages; learning the dynamic range.
+//! The recording and the speed field: loading them, the part to learn from, names, progress and messages; learning the dynamic range.
+
+mod region;
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use egui::{Rect, RichText, StrokeKind, Ui, Vec2};
+use egui::{Button, DragValue, Label, Rect, RichText, StrokeKind, TextEdit, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::Id;
+use pyrophone_settings::session::{Cut, MAX_CUT_GAIN_DB};
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use raw_window_handle::HasWindowHandle;
 
-use super::dialog::Dialog;
+use super::dialog::{Ask, Dialog};
 use super::drop::DropTarget;
 use super::plots::course::{Still, label};
 use super::plots::outline;
@@ -17,6 +20,7 @@ use super::{map, theme};
 use crate::loader::LoaderHandle;
 use crate::loader::status::View;
 use crate::parameters::EffectParams;
+use region::{Change, Region, SHORTEST_S};
 
 /// How the names of speed fields end.
 const FIELD_EXTENSION: &str = "field";
@@ -26,21 +30,35 @@ pub struct RecordingPanel {
     /// The path as typed, and the session's path that it followed last.
     path: String,
     followed: Option<String>,
-    dialog: Option<Dialog>,
+    dialog: Option<(Ask, Dialog)>,
     drops: Option<DropTarget>,
     course: Still,
+    region: Region,
+    /// The part and level as they are being typed or dragged.
+    held: Option<Cut>,
     notifier: RepaintNotifier,
 }
 
 impl RecordingPanel {
     /// An empty panel; `notifier` wakes the window when a file was chosen.
     pub fn new(notifier: RepaintNotifier) -> Self {
-        Self { path: String::new(), followed: None, dialog: None, drops: None, course: Still::default(), notifier }
+        Self {
+            path: String::new(),
+            followed: None,
+            dialog: None,
+            drops: None,
+            course: Still::default(),
+            region: Region::default(),
+            held: None,
+            notifier,
+        }
     }
 
     /// Calls off the system's dialog.
     pub fn close_dialog(&mut self) {
         self.dialog = None;
+        self.held = None;
+        self.region = Region::default();
     }
 
     /// Takes what is dropped on this window.
@@ -59,8 +77,7 @@ impl RecordingPanel {
     }
 
     /// The panel. A file that is dropped on the window is loaded: as a speed field by its name, else as the recording.
-    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams) {
-        let view = loader.status.view();
+    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams, view: &View) {
         if view.path != self.followed {
             self.path = view.path.clone().unwrap_or_default();
             self.followed = view.path.clone();
@@ -68,24 +85,19 @@ impl RecordingPanel {
         if let Some(path) = self.drops.as_mut().and_then(DropTarget::poll) {
             self.take(path, loader);
         }
-        if let Some(chosen) = self.dialog.as_mut().and_then(Dialog::poll) {
+        if let Some((ask, chosen)) = self.dialog.as_mut().and_then(|(ask, dialog)| Some((ask.clone(), dialog.poll()?)))
+        {
             self.dialog = None;
-            if let Some(path) = chosen {
-                self.take(path, loader);
+            match (ask, chosen) {
+                (Ask::Drive, Some(path)) => loader.learn_from(path),
+                (_, Some(path)) => self.take(path, loader),
+                (_, None) => {}
             }
         }
+        ui.horizontal(|ui| self.loading(ui, loader, view));
+        ui.horizontal(|ui| self.cutting(ui, loader, view));
         ui.horizontal(|ui| {
-            self.loading(ui, loader, &view);
-        });
-        ui.horizontal(|ui| {
-            let mut embed = view.embed;
-            let keep = ui.checkbox(&mut embed, "Keep in the session");
-            map::note(ui, "toggle.Keep in the session", keep.rect);
-            if keep.on_hover_text("Saves the recording itself with the session, up to 10 MB").changed() {
-                loader.set_embed(embed);
-            }
-            ui.separator();
-            learning(ui, loader, params, &view);
+            self.learning(ui, loader, params, view);
             if let Some(field) = &view.field {
                 ui.separator();
                 ui.label(RichText::new(field).color(theme::WEAK)).on_hover_text("Speed field: set Flow to field");
@@ -94,9 +106,18 @@ impl RecordingPanel {
                 }
             }
         });
-        if let Some(error) = &view.error {
-            ui.add(egui::Label::new(RichText::new(error).color(theme::ALARM)).wrap());
-        }
+        let (message, color) = match (&view.error, &view.notice) {
+            (Some(error), _) => (error, theme::ALARM),
+            (None, Some(notice)) => (notice, theme::WEAK),
+            (None, None) => return,
+        };
+        ui.horizontal_top(|ui| {
+            if ui.small_button("×").on_hover_text("Read").clicked() {
+                loader.status.update(|view| (view.error, view.notice) = (None, None));
+            }
+            let text = RichText::new(message).font(theme::small()).color(color);
+            ui.add(Label::new(text).wrap()).on_hover_text(message);
+        });
     }
 
     /// Loads a file that was dropped, chosen or typed.
@@ -109,35 +130,112 @@ impl RecordingPanel {
         }
     }
 
+    fn ask(&mut self, ask: Ask) {
+        self.dialog = Some((ask.clone(), Dialog::open(ask, &self.path, self.notifier.clone())));
+    }
+
     fn loading(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
-        let browse = ui.add_enabled(self.dialog.is_none(), egui::Button::new("Load recording…"));
+        let is_missing = view.recording.is_none() && view.path.is_some() && view.progress.is_none();
+        let (words, hint) = if is_missing {
+            (RichText::new("Locate…").color(theme::ALARM), "Choose where the recording is now: its part and level stay")
+        } else {
+            let hint = "Or drop a sound file on the window; a .field file is the speed field of vortex sound";
+            (RichText::new("Load recording…"), hint)
+        };
+        let browse = ui.add_enabled(self.dialog.is_none(), Button::new(words));
         map::note(ui, "button.Load recording", browse.rect);
-        if browse
-            .on_hover_text("Or drop a sound file on the window; a .field file is the speed field of vortex sound")
-            .clicked()
-        {
-            self.dialog = Some(Dialog::open(&self.path, self.notifier.clone()));
+        if browse.on_hover_text(hint).clicked() {
+            self.ask(Ask::Recording);
         }
-        let width = (ui.available_width() - 76.0).max(80.0);
-        let field = egui::TextEdit::singleline(&mut self.path)
-            .hint_text("or the path of a sound file, then Enter")
-            .desired_width(width);
+        let recent = ui.add_enabled_ui(!view.recent.is_empty(), |ui| {
+            ui.menu_button("Recent", |ui| {
+                for path in &view.recent {
+                    let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+                    if ui.button(name).on_hover_text(path).clicked() {
+                        self.take(PathBuf::from(path), loader);
+                        ui.close();
+                    }
+                }
+            })
+        });
+        map::note(ui, "button.Recent", recent.response.rect);
+        let width = (ui.available_width() - 76.0).max(60.0);
+        let field = TextEdit::singleline(&mut self.path).hint_text("or the path of a sound file").desired_width(width);
         let typed = ui.add(field);
-        map::note(ui, "field.Recording", typed.rect);
+        map::note(ui, "field.Path", typed.rect);
         let entered = typed.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         let path = self.path.trim();
         if entered && !path.is_empty() {
             self.take(PathBuf::from(path), loader);
         }
-        let remove = ui.add_enabled(view.path.is_some(), egui::Button::new("Remove"));
-        map::note(ui, "button.Remove recording", remove.rect);
+        if view.progress.is_some() {
+            let cancel = ui.button("Cancel").on_hover_text("Gives up what is under way; what sounds goes on");
+            map::note(ui, "button.Cancel", cancel.rect);
+            if cancel.clicked() {
+                loader.cancel();
+            }
+            return;
+        }
+        let remove = ui.add_enabled(view.path.is_some(), Button::new("Remove"));
+        map::note(ui, "button.Remove", remove.rect);
         if remove.clicked() {
             loader.unload();
         }
     }
 
+    /// The part that is learnt from, and its level.
+    fn cutting(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
+        let duration_s = view.portrait.as_ref().map_or(0.0, |portrait| portrait.duration_s);
+        let cut = self.held.unwrap_or(view.cut);
+        let [mut start_s, mut end_s] = cut.region_s.unwrap_or([0.0, duration_s]);
+        let (mut gain_db, mut normalise) = (cut.gain_db, cut.normalise);
+        let (mut is_held, mut is_done) = (false, false);
+        let mut number = |ui: &mut Ui, name: &str, value: DragValue<'_>, hint: &str| {
+            let response = ui.add(value).on_hover_text(hint);
+            map::note(ui, format_args!("number.{name}"), response.rect);
+            is_held |= response.changed() || response.dragged();
+            is_done |= response.drag_stopped() || response.lost_focus();
+        };
+        ui.add_enabled_ui(view.portrait.is_some(), |ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            ui.spacing_mut().interact_size.x = 48.0;
+            let seconds = |value, name| DragValue::new(value).prefix(name).suffix(" s").fixed_decimals(2).speed(0.01);
+            number(
+                ui,
+                "Start",
+                seconds(&mut start_s, "from ").range(0.0..=duration_s),
+                "Where the part begins that is learnt from",
+            );
+            number(ui, "End", seconds(&mut end_s, "to ").range(0.0..=duration_s), "Where it ends");
+            let gain = DragValue::new(&mut gain_db).prefix("gain ").suffix(" dB").fixed_decimals(1).speed(0.1);
+            number(
+                ui,
+                "Gain",
+                gain.range(-MAX_CUT_GAIN_DB..=MAX_CUT_GAIN_DB),
+                "How much louder the recording is taken",
+            );
+        });
+        let toggle = ui.checkbox(&mut normalise, "Normalise").on_hover_text("Brings the part to full scale first");
+        map::note(ui, "toggle.Normalise", toggle.rect);
+        let mut embed = view.embed;
+        let keep = ui.checkbox(&mut embed, "Embed");
+        map::note(ui, "toggle.Keep in the session", keep.rect);
+        if keep.on_hover_text("Saves the recording itself with the session, up to 10 MB").changed() {
+            loader.set_embed(embed);
+        }
+        let is_whole = start_s <= 0.0 && end_s >= duration_s;
+        let region_s = (!is_whole).then_some([start_s.min(end_s - SHORTEST_S).max(0.0), end_s.max(SHORTEST_S)]);
+        let now = Cut { region_s, gain_db, normalise };
+        if toggle.changed() || is_done && self.held.is_some() {
+            self.held = None;
+            loader.set_cut(now);
+        } else if is_held {
+            self.held = Some(now);
+        }
+    }
+
     /// Outline and course of the recording, or what is in their way.
-    pub fn show_pictures(&mut self, ui: &Ui, [above, below]: [Rect; 2], view: &View) {
+    pub fn show_pictures(&mut self, ui: &Ui, [above, below]: [Rect; 2], loader: &LoaderHandle, view: &View) {
         let painter = ui.painter();
         [above, below].iter().for_each(|rect| {
             painter.rect_filled(*rect, 3.0, theme::WELL);
@@ -145,6 +243,12 @@ impl RecordingPanel {
         if let Some(portrait) = &view.portrait {
             outline::show(ui, above, portrait);
             self.course.show(ui, below, portrait);
+            let shown = self.held.unwrap_or(view.cut).region_s;
+            let change = self.region.show(ui, above, portrait.duration_s, shown);
+            if let Some(change) = change {
+                let region_s = if let Change::Part(region_s) = change { Some(region_s) } else { None };
+                loader.set_cut(Cut { region_s, ..view.cut });
+            }
         }
         let centre = above.union(below).center();
         let word = |text: &str, color| {
@@ -163,7 +267,10 @@ impl RecordingPanel {
         } else {
             match (&view.recording, &view.path) {
                 (Some(recording), _) => label(ui, above, recording, theme::ASH),
-                (None, Some(path)) => word(&format!("Not loaded: {path}\nLoad it from where it is now."), theme::ALARM),
+                (None, Some(path)) => word(
+                    &format!("Not loaded: {path}\nLocate it where it is now; extension plays meanwhile."),
+                    theme::ALARM,
+                ),
                 (None, None) => {
                     word(
                         "No recording yet: extension stands in for texture.\nDrop a recording of fire here.",
@@ -176,25 +283,34 @@ impl RecordingPanel {
             painter.rect_stroke(above.union(below), 3.0, egui::Stroke::new(2.0, theme::EMBER), StrokeKind::Inside);
         }
     }
-}
 
-fn learning(ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams, view: &View) {
-    let learning = &loader.shared.learning;
-    let is_on = learning.load(Ordering::Relaxed);
-    let text = if is_on { "Learning: press when it has played" } else { "Learn the drive" };
-    let learn = ui.add(egui::Button::new(text).selected(is_on));
-    map::note(ui, "button.Learn", learn.rect);
-    if learn.on_hover_text("Press, play the track once, press again: the texture then follows its loudness").clicked() {
-        learning.store(!is_on, Ordering::Relaxed);
-    }
-    if let Some(values) = view.learning {
-        ui.label(format!("{values} amplitudes so far"));
-    } else if let Some(learned) = &view.learned {
-        ui.label(RichText::new(learned).color(theme::WEAK));
-        if ui.small_button("Forget").clicked() {
-            loader.forget_learned();
+    fn learning(&mut self, ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams, view: &View) {
+        let learning = &loader.shared.learning;
+        let is_on = learning.load(Ordering::Relaxed);
+        let text = if is_on { "Learning: press when it has played" } else { "Learn the drive" };
+        let learn = ui.add(Button::new(text).selected(is_on));
+        map::note(ui, "button.Learn the drive", learn.rect);
+        let hint = "Press, play the track once, press again: the texture then follows its loudness";
+        if learn.on_hover_text(hint).clicked() {
+            learning.store(!is_on, Ordering::Relaxed);
         }
-    } else if DYNAMIC_RANGES[params.values().get(Id::DynamicRange) as usize] == "learned" {
-        ui.colored_label(theme::ALARM, "Set to learned, but nothing was learned yet.");
+        if let Some(values) = view.learning {
+            ui.label(format!("{values} amplitudes so far"));
+            return;
+        }
+        let from_file = ui.add_enabled(self.dialog.is_none(), Button::new("from file…"));
+        map::note(ui, "button.Learn from file", from_file.rect);
+        let hint = "Learns from a sound file as if it were the track, with the drive as it is set";
+        if from_file.on_hover_text(hint).clicked() {
+            self.ask(Ask::Drive);
+        }
+        if let Some(learned) = &view.learned {
+            ui.label(RichText::new(learned).font(theme::small()).color(theme::WEAK));
+            if ui.small_button("Forget").clicked() {
+                loader.forget_learned();
+            }
+        } else if DYNAMIC_RANGES[params.values().get(Id::DynamicRange) as usize] == "learned" {
+            ui.label(RichText::new("Nothing was learned yet.").font(theme::small()).color(theme::ALARM));
+        }
     }
 }

@@ -6,7 +6,7 @@ use std::hash::Hash;
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
-use pyrophone_recording::Recording;
+use pyrophone_recording::{Cut, Recording};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Shape};
@@ -24,6 +24,8 @@ pub static DICTIONARIES: LazyLock<Cache<DictionaryKey, Dictionary>> = LazyLock::
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct DictionaryKey {
     content_hash: String,
+    /// Start, end and gain of the part, and whether it is normalised.
+    cut: (Option<[u64; 2]>, u64, bool),
     rate_bits: u64,
     sizes: [usize; 3],
     falloff_bits: u64,
@@ -31,12 +33,13 @@ pub struct DictionaryKey {
 }
 
 impl DictionaryKey {
-    /// The key of a recording at a sample rate, for engines of a structure.
-    pub fn new(content_hash: &str, sample_rate_hz: f64, structure: &Structure) -> Self {
+    /// The key of a part of a recording at a sample rate, for engines of a structure.
+    pub fn new(content_hash: &str, cut: &Cut, sample_rate_hz: f64, structure: &Structure) -> Self {
         let shape = Shape::at_rate(structure, sample_rate_hz);
         Self {
             dynamics: structure.dynamics,
             content_hash: content_hash.to_owned(),
+            cut: (cut.region_s.map(|region_s| region_s.map(f64::to_bits)), cut.gain_db.to_bits(), cut.normalise),
             rate_bits: sample_rate_hz.to_bits(),
             sizes: [shape.levels, shape.window, shape.feature],
             falloff_bits: shape.falloff.to_bits(),

@@ -1,16 +1,22 @@
-//! Learning the distribution of the drive's amplitudes from one pass, and handing it to the
+//! Learning the distribution of the drive's amplitudes from one pass or from a file, and handing it to the
 //! engine it holds for.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use pyrophone_recording::{decode, resample};
+use pyrophone_settings::Values;
 use pyrophone_settings::session::{Learned, Session};
+use pyrophone_synthesis::chain::learn;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::Distribution;
 
 use super::Engine;
 use super::link::{LoaderLink, Update};
+use super::source::Failure;
 use super::status::Status;
+use super::worker::Job;
 
 /// Most amplitudes of one pass: about an hour and a half at 44.1 kHz and six levels.
 const MAX_VALUES: usize = 1 << 23;
@@ -23,9 +29,54 @@ pub struct Learner {
     /// Whether learning was switched off and only the rest on the way is awaited.
     is_closing: bool,
     is_sent: bool,
+    /// A file to learn from instead of a pass.
+    file: Option<PathBuf>,
+}
+
+/// Steps of probability at which a distribution is drawn.
+const SHOWN: usize = 65;
+
+/// What is drawn of a distribution; none of one that is empty.
+pub fn shown_amplitudes(distribution: &Distribution) -> Option<Arc<[f32]>> {
+    let at = |step: usize| distribution.amplitude(step as f64 / (SHOWN - 1) as f64) as f32;
+    (!distribution.quantiles().is_empty()).then(|| (0..SHOWN).map(at).collect())
 }
 
 impl Learner {
+    /// Learns from a file as soon as there is an engine to learn for.
+    pub fn learn_from(&mut self, path: PathBuf) {
+        self.file = Some(path);
+    }
+
+    /// Whether a file is still to be learned from.
+    pub fn is_awaited(&self) -> bool {
+        self.file.is_some()
+    }
+
+    /// Does without the file.
+    pub fn give_up(&mut self) {
+        self.file = None;
+    }
+
+    /// Learns from the file, if there is one; whether that has changed the session.
+    pub fn work(
+        &mut self,
+        session: &mut Session,
+        engine: &Engine,
+        values: &Values,
+        job: &Job,
+    ) -> Result<bool, Failure> {
+        let Some(path) = &self.file else { return Ok(false) };
+        let learned = learned_from(path, engine, values, job);
+        if matches!(learned, Err(Failure::CalledOff)) {
+            return Err(Failure::CalledOff);
+        }
+        self.file = None;
+        session.learned = Some(learned?);
+        self.is_sent = false;
+        Ok(true)
+    }
+
     /// Has the distribution sent again.
     pub fn resend(&mut self) {
         self.is_sent = false;
@@ -112,7 +163,29 @@ impl Learner {
                 Err(error) => (None, Some(error.to_string())),
             },
         };
+        let amplitudes = distribution.as_deref().and_then(shown_amplitudes);
         self.is_sent = link.send(Update::Distribution(distribution));
-        status.update(|view| view.learned = text);
+        status.update(|view| {
+            view.learned = text;
+            view.amplitudes[1] = amplitudes;
+        });
     }
+}
+
+/// What one pass of the file through the effect, as it is set, would have taught.
+fn learned_from(path: &Path, engine: &Engine, values: &Values, job: &Job) -> Result<Learned, Failure> {
+    let sound = decode(path, &|done| job.goes_on("Reading", 0.5 * done))?;
+    let resampling = |done: f32| job.goes_on("Resampling", 0.5 + 0.3 * done);
+    let sound = resample(&sound, engine.sample_rate_hz.round() as u32, &resampling)?;
+    if !job.goes_on("Learning", 0.8) {
+        return Err(Failure::CalledOff);
+    }
+    let distribution = learn(engine.sample_rate_hz, &engine.structure, &values.controls(), &sound.channels, &[])
+        .map_err(|error| Failure::Message(format!("{}: {error}", sound.name)))?;
+    Ok(Learned {
+        sample_rate_hz: engine.sample_rate_hz,
+        levels: engine.structure.levels,
+        companded: engine.structure.dynamics == Dynamics::Companded,
+        quantiles: distribution.quantiles().to_vec(),
+    })
 }

@@ -11,6 +11,7 @@ use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 use super::exchange::{Giver, Pop, Push, Taker};
+use crate::audio::audition::Tape;
 
 /// Something new for the engines.
 pub enum Update {
@@ -20,6 +21,8 @@ pub enum Update {
     Distribution(Option<Arc<Distribution>>),
     /// The speed field, or none.
     Field(Option<Arc<SpeedField>>),
+    /// The recording to be listened to, or none.
+    Tape(Option<Tape>),
 }
 
 /// Something that the audio thread no longer needs.
@@ -30,6 +33,8 @@ pub enum Retired {
     Distribution(Arc<Distribution>),
     /// A speed field.
     Field(Arc<SpeedField>),
+    /// A recording.
+    Tape(Tape),
 }
 
 /// Updates that may be under way; a few suffice, since the loader tries again.

@@ -7,6 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use pyrophone_settings::session::Cut;
+
 use super::Engine;
 
 /// Something for the loader to do.
@@ -16,14 +18,24 @@ pub enum Order {
     Load(PathBuf),
     /// Do without a recording.
     Unload,
+    /// Give up what is under way.
+    Cancel,
+    /// Learn from this part of the recording.
+    Cut(Cut),
     /// Read the session that the host has loaded.
     ReadSession,
     /// This engine runs from now on.
     Engine(Engine),
     /// Keep the recording itself in the session.
     Embed(bool),
+    /// Learn the drive's distribution from this file.
+    LearnFrom(PathBuf),
+    /// Save the part of the recording that is learnt from as this file.
+    SavePart(PathBuf),
     /// Forget the learned distribution.
     ForgetLearned,
+    /// Have the recording ready to be listened to, or not.
+    Audition(bool),
     /// Take the speed field from this file.
     LoadField(PathBuf),
     /// Do without a speed field.
@@ -75,9 +87,15 @@ impl Mailbox {
     pub fn post_ticketed(&self, order: Order) -> Ticket {
         let mut inner = self.lock();
         let calls_off = match &order {
-            Order::Load(_) | Order::Unload | Order::ReadSession => true,
+            Order::Load(_) | Order::Unload | Order::ReadSession | Order::Cut(_) | Order::Cancel => true,
             Order::Engine(engine) => inner.engine.replace(*engine) != Some(*engine),
-            Order::Embed(_) | Order::ForgetLearned | Order::LoadField(_) | Order::UnloadField => false,
+            Order::Embed(_)
+            | Order::LearnFrom(_)
+            | Order::SavePart(_)
+            | Order::ForgetLearned
+            | Order::Audition(_)
+            | Order::LoadField(_)
+            | Order::UnloadField => false,
         };
         if calls_off {
             self.epoch.fetch_add(1, Ordering::Relaxed);

@@ -9,6 +9,7 @@
 //! | [`cache`] | what instances of one process share |
 //! | [`learner`] | the learned distribution |
 //! | [`motion`] | the speed field |
+//! | [`tape`] | the recording to be listened to |
 //! | [`link`] | rings between the thread and the audio thread |
 //! | [`status`] | what the editor shows of it |
 
@@ -20,6 +21,7 @@ pub mod mailbox;
 pub mod motion;
 pub mod source;
 pub mod status;
+pub mod tape;
 pub mod worker;
 
 use std::path::PathBuf;
@@ -28,6 +30,8 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use nice_plug_egui::RepaintNotifier;
+use pyrophone_settings::Recent;
+use pyrophone_settings::session::Cut;
 use pyrophone_synthesis::Structure;
 
 use crate::parameters::EffectParams;
@@ -67,7 +71,8 @@ pub struct Loader {
 impl Loader {
     /// Starts the thread; answers the parameters it follows and the audio thread's ends of its
     /// rings. Where no thread can be started, recordings cannot be loaded, and the status says so.
-    pub fn start(notifier: RepaintNotifier) -> (Self, Arc<EffectParams>, AudioLink) {
+    /// `recent` is where recordings that the user loads are listed.
+    pub fn start(notifier: RepaintNotifier, recent: Option<Recent>) -> (Self, Arc<EffectParams>, AudioLink) {
         let mailbox = Arc::new(Mailbox::default());
         let session = {
             let mailbox = mailbox.clone();
@@ -77,7 +82,7 @@ impl Loader {
         let status = Arc::new(Status::new(notifier));
         let (link, audio_link) = link::pair();
         let handle = LoaderHandle { mailbox: mailbox.clone(), status: status.clone(), shared: link.shared.clone() };
-        let worker = Worker::new(mailbox, params.clone(), status.clone(), link);
+        let worker = Worker::new(mailbox, params.clone(), status.clone(), link, recent);
         let thread = std::thread::Builder::new().name("pyrophone-loader".to_owned()).spawn(move || worker.run());
         if let Err(error) = &thread {
             status.fail(format!("no recordings can be loaded: the system refuses a thread ({error}); close something"));
@@ -111,6 +116,31 @@ impl LoaderHandle {
     /// Takes the recording away.
     pub fn unload(&self) {
         self.mailbox.post(Order::Unload);
+    }
+
+    /// Gives up the loading or indexing under way; what sounds goes on.
+    pub fn cancel(&self) {
+        self.mailbox.post(Order::Cancel);
+    }
+
+    /// Learns from this part of the recording, at this level.
+    pub fn set_cut(&self, cut: Cut) {
+        self.mailbox.post(Order::Cut(cut));
+    }
+
+    /// Learns the distribution of the drive's amplitudes from a file, as if it had been played.
+    pub fn learn_from(&self, path: PathBuf) {
+        self.mailbox.post(Order::LearnFrom(path));
+    }
+
+    /// Saves the part of the recording that is learnt from, at its level, as a WAV file.
+    pub fn save_part(&self, path: PathBuf) {
+        self.mailbox.post(Order::SavePart(path));
+    }
+
+    /// Has the recording ready to be listened to, or not.
+    pub fn audition(&self, wanted: bool) {
+        self.mailbox.post(Order::Audition(wanted));
     }
 
     /// Keeps the recording itself in the session, or not.

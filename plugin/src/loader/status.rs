@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use nice_plug_egui::RepaintNotifier;
+use pyrophone_settings::session::Cut;
 
 use crate::analysis::Portrait;
 
@@ -13,12 +14,22 @@ pub struct View {
     pub recording: Option<String>,
     /// What is drawn of it.
     pub portrait: Option<Arc<Portrait>>,
+    /// Which part of it is learnt from.
+    pub cut: Cut,
+    /// Amplitudes at equal steps of probability of what is matched: of the recording, and of the drive where it was learned.
+    pub amplitudes: [Option<Arc<[f32]>>; 2],
+    /// Whether it is ready to be listened to.
+    pub has_tape: bool,
+    /// Recordings that were loaded of late, the latest first.
+    pub recent: Vec<String>,
     /// Path of the recording that the session names, whether or not it was found.
     pub path: Option<String>,
     /// What is under way, and how much of it is done (0-1).
     pub progress: Option<(String, f32)>,
     /// The last thing that went wrong, until something goes right.
     pub error: Option<String>,
+    /// What was done and is worth a word.
+    pub notice: Option<String>,
     /// The learned distribution, or that there is none.
     pub learned: Option<String>,
     /// Amplitudes learned so far, while learning.

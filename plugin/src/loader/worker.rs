@@ -4,25 +4,27 @@
 //! structure that the parameters say. After each order, and twenty times a second, the worker
 //! does what is missing.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
-use pyrophone_recording::Recording;
-use pyrophone_settings::session::Session;
+use pyrophone_recording::{Cut, Recording, check_not_among, write_wav_f32};
+use pyrophone_settings::Recent;
+use pyrophone_settings::session::{self, Session};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::Chain;
 use pyrophone_synthesis::texture::{Dictionary, Shape};
 
 use super::Engine;
 use super::cache::{DICTIONARIES, DictionaryKey};
-use super::learner::Learner;
+use super::learner::{Learner, shown_amplitudes};
 use super::link::{LoaderLink, Update};
 use super::mailbox::{Mailbox, Order};
 use super::motion::Motion;
 use super::source::{self, Failure, Found};
 use super::status::Status;
+use super::tape::Tape;
 use crate::analysis::Portrait;
 use crate::parameters::EffectParams;
 use crate::persist;
@@ -88,6 +90,8 @@ pub struct Worker {
     prepared: Option<Engine>,
     learner: Learner,
     motion: Motion,
+    tape: Tape,
+    recent: Option<Recent>,
 }
 
 impl Drop for Worker {
@@ -99,7 +103,13 @@ impl Drop for Worker {
 
 impl Worker {
     /// A worker without a recording.
-    pub fn new(mailbox: Arc<Mailbox>, params: Arc<EffectParams>, status: Arc<Status>, link: LoaderLink) -> Self {
+    pub fn new(
+        mailbox: Arc<Mailbox>,
+        params: Arc<EffectParams>,
+        status: Arc<Status>,
+        link: LoaderLink,
+        recent: Option<Recent>,
+    ) -> Self {
         Self {
             mailbox,
             params,
@@ -115,11 +125,17 @@ impl Worker {
             prepared: None,
             learner: Learner::default(),
             motion: Motion::default(),
+            tape: Tape::default(),
+            recent,
         }
     }
 
     /// Works until asked to end.
     pub fn run(mut self) {
+        if let Some(recent) = &self.recent {
+            let known = recent.list();
+            self.status.update(|view| view.recent = known);
+        }
         loop {
             let batch = self.mailbox.take(TICK);
             if batch.quit {
@@ -140,7 +156,7 @@ impl Worker {
                 wanted: self.params.values().structure(),
                 shown: AtomicU32::new(0),
             };
-            let is_done = self.fetch(&job).and_then(|()| self.index(&job));
+            let is_done = self.fetch(&job).and_then(|()| self.index(&job)).and_then(|()| self.attend(&job));
             if job.shown.load(Ordering::Relaxed) != 0 {
                 self.status.update(|view| view.progress = None);
             }
@@ -168,7 +184,19 @@ impl Worker {
                 self.dictionary_is_sent = false;
                 self.learner.resend();
                 self.motion.resend();
+                self.tape.resend();
             }
+            Order::Cancel => self.cancel(),
+            Order::Cut(cut) => {
+                self.session.cut = cut;
+                self.failed = None;
+                self.show_recording();
+                self.status.update(|view| view.error = None);
+                self.params.session.store(&self.session);
+            }
+            Order::Audition(wanted) => self.tape.want(wanted),
+            Order::LearnFrom(path) => self.learner.learn_from(path),
+            Order::SavePart(path) => self.save_part(&path),
             Order::Embed(embed) => self.set_embed(embed),
             Order::ForgetLearned => {
                 self.session.learned = None;
@@ -188,6 +216,55 @@ impl Worker {
                 self.params.session.store(&self.session);
             }
         }
+    }
+
+    /// Gives up what is under way. What could not be fetched is named as it would be if it had not been found; what could not
+    /// be indexed is not tried again until something changes.
+    fn cancel(&mut self) {
+        let what = match self.pending.take() {
+            Some(Pending::File(path)) => path.display().to_string(),
+            Some(Pending::Session) => {
+                self.set_recording(None);
+                "the session's recording".to_owned()
+            }
+            None => match (self.learner.is_awaited(), &self.recording, self.engine) {
+                (true, ..) => {
+                    self.learner.give_up();
+                    "learning from a file".to_owned()
+                }
+                (false, Some(recording), Some(engine)) => {
+                    let key =
+                        self.key(recording, &self.cut(), &self.params.values().structure(), engine.sample_rate_hz);
+                    if self.dictionary.as_ref().is_some_and(|(made, _)| *made == key) {
+                        return;
+                    }
+                    let name = recording.name.clone();
+                    self.failed = Some(key);
+                    name
+                }
+                _ => return,
+            },
+        };
+        self.status.fail(format!("Cancelled: {what}. What was there before plays on; load it again when you like."));
+    }
+
+    fn save_part(&self, path: &Path) {
+        let Some(recording) = self.recording.as_deref() else {
+            return self.status.fail("there is no recording to be saved; load one first".to_owned());
+        };
+        let of = Path::new(self.session.recording.as_ref().map_or("", |reference| reference.path.as_str()));
+        let part = check_not_among(path, &[of]).and_then(|()| self.cut().of(recording));
+        let saved = part.and_then(|part| write_wav_f32(path, &part.channels, part.sample_rate_hz));
+        match saved {
+            Ok(()) => self.status.update(|view| view.notice = Some(format!("Saved: {}", path.display()))),
+            Err(error) => self.status.fail(error.to_string()),
+        }
+    }
+
+    /// The part of the recording that is learnt from.
+    fn cut(&self) -> Cut {
+        let session::Cut { region_s, gain_db, normalise } = self.session.cut;
+        Cut { region_s, gain_db, normalise }
     }
 
     /// Takes over the session that the host has loaded. One that cannot be understood changes
@@ -242,14 +319,23 @@ impl Worker {
             None => return Ok(()),
             Some(Pending::File(path)) => {
                 let usable = source::open(path, self.session.embed, job).and_then(|found| {
+                    // In another recording the old one's part means nothing; a session's file from its new place keeps it.
+                    let known = self.session.recording.as_ref();
+                    let is_known = known.is_some_and(|known| known.content_hash == found.reference.content_hash);
+                    let cut = if is_known { self.cut() } else { Cut { region_s: None, ..self.cut() } };
                     // The old recording stays until the new one has its index.
-                    let dictionary = self.build(&found.recording, job)?;
-                    Ok((found, dictionary))
+                    let dictionary = self.build(&found.recording, &cut, job)?;
+                    Ok((found, cut, dictionary))
                 });
-                usable.map(|(found, dictionary)| {
+                usable.map(|(found, cut, dictionary)| {
                     self.session.recording = Some(found.reference.clone());
+                    self.session.cut.region_s = cut.region_s;
                     self.params.session.store(&self.session);
                     self.dictionary = dictionary;
+                    if let Some(recent) = &self.recent {
+                        let known = recent.add(&found.reference.path);
+                        self.status.update(|view| view.recent = known);
+                    }
                     Some(found)
                 })
             }
@@ -284,21 +370,29 @@ impl Worker {
     }
 
     fn set_recording(&mut self, recording: Option<Arc<Recording>>) {
+        // The same bytes may have been read from another place before, under another name.
+        let path = self.session.recording.as_ref().map(|reference| Path::new(&reference.path));
+        let name = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         let shown = recording.as_ref().map(|recording| {
+            let name = name.as_deref().unwrap_or(&recording.name);
             let (seconds, kilohertz) = (recording.duration_s(), f64::from(recording.sample_rate_hz) / 1000.0);
             let channels = match recording.channels.len() {
                 1 => "mono".to_owned(),
                 2 => "stereo".to_owned(),
                 count => format!("{count} channels"),
             };
-            format!("{}: {seconds:.1} s, {kilohertz} kHz, {channels}", recording.name)
+            format!("{name}: {seconds:.1} s, {kilohertz} kHz, {channels}")
         });
-        let portrait = recording.as_deref().map(|recording| Arc::new(Portrait::of(recording)));
+        let is_same = |known: &Arc<Recording>| recording.as_ref().is_some_and(|new| Arc::ptr_eq(new, known));
+        let is_drawn = self.recording.as_ref().is_some_and(is_same);
         self.status.update(|view| {
             view.recording = shown;
-            view.portrait = portrait;
+            if !is_drawn {
+                view.portrait = None;
+            }
         });
         self.recording = recording;
+        self.show_recording();
         self.failed = None;
         self.dictionary_is_sent = false;
         if self.recording.is_none() {
@@ -306,15 +400,31 @@ impl Worker {
         }
     }
 
+    /// Shows what is drawn of the recording, and the part that is learnt from.
+    fn show_recording(&self) {
+        let (cut, known) = (self.cut(), self.status.view().portrait);
+        let portrait = self.recording.as_deref().map(|recording| {
+            Arc::new(match known {
+                Some(known) => known.with_cut(recording, &cut),
+                None => Portrait::of(recording, &cut),
+            })
+        });
+        self.status.update(|view| {
+            view.portrait = portrait;
+            view.cut = self.session.cut;
+        });
+    }
+
     /// Makes the dictionary of the recording for the structure that is wanted, and tells the audio
     /// thread when everything is ready for that structure.
     fn index(&mut self, job: &Job) -> Result<(), Failure> {
         let Some(engine) = self.engine else { return Ok(()) };
         if let Some(recording) = self.recording.clone() {
-            let key = self.key(&recording, &job.wanted, engine.sample_rate_hz);
+            let cut = self.cut();
+            let key = self.key(&recording, &cut, &job.wanted, engine.sample_rate_hz);
             let is_made = self.dictionary.as_ref().is_some_and(|(made, _)| *made == key);
             if !is_made && self.failed.as_ref() != Some(&key) {
-                match self.build(&recording, job) {
+                match self.build(&recording, &cut, job) {
                     Ok(dictionary) => {
                         self.dictionary = dictionary;
                         self.dictionary_is_sent = false;
@@ -342,19 +452,47 @@ impl Worker {
         Ok(())
     }
 
-    fn key(&self, recording: &Recording, structure: &Structure, sample_rate_hz: f64) -> DictionaryKey {
-        DictionaryKey::new(&recording.content_hash, sample_rate_hz, structure)
+    /// What somebody waits for beside the engines: a file to learn from, a recording to listen to.
+    fn attend(&mut self, job: &Job) -> Result<(), Failure> {
+        let Some(engine) = self.engine else { return Ok(()) };
+        let values = self.params.values();
+        match self.learner.work(&mut self.session, &engine, &values, job) {
+            Ok(false) => {}
+            Ok(true) => self.params.session.store(&self.session),
+            Err(Failure::CalledOff) => return Err(Failure::CalledOff),
+            Err(Failure::Message(message)) => self.status.fail(message),
+        }
+        let cut = self.cut();
+        let of = self.recording.as_deref().map(|recording| (recording, &cut));
+        match self.tape.make(of, engine.sample_rate_hz.round() as u32, job) {
+            Err(Failure::Message(message)) => {
+                self.tape.want(false);
+                self.status.fail(message);
+                Ok(())
+            }
+            done => done,
+        }
     }
 
-    /// The dictionary of a recording for the structure that is wanted; none as long as no sample
+    fn key(&self, recording: &Recording, cut: &Cut, structure: &Structure, sample_rate_hz: f64) -> DictionaryKey {
+        DictionaryKey::new(&recording.content_hash, cut, sample_rate_hz, structure)
+    }
+
+    /// The dictionary of a part of a recording for the structure that is wanted; none as long as no sample
     /// rate is known.
-    fn build(&self, recording: &Recording, job: &Job) -> Result<Option<(DictionaryKey, Arc<Dictionary>)>, Failure> {
+    fn build(
+        &self,
+        recording: &Recording,
+        cut: &Cut,
+        job: &Job,
+    ) -> Result<Option<(DictionaryKey, Arc<Dictionary>)>, Failure> {
         let Some(Engine { sample_rate_hz, .. }) = self.engine else { return Ok(None) };
         let shape = Shape::at_rate(&job.wanted, sample_rate_hz);
-        let key = self.key(recording, &job.wanted, sample_rate_hz);
+        let key = self.key(recording, cut, &job.wanted, sample_rate_hz);
         let make = || -> Result<Dictionary, Failure> {
             let resampling = |done: f32| job.goes_on_indexing("Resampling", 0.2 + 0.2 * done);
-            let resampled = pyrophone_recording::resample(recording, sample_rate_hz.round() as u32, &resampling)?;
+            let part = cut.of(recording)?;
+            let resampled = pyrophone_recording::resample(&part, sample_rate_hz.round() as u32, &resampling)?;
             let channels: Vec<Vec<f64>> = resampled
                 .channels
                 .iter()
@@ -380,16 +518,24 @@ impl Worker {
     fn send(&mut self) {
         let Some(engine) = self.engine else { return };
         if !self.dictionary_is_sent {
-            let fitting = |recording: &Arc<Recording>| self.key(recording, &engine.structure, engine.sample_rate_hz);
+            let cut = self.cut();
+            let fitting =
+                |recording: &Arc<Recording>| self.key(recording, &cut, &engine.structure, engine.sample_rate_hz);
             self.dictionary_is_sent = match (&self.dictionary, self.recording.as_ref().map(fitting)) {
                 (Some((key, dictionary)), Some(fitting)) if *key == fitting => {
+                    let amplitudes = shown_amplitudes(dictionary.distribution());
+                    self.status.update(|view| view.amplitudes[0] = amplitudes);
                     self.link.send(Update::Dictionary(Some(dictionary.clone())))
                 }
-                (None, _) => self.link.send(Update::Dictionary(None)),
+                (None, _) => {
+                    self.status.update(|view| view.amplitudes[0] = None);
+                    self.link.send(Update::Dictionary(None))
+                }
                 _ => false,
             };
         }
         self.learner.send(&mut self.link, &self.session, &engine, &self.status);
         self.motion.send(&mut self.link);
+        self.tape.send(&mut self.link, &self.status);
     }
 }

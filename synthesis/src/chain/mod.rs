@@ -16,7 +16,7 @@ use crate::companding::loudnesses;
 use crate::error::in_range;
 use crate::mix::{Layers, Mix};
 use crate::structure::Dynamics;
-use crate::texture::{Dictionary, Distribution, Match, Shape, offline};
+use crate::texture::{Dictionary, Distribution, Extent, Match, Shape, offline};
 use crate::vortex::{Layout, Simulator, SpeedField};
 use crate::{Controls, Error, Structure, drive::Drive};
 use delay::Delay;
@@ -71,14 +71,23 @@ pub struct Meters {
     pub vortex: f32,
     /// Output.
     pub output: f32,
-    /// The last window's fitted noise factor beta (§4).
-    pub beta: f32,
     /// Whether the input's channels cancel in the mean that drives the engines.
     pub cancels: bool,
     /// Whether texture lacks a recording.
     pub no_recording: bool,
     /// Steps of the live simulation that came too late.
     pub late_steps: u64,
+}
+
+/// What the engines leave to be seen while they work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Trace {
+    /// A window of extension has found its noise factor beta (§4, Algorithm 1).
+    Beta(f32),
+    /// A window of texture was matched on the level below the top (§5.2).
+    Match(Match),
+    /// A level of texture's output pyramid has swung so far for a sixtieth of a second.
+    Extent(Extent),
 }
 
 /// A jump under way: the other voice was started and takes over later.
@@ -390,7 +399,6 @@ impl Chain {
         };
         let drive = newest.drive_block(samples);
         self.meters.drive = drive.iter().fold(self.meters.drive, |peak, x| peak.max(x.abs() as f32));
-        self.meters.beta = newest.beta() as f32;
         self.meters.cancels |= newest.cancels();
         for magnitude in newest.top_magnitudes() {
             if self.top_magnitudes.len() < TOLD_CAPACITY {
@@ -438,12 +446,12 @@ impl Chain {
         &self.drive
     }
 
-    /// Hands over where in the recording the texture has been found since the last call; real-time safe.
-    pub fn take_matches(&mut self, with: impl FnMut(Match)) {
+    /// Hands over what the engines that are heard have left to be seen since the last call; real-time safe.
+    pub fn take_traces(&mut self, with: impl FnMut(Trace)) {
         let [first, second] = &mut self.voices;
         let (heard, other) = if self.active == 0 { (first, second) } else { (second, first) };
-        heard.take_matches().for_each(with);
-        drop(other.take_matches());
+        heard.take_traces().for_each(with);
+        drop(other.take_traces());
     }
 
     /// Magnitudes of the drive pyramid's top level that arose in the last call of `process`, in the companded

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use super::delay::Delay;
 use super::vortex_layer::VortexLayer;
-use super::{CHUNK, Channels};
+use super::{CHUNK, Channels, Trace};
 use crate::companding::Companding;
 use crate::controls::{DriveMode, TextureControls};
 use crate::drive::Drive;
 use crate::extend::Extend;
 use crate::smoothed::Smoothed;
 use crate::structure::Dynamics;
-use crate::texture::{Dictionary, Distribution, Match, Shape, Texture};
+use crate::texture::{Dictionary, Distribution, Shape, Texture};
 use crate::{Controls, Error, Structure};
 
 /// The layers that a voice makes of one chunk.
@@ -190,19 +190,16 @@ impl Voice {
         &self.top_magnitudes
     }
 
-    /// Takes the texture's matches since they were taken last.
-    pub fn take_matches(&mut self) -> impl Iterator<Item = Match> {
-        self.texture.take_matches()
+    /// Takes what the engines have left to be seen since it was taken last.
+    pub fn take_traces(&mut self) -> impl Iterator<Item = Trace> {
+        let betas = self.extend.take_betas().map(Trace::Beta);
+        let (matches, extents) = self.texture.take_traces();
+        betas.chain(matches.map(Trace::Match)).chain(extents.map(Trace::Extent))
     }
 
     /// Whether the input's channels cancel.
     pub fn cancels(&self) -> bool {
         self.drive.cancels()
-    }
-
-    /// The last window's noise factor.
-    pub fn beta(&self) -> f64 {
-        self.extend.last_fit(0).applied
     }
 
     /// Processes one chunk of up to [`CHUNK`] samples into `layers`.

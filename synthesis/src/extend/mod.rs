@@ -62,7 +62,12 @@ pub struct Extend<N = PowerLaw> {
     low_out: Overlap,
     noise_out: Vec<Overlap>,
     fits: Vec<Fit>,
+    /// The first channel's factors of windows since they were taken.
+    betas: Vec<f32>,
 }
+
+/// Most factors that are kept until they are taken; later ones are lost.
+const BETA_CAPACITY: usize = 512;
 
 impl Extend {
     /// An engine at position 0.
@@ -96,6 +101,7 @@ impl<N: NoiseSource> Extend<N> {
             low_out: Overlap::new(span),
             noise_out: (0..channels).map(|_| Overlap::new(span)).collect(),
             fits: vec![Fit::default(); channels],
+            betas: Vec::with_capacity(BETA_CAPACITY),
             layout,
         };
         extend.reset(0);
@@ -130,6 +136,7 @@ impl<N: NoiseSource> Extend<N> {
         self.low_out.reset(front);
         self.noise_out.iter_mut().for_each(|out| out.reset(front));
         self.fits.fill(Fit::default());
+        self.betas.clear();
     }
 
     /// Processes one block of any length. `controls` hold for the whole block; a window works with
@@ -180,9 +187,17 @@ impl<N: NoiseSource> Extend<N> {
         self.fits.get(channel).copied().unwrap_or_default()
     }
 
+    /// Takes the factors that windows have found in the first channel since this was taken last, 512 at most.
+    pub fn take_betas(&mut self) -> std::vec::Drain<'_, f32> {
+        self.betas.drain(..)
+    }
+
     fn process_window(&mut self, window: i64) {
         let controls = self.controls_at(window * self.layout.half_width as i64);
         self.high.process(window, &self.drive, &controls, &mut self.source, &mut self.fits, &mut self.noise_out);
+        if self.betas.len() < BETA_CAPACITY {
+            self.betas.push(self.fits[0].applied as f32);
+        }
     }
 
     fn controls_at(&self, position: i64) -> ExtendControls {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::dictionary::Dictionary;
 use super::distribution::{Distribution, RunningDistribution, feature_factor};
+use super::extents::{Extent, Extents};
 use super::feature::{Excerpt, Place, halfway};
 use super::gate::Gate;
 use super::pyramid::PyramidStream;
@@ -55,6 +56,7 @@ pub struct Texture {
     top_magnitudes: Vec<f64>,
     /// Matches of the level below the top since they were taken.
     matches: Vec<Match>,
+    extents: Extents,
     /// Windows and boxes compared since it was made.
     compared: u64,
     /// Windows in a row, by level, that may follow one another where that is not the nearest.
@@ -158,6 +160,7 @@ impl Texture {
             latency_samples: latency as i64,
             top_magnitudes: Vec::with_capacity(TOP_CAPACITY),
             matches: Vec::with_capacity(MATCH_CAPACITY),
+            extents: Extents::new(shape.levels, sample_rate_hz),
             compared: 0,
             longest_run: (0..shape.top())
                 .map(|level| {
@@ -211,6 +214,7 @@ impl Texture {
         self.timeline.reset(TextureControls::default());
         self.top_magnitudes.clear();
         self.matches.clear();
+        self.extents.reset(origin);
         let first_at = |level: usize| (origin + (1 << level) - 1) >> level;
         self.top.reset(first_at(self.shape.top()));
         for (l, level) in self.levels.iter_mut().enumerate() {
@@ -256,9 +260,10 @@ impl Texture {
         &self.top_magnitudes
     }
 
-    /// Takes the matches of the level below the top that were made since they were taken last, 512 at most.
-    pub fn take_matches(&mut self) -> std::vec::Drain<'_, Match> {
-        self.matches.drain(..)
+    /// Takes what was matched on the level below the top, and how far all levels have swung, since they were taken last; 512
+    /// of each at most.
+    pub fn take_traces(&mut self) -> (std::vec::Drain<'_, Match>, std::vec::Drain<'_, Extent>) {
+        (self.matches.drain(..), self.extents.drain())
     }
 
     /// Windows and boxes compared since it was made.
@@ -305,6 +310,7 @@ impl Texture {
 
     fn take_top(&mut self, index: i64, value: f64, loudness: Option<f64>) {
         self.top.set(index, value);
+        self.extents.take(self.shape.top(), index, value);
         let magnitude = value.abs();
         if self.top_magnitudes.len() < TOP_CAPACITY {
             self.top_magnitudes.push(magnitude);
@@ -330,13 +336,17 @@ impl Texture {
         if centre > level.size {
             return;
         }
-        if !self.passes_gate(l, centre) {
-            return;
-        }
         // Taken out for the while, so that the engine can be changed beside it.
-        let Some(dictionary) = self.dictionary.take() else { return };
-        self.synthesize(l, window, &dictionary);
-        self.dictionary = Some(dictionary);
+        if self.passes_gate(l, centre)
+            && let Some(dictionary) = self.dictionary.take()
+        {
+            self.synthesize(l, window, &dictionary);
+            self.dictionary = Some(dictionary);
+        }
+        // The next window begins with a weight of 0 at this one's centre: nothing is added up to there any more.
+        for index in centre - w + 1..=centre {
+            self.extents.take(l, index, self.levels[l].samples.get(index));
+        }
     }
 
     /// Asks the gate; at an opening the level forgets what came before.

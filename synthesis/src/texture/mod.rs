@@ -10,12 +10,14 @@
 //! | [`distribution`] | dynamic-range matching |
 //! | [`schedule`] | which window is matched at which sample |
 //! | [`gate`] | silence in, silence out |
+//! | [`extents`] | how far the output's levels swing |
 //! | [`engine`] | all of it, as a stream |
 //! | [`offline`] | all of it, on a whole signal |
 
 pub mod dictionary;
 pub mod distribution;
 pub mod engine;
+pub mod extents;
 pub mod feature;
 pub mod gate;
 pub mod offline;
@@ -28,4 +30,5 @@ pub mod shape;
 pub use dictionary::Dictionary;
 pub use distribution::Distribution;
 pub use engine::{Match, Texture};
+pub use extents::Extent;
 pub use shape::Shape;

@@ -5,8 +5,10 @@ use pyrophone_settings::Id;
 
 use super::super::cure::Cure;
 use super::super::hand::Hand;
+use super::super::widgets::notches;
 use super::super::{map, theme};
 use crate::analysis::bands::{BANDS, decibels, frequency_hz, place};
+use crate::analysis::fidelity::Fault;
 use crate::analysis::{FLOOR_DB, Figures, Portrait};
 
 /// Time constant in seconds of the curves, and how fast their peaks fall.
@@ -17,6 +19,8 @@ const RANGE_DB: f32 = 100.0;
 const HEADROOM_DB: f32 = 8.0;
 /// The lowest top: what fades away is not followed into the ground.
 const REST_DB: f32 = -60.0;
+/// Part of its range that an arrow key moves a handle.
+const KEY_NOTCH: f64 = 0.01;
 /// The band in which a recording's level is matched, and its likeness told, in Hz.
 const LIKENESS_HZ: (f64, f64) = (250.0, 16_000.0);
 
@@ -97,6 +101,7 @@ impl Spectra {
         rect: Rect,
         recording: Option<&Portrait>,
         figures: &Figures,
+        fault: Option<Fault>,
         hand: &mut Hand<'_>,
     ) {
         let (drive, output) = (self.drive.levels_db(), self.output.levels_db());
@@ -116,7 +121,7 @@ impl Spectra {
             curve(&painter, &axes, levels, Stroke::new(1.6, color));
         }
         extension(ui, &painter, &axes, &drive, hand);
-        told(ui, &painter, rect, figures, hand);
+        told(ui, &painter, rect, figures, fault, hand);
         legend(&painter, rect, matched.as_ref().and_then(|(_, likeness)| *likeness), recording.is_some());
         read_out(ui, &painter, &axes, &drive, &output);
     }
@@ -184,8 +189,17 @@ fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS]
     painter.line_segment([Pos2::new(fit[0], top + 3.0), Pos2::new(fit[1], top + 3.0)], Stroke::new(2.0, theme::BLUE));
 
     let mut handle = |name: &str, at: Rect, cursor: CursorIcon, help: &str, id: Id, to: &dyn Fn(Pos2) -> f64| -> bool {
-        let response = ui.interact(at, Place::unique(("spectrum", name)), Sense::drag()).on_hover_cursor(cursor);
+        let place = Place::unique(("spectrum", name));
+        let response = ui.interact(at, place, Sense::click_and_drag()).on_hover_cursor(cursor);
         map::note(ui, format_args!("handle.{name}"), at);
+        if response.clicked() || response.drag_started() {
+            response.request_focus();
+        }
+        if let notches @ (-1.0 | 1.0) = notches(ui, &response) {
+            let parameter = id.parameter();
+            let now = parameter.to_normalised(hand.values().get(id));
+            hand.set_once(id as usize, parameter.from_normalised((now + KEY_NOTCH * notches).clamp(0.0, 1.0)));
+        }
         if response.drag_started() {
             hand.begin(id as usize);
         }
@@ -197,7 +211,7 @@ fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS]
         if response.drag_stopped() {
             hand.end(id as usize);
         }
-        let is_hot = response.hovered() || response.dragged();
+        let is_hot = response.hovered() || response.dragged() || response.has_focus();
         response.on_hover_text(help);
         is_hot
     };
@@ -256,7 +270,7 @@ fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS]
 fn legend(painter: &egui::Painter, rect: Rect, apart_db: Option<f32>, has_recording: bool) {
     let mut at = rect.left_top() + Vec2::new(8.0, 5.0);
     let mut word = |text: &str, color: Color32| {
-        let drawn = painter.text(at, Align2::LEFT_TOP, text, theme::small(), color);
+        let drawn = readable(painter, at, text, color);
         at.x = drawn.right() + 12.0;
     };
     word("drive", theme::BLUE);
@@ -272,27 +286,43 @@ fn legend(painter: &egui::Painter, rect: Rect, apart_db: Option<f32>, has_record
     }
 }
 
+/// Words over whatever curves there are; where they stand.
+fn readable(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Rect {
+    let galley = painter.layout_no_wrap(text.to_owned(), theme::small(), color);
+    let place = Rect::from_min_size(at, galley.size());
+    painter.rect_filled(place.expand(1.5), 2.0, theme::WELL.gamma_multiply(0.75));
+    painter.galley(at, galley, color);
+    place
+}
+
 /// The output's figures, what to change, and a button that does.
-fn told(ui: &mut Ui, painter: &egui::Painter, rect: Rect, figures: &Figures, hand: &mut Hand<'_>) {
+fn told(
+    ui: &mut Ui,
+    painter: &egui::Painter,
+    rect: Rect,
+    figures: &Figures,
+    fault: Option<Fault>,
+    hand: &mut Hand<'_>,
+) {
     let mut words = vec![];
     words.extend(figures.follows.map(|follows| format!("follows {follows:.2}")));
     words.extend(figures.lines_db.map(|lines_db| format!("tones +{lines_db:.1} dB")));
     words.extend(figures.crackle.map(|crackle| format!("crackle ×{crackle:.1}")));
-    if words.is_empty() {
+    if words.is_empty() && fault.is_none() {
         return;
     }
     let at = rect.left_top() + Vec2::new(8.0, 21.0);
-    let drawn = painter.text(at, Align2::LEFT_TOP, words.join("   "), theme::small(), theme::WEAK);
+    let drawn = readable(painter, at, &words.join("   "), theme::WEAK);
     let area = ui.interact(drawn, Place::unique("figures"), Sense::hover());
     area.on_hover_text(
         "Over the last eight seconds. Follows: correlation of the output's loudness with the drive's, 1 at best. \
          Tones: how far the output's strongest tones stand out beyond the recording's; noise has none, a buzz some 3 dB and more. \
          Crackle: how sudden the output is, as a multiple of the recording; 1 at best.",
     );
-    let Some(fault) = figures.fault() else { return };
+    let Some(fault) = fault else { return };
     let at = at + Vec2::new(0.0, 15.0);
     let cure = Cure::of(fault, &hand.values());
-    let advice = painter.text(at, Align2::LEFT_TOP, fault.advice(cure.is_none()), theme::small(), theme::EMBER);
+    let advice = readable(painter, at, fault.advice(cure.is_none()), theme::EMBER);
     let Some(cure) = cure else { return };
     let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));
     let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();

@@ -1,7 +1,7 @@
 //! A knob: drag (finer with Shift), wheel, arrow keys, double click for the default, a click on the value to type one.
 
 use egui::text::{CCursor, CCursorRange};
-use egui::{Align2, EventFilter, Id, Key, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo};
+use egui::{Align2, Id, Key, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use pyrophone_settings::{Kind, PARAMETERS, Parameter};
 
 use super::super::hand::Hand;
@@ -84,12 +84,7 @@ fn turn(ui: &Ui, response: &Response, parameter: &Parameter, index: usize, hand:
         notches += ui.input(|input| f64::from(input.raw_scroll_notches()));
     }
     if response.has_focus() {
-        ui.memory_mut(|memory| {
-            let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
-            memory.set_focus_lock_filter(id, arrows);
-        });
-        let pressed = |key: Key| ui.input(|input| f64::from(u8::from(input.key_pressed(key))));
-        notches += pressed(Key::ArrowUp) + pressed(Key::ArrowRight) - pressed(Key::ArrowDown) - pressed(Key::ArrowLeft);
+        notches += super::notches(ui, response);
         if ui.input(|input| input.key_pressed(Key::Delete) || input.key_pressed(Key::Backspace)) {
             hand.set_once(index, parameter.default_value());
         }

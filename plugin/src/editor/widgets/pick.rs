@@ -5,6 +5,7 @@ use pyrophone_settings::{PARAMETERS, Parameter};
 
 use super::super::hand::Hand;
 use super::super::{map, theme};
+use super::notches;
 
 /// Width of a choice, in points.
 pub const WIDTH: f32 = 112.0;
@@ -29,6 +30,9 @@ pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
                 .response
                 .on_hover_text(parameter.help);
             map::note(ui, format_args!("choice.{}", parameter.id), choice.rect);
+            // Without opening the list, as the host's own menus do.
+            let next = (chosen as f64 - notches(ui, &choice)).clamp(0.0, (names.len() - 1) as f64);
+            chosen = next as usize;
         });
     });
     if chosen != before {

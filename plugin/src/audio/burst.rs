@@ -1,0 +1,87 @@
+//! A burst of flame to try settings with where no flame is at hand: it is added to what comes in.
+
+use std::f64::consts::TAU;
+
+use pyrophone_synthesis::noise::White;
+
+/// Length in seconds.
+const LENGTH_S: f64 = 1.6;
+/// How fast it swells and dies, in seconds.
+const ATTACK_S: f64 = 0.03;
+const DECAY_S: f64 = 0.35;
+/// Its upper end in Hz: what a flame is simulated up to.
+const CUTOFF_HZ: f64 = 180.0;
+/// Its peak.
+const PEAK: f64 = 0.5;
+
+/// A burst, and how much of it was played.
+#[derive(Debug, Default)]
+pub struct Burst {
+    samples: Vec<f32>,
+    at: usize,
+}
+
+impl Burst {
+    /// A burst that does not sound yet. Allocates.
+    pub fn new(sample_rate_hz: f64) -> Self {
+        let noise = White::new(0x4255_5253, 0);
+        let part = 1.0 - (-TAU * CUTOFF_HZ / sample_rate_hz).exp();
+        let mut poles = [0.0f64; 4];
+        let sample = |n: usize| {
+            let mut value = noise.at(n as i64);
+            for pole in &mut poles {
+                *pole += part * (value - *pole);
+                value = *pole;
+            }
+            let time_s = n as f64 / sample_rate_hz;
+            let swell = (time_s / ATTACK_S).min(1.0);
+            // The last part takes what is left of it to nothing.
+            let end = ((LENGTH_S - time_s) / (0.2 * LENGTH_S)).min(1.0);
+            value * swell * end * (-time_s / DECAY_S).exp()
+        };
+        let samples: Vec<f64> = (0..(LENGTH_S * sample_rate_hz) as usize).map(sample).collect();
+        let peak = samples.iter().fold(1e-9f64, |peak, x| peak.max(x.abs()));
+        let at = samples.len();
+        Self { samples: samples.iter().map(|x| (x * PEAK / peak) as f32).collect(), at }
+    }
+
+    /// Begins; one that sounds begins again.
+    pub fn start(&mut self) {
+        self.at = 0;
+    }
+
+    /// The next samples, `most` at most; none when it is over.
+    pub fn next(&mut self, most: usize) -> &[f32] {
+        let from = self.at;
+        self.at = self.samples.len().min(from + most);
+        &self.samples[from..self.at]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_bursts_once_and_is_low() {
+        let mut burst = Burst::new(48_000.0);
+        assert!(burst.next(100).is_empty(), "nobody has lit it");
+        burst.start();
+        let mut all = vec![];
+        loop {
+            let next = burst.next(1000);
+            if next.is_empty() {
+                break;
+            }
+            all.extend_from_slice(next);
+        }
+        assert_eq!(all.len(), 76_800);
+        let energy = |samples: &[f32]| samples.iter().map(|x| x * x).sum::<f32>();
+        let steps: Vec<f32> = all.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        // A tone's steps are (2 pi f / rate)^2 of its power: 180 Hz and less.
+        let mean_hz = (energy(&steps) / energy(&all)).sqrt() * 48_000.0 / std::f32::consts::TAU;
+        assert!((30.0..180.0).contains(&mean_hz), "{mean_hz} Hz");
+        assert!(energy(&all[..24_000]) > 5.0 * energy(&all[24_000..]));
+        assert!(all[0].abs() < 1e-3 && all.last().unwrap().abs() < 1e-3);
+    }
+}

@@ -1,0 +1,213 @@
+//! Listening to drive, recording and output alone; a burst to try settings with; takes, and saving what was heard.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Button, Rect, RichText, Ui, Vec2};
+use nice_plug_egui::RepaintNotifier;
+use pyrophone_recording::write_wav_f32;
+use pyrophone_settings::Id;
+use pyrophone_settings::table::DRIVE_MODES;
+
+use super::dialog::{Ask, Dialog};
+use super::hand::Hand;
+use super::monitor::Monitor;
+use super::task::Task;
+use super::{map, theme};
+use crate::loader::LoaderHandle;
+use crate::loader::status::View;
+use crate::probe::Listen;
+
+/// What can be saved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sound {
+    Drive,
+    Recording,
+    Output,
+}
+
+impl Sound {
+    const ALL: [Self; 3] = [Self::Drive, Self::Recording, Self::Output];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Drive => "drive",
+            Self::Recording => "recording",
+            Self::Output => "output",
+        }
+    }
+}
+
+/// The panel below the meters.
+pub struct ListenPanel {
+    dialog: Option<(Sound, Dialog)>,
+    saving: Option<Task<Result<PathBuf, String>>>,
+    message: Option<(String, bool)>,
+    notifier: RepaintNotifier,
+}
+
+impl ListenPanel {
+    /// A panel; `notifier` wakes the window when something was saved.
+    pub fn new(notifier: RepaintNotifier) -> Self {
+        Self { dialog: None, saving: None, message: None, notifier }
+    }
+
+    /// Ends what goes on for a window that closes.
+    pub fn close(&mut self, loader: &LoaderHandle) {
+        self.dialog = None;
+        self.message = None;
+        loader.audition(false);
+    }
+
+    /// The panel. `rate_hz` is that of the engine, if one runs.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        monitor: &mut Monitor,
+        loader: &LoaderHandle,
+        view: &View,
+        rate_hz: Option<f32>,
+        hand: &Hand<'_>,
+    ) {
+        self.follow(monitor, loader, rate_hz);
+        ui.spacing_mut().item_spacing = Vec2::new(4.0, 3.0);
+        ui.spacing_mut().button_padding = Vec2::new(6.0, 2.0);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Hear").font(theme::small()).color(theme::WEAK));
+            listening(ui, monitor, loader, view);
+        });
+        ui.horizontal(|ui| {
+            let burns = DRIVE_MODES.get(hand.values().get(Id::DriveMode) as usize) == Some(&"flame");
+            let burst = ui.add_enabled(!burns && rate_hz.is_some(), Button::new("Burst"));
+            map::note(ui, "button.Burst", burst.rect);
+            let hint = "Adds a burst of flame to what comes in, to try settings with. Not in drive mode flame, where one burns already.";
+            if burst.on_hover_text(hint).clicked() {
+                monitor.burst();
+            }
+            taking(ui, monitor, rate_hz);
+            self.saves(ui, monitor, view);
+        });
+        let seconds = monitor.take.len_samples() as f32 / rate_hz.unwrap_or(44_100.0);
+        let (text, is_bad) = match &self.message {
+            Some((message, is_bad)) => (message.clone(), *is_bad),
+            None if monitor.take.lost() > 0 => ("The host was too fast: samples are missing.".to_owned(), true),
+            None if monitor.take.len_samples() > 0 => (format!("Taken: {seconds:.1} s"), false),
+            None => return,
+        };
+        let color = if is_bad { theme::ALARM } else { theme::WEAK };
+        let label = egui::Label::new(RichText::new(&text).font(theme::small()).color(color)).truncate();
+        ui.add(label).on_hover_text(text);
+    }
+
+    fn saves(&mut self, ui: &mut Ui, monitor: &Monitor, view: &View) {
+        let menu = ui.menu_button("Save", |ui| {
+            for sound in Sound::ALL {
+                let is_there = match sound {
+                    Sound::Recording => view.recording.is_some(),
+                    Sound::Drive | Sound::Output => monitor.take.len_samples() > 0 && !monitor.take.is_on(),
+                };
+                let is_free = self.dialog.is_none() && self.saving.is_none();
+                let entry = ui.add_enabled(is_there && is_free, Button::new(format!("The {}…", sound.name())));
+                map::note(ui, format_args!("button.Save {}", sound.name()), entry.rect);
+                if entry.clicked() {
+                    let ask = Ask::Save(format!("{}.wav", sound.name()));
+                    let folder = view.path.as_deref().unwrap_or("");
+                    self.dialog = Some((sound, Dialog::open(ask, folder, self.notifier.clone())));
+                    ui.close();
+                }
+            }
+        });
+        map::note(ui, "button.Save sound", menu.response.rect);
+        menu.response.on_hover_text(
+            "Drive and output as they were taken, or the part of the recording that is learnt from, as WAV",
+        );
+    }
+
+    /// Takes the answers of dialog and saving.
+    fn follow(&mut self, monitor: &Monitor, loader: &LoaderHandle, rate_hz: Option<f32>) {
+        if let Some(done) = self.saving.as_mut().and_then(Task::poll) {
+            self.saving = None;
+            self.message = Some(match done {
+                Ok(path) => (format!("Saved: {}", path.display()), false),
+                Err(message) => (message, true),
+            });
+        }
+        let Some((sound, chosen)) = self.dialog.as_mut().and_then(|(sound, dialog)| Some((*sound, dialog.poll()?)))
+        else {
+            return;
+        };
+        self.dialog = None;
+        let Some(path) = chosen.map(with_extension) else { return };
+        let channels = match sound {
+            Sound::Drive => monitor.take.drive(),
+            Sound::Output => monitor.take.output(),
+            Sound::Recording => {
+                loader.save_part(path);
+                return;
+            }
+        };
+        let rate_hz = rate_hz.unwrap_or(44_100.0) as u32;
+        let work = move || match write_wav_f32(&path, &channels, rate_hz) {
+            Ok(()) => Ok(path),
+            Err(error) => Err(error.to_string()),
+        };
+        let notifier = self.notifier.clone();
+        self.saving = Task::start("pyrophone-save", work, move || notifier.request_repaint());
+    }
+}
+
+/// What is heard.
+fn listening(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &View) {
+    let heard = monitor.listen();
+    for (name, listen, hint) in [
+        ("drive", Listen::Drive, "Hear what drives the engines, alone"),
+        ("rec.", Listen::Recording, "Hear the part of the recording that is learnt from, over and over"),
+        ("output", Listen::Output, "Hear the output, as always"),
+    ] {
+        let is_there = listen != Listen::Recording || view.recording.is_some();
+        let is_heard = heard == listen;
+        let waits = is_heard && listen == Listen::Recording && !view.has_tape;
+        let button = ui.add_enabled(is_there, Button::new(if waits { "…" } else { name }).selected(is_heard));
+        map::note(ui, format_args!("button.Hear {name}"), button.rect);
+        if button.on_hover_text(format!("{hint}, until the window closes. Not saved, not automated.")).clicked() {
+            monitor.listen_to(listen);
+            loader.audition(listen == Listen::Recording);
+        }
+    }
+}
+
+fn taking(ui: &mut Ui, monitor: &mut Monitor, rate_hz: Option<f32>) {
+    let is_on = monitor.take.is_on();
+    let text = if is_on { RichText::new("Stop").color(theme::ALARM) } else { RichText::new("Take") };
+    let button = ui.add_enabled(rate_hz.is_some(), Button::new(text).selected(is_on));
+    map::note(ui, "button.Take", button.rect);
+    let hint = "Keeps drive and output, in time with each other, until it is pressed again: five minutes at most. Then save them.";
+    if button.on_hover_text(hint).clicked() {
+        match rate_hz {
+            Some(rate_hz) if !is_on => monitor.take.start(f64::from(rate_hz)),
+            _ => monitor.take.stop(),
+        }
+    }
+}
+
+fn with_extension(path: PathBuf) -> PathBuf {
+    if Path::new(&path).extension().is_some() { path } else { path.with_extension("wav") }
+}
+
+/// Height of the panel in points.
+pub const HEIGHT: f32 = 72.0;
+
+/// The panel's place at the foot of a column.
+pub fn place(column: Rect) -> Rect {
+    column.with_min_y(column.bottom() - HEIGHT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_wav_unless_they_are_named_otherwise() {
+        assert_eq!(with_extension("/a/output".into()), Path::new("/a/output.wav"));
+        assert_eq!(with_extension("/a/output.WAV".into()), Path::new("/a/output.WAV"));
+    }
+}

@@ -1,0 +1,63 @@
+//! The recording to be listened to: the part that is learnt from, at the engine's rate.
+
+use std::sync::Arc;
+
+use pyrophone_recording::{Cut, Recording};
+
+use super::link::{LoaderLink, Update};
+use super::source::Failure;
+use super::status::Status;
+use super::worker::Job;
+use crate::audio::audition;
+
+/// What a tape was made of: the recording's hash, the part, the rate in Hz.
+type Key = (String, Cut, u32);
+
+/// The tape, as long as somebody wants to listen, and whether the engine has it.
+#[derive(Default)]
+pub struct Tape {
+    is_wanted: bool,
+    made: Option<(Key, audition::Tape)>,
+    is_sent: bool,
+}
+
+impl Tape {
+    /// Whether somebody wants to listen.
+    pub fn want(&mut self, wanted: bool) {
+        self.is_sent &= self.is_wanted == wanted;
+        self.is_wanted = wanted;
+    }
+
+    /// Has it sent again.
+    pub fn resend(&mut self) {
+        self.is_sent = false;
+    }
+
+    /// Makes what is wanted and not there yet.
+    pub fn make(&mut self, of: Option<(&Recording, &Cut)>, rate_hz: u32, job: &Job) -> Result<(), Failure> {
+        let Some((recording, cut)) = of.filter(|_| self.is_wanted) else {
+            self.is_sent &= self.made.take().is_none();
+            return Ok(());
+        };
+        let key = (recording.content_hash.clone(), *cut, rate_hz);
+        if self.made.as_ref().is_none_or(|(made, _)| *made != key) {
+            let part = cut.of(recording)?;
+            let progress = |done: f32| job.goes_on("Winding the tape", done);
+            let resampled = pyrophone_recording::resample(&part, rate_hz, &progress)?;
+            self.made = Some((key, Arc::new(resampled.channels)));
+            self.is_sent = false;
+        }
+        Ok(())
+    }
+
+    /// Sends it to the engine, if that lacks it.
+    pub fn send(&mut self, link: &mut LoaderLink, status: &Status) {
+        if self.is_sent {
+            return;
+        }
+        let tape = self.made.as_ref().map(|(_, tape)| tape.clone());
+        let has_tape = tape.is_some();
+        self.is_sent = link.send(Update::Tape(tape));
+        status.update(|view| view.has_tape = has_tape);
+    }
+}

@@ -1,0 +1,107 @@
+//! The part of a recording that is used, and its level.
+
+use crate::{Error, Recording};
+
+/// Most gain of a [`Cut`], up or down, in dB.
+pub const MAX_GAIN_DB: f64 = 60.0;
+
+/// Which part of a recording is used, and how loud.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cut {
+    /// Start and end in seconds; none: all of it. What lies beyond the recording's ends is left out.
+    pub region_s: Option<[f64; 2]>,
+    /// Gain in dB, within ±[`MAX_GAIN_DB`].
+    pub gain_db: f64,
+    /// Whether the part is first brought to a peak of full scale.
+    pub normalise: bool,
+}
+
+impl Cut {
+    /// First sample of the part in `recording` and one past its last; never empty.
+    ///
+    /// Fails where start or end is no number, or the end is not after the start.
+    pub fn span(&self, recording: &Recording) -> Result<std::ops::Range<usize>, Error> {
+        let all = recording.len_samples();
+        let Some([start_s, end_s]) = self.region_s else { return Ok(0..all) };
+        if !(start_s.is_finite() && end_s.is_finite() && start_s < end_s) {
+            return Err(Error::Region { name: recording.name.clone(), start_s, end_s });
+        }
+        let sample =
+            |time_s: f64| (time_s * f64::from(recording.sample_rate_hz)).round().clamp(0.0, all as f64) as usize;
+        let start = sample(start_s).min(all.saturating_sub(1));
+        Ok(start..sample(end_s).max(start + 1).min(all))
+    }
+
+    /// The factor that brings the part to its level.
+    ///
+    /// Fails as [`span`](Self::span), and where the gain is not within ±[`MAX_GAIN_DB`].
+    pub fn gain(&self, recording: &Recording) -> Result<f64, Error> {
+        if !(-MAX_GAIN_DB..=MAX_GAIN_DB).contains(&self.gain_db) {
+            return Err(Error::Gain { found_db: self.gain_db, most_db: MAX_GAIN_DB });
+        }
+        let span = self.span(recording)?;
+        let samples = recording.channels.iter().flat_map(|channel| &channel[span.clone()]);
+        let peak = if self.normalise { samples.fold(0.0f32, |peak, sample| peak.max(sample.abs())) } else { 0.0 };
+        let full = if peak > 0.0 { 1.0 / f64::from(peak) } else { 1.0 };
+        Ok(full * 10f64.powf(self.gain_db / 20.0))
+    }
+
+    /// The part of `recording`, at its level. Name and hash stay: they name the file.
+    ///
+    /// Fails as [`gain`](Self::gain).
+    pub fn of(&self, recording: &Recording) -> Result<Recording, Error> {
+        let span = self.span(recording)?;
+        let mut channels: Vec<Vec<f32>> =
+            recording.channels.iter().map(|channel| channel[span.clone()].to_vec()).collect();
+        let gain = self.gain(recording)?;
+        if gain != 1.0 {
+            channels.iter_mut().flatten().for_each(|sample| *sample = (f64::from(*sample) * gain) as f32);
+        }
+        let (name, content_hash) = (recording.name.clone(), recording.content_hash.clone());
+        Ok(Recording { channels, sample_rate_hz: recording.sample_rate_hz, name, content_hash })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp() -> Recording {
+        let channel = |sign: f32| (0..1000).map(|n| sign * n as f32 / 2000.0).collect();
+        Recording {
+            channels: vec![channel(1.0), channel(-0.5)],
+            sample_rate_hz: 1000,
+            name: "ramp".into(),
+            content_hash: "00".into(),
+        }
+    }
+
+    #[test]
+    fn the_part_is_cut_and_levelled() {
+        let whole = ramp();
+        assert_eq!(Cut::default().of(&whole).unwrap(), whole, "bit for bit");
+        let part = Cut { region_s: Some([0.25, 0.75]), ..Cut::default() }.of(&whole).unwrap();
+        assert_eq!(part.channels[0], whole.channels[0][250..750]);
+        assert_eq!((part.name.as_str(), part.content_hash.as_str()), ("ramp", "00"));
+        let loud = Cut { region_s: Some([0.25, 0.75]), normalise: true, gain_db: -20.0 }.of(&whole).unwrap();
+        assert!((loud.channels[0][499] - 0.1).abs() < 1e-6, "the part's own peak counts: {}", loud.channels[0][499]);
+        assert!((loud.channels[1][499] + 0.05).abs() < 1e-6, "channels keep their balance");
+        let silent = Recording { channels: vec![vec![0.0; 10]], ..ramp() };
+        assert_eq!(Cut { normalise: true, ..Cut::default() }.of(&silent).unwrap(), silent);
+    }
+
+    #[test]
+    fn what_lies_beyond_the_ends_is_left_out_and_nonsense_refused() {
+        let whole = ramp();
+        let span = |start_s, end_s| Cut { region_s: Some([start_s, end_s]), ..Cut::default() }.span(&whole);
+        assert_eq!(span(-5.0, 0.5).unwrap(), 0..500);
+        assert_eq!(span(0.5, 1e9).unwrap(), 500..1000);
+        assert_eq!(span(7.0, 8.0).unwrap(), 999..1000, "never empty");
+        assert_eq!(span(0.2, 0.2 + 1e-9).unwrap(), 200..201);
+        for (start_s, end_s) in [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
+            assert!(matches!(span(start_s, end_s), Err(Error::Region { .. })), "{start_s}-{end_s}");
+        }
+        let loud = Cut { gain_db: 61.0, ..Cut::default() };
+        assert!(matches!(loud.of(&whole), Err(Error::Gain { .. })));
+    }
+}

@@ -1,0 +1,99 @@
+//! Recordings that were loaded of late, beside the user's presets.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::Library;
+
+/// Name of the list in the user's folder; not a preset's.
+const NAME: &str = "recent-recordings.txt";
+/// Most that are kept.
+pub const MOST: usize = 12;
+/// A larger file is none of ours.
+const LARGEST_BYTES: u64 = 1 << 20;
+
+/// A file with one path a line, the latest first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Recent {
+    file: PathBuf,
+}
+
+impl Recent {
+    /// The user's list; none where the user has no home.
+    pub fn of_user() -> Option<Self> {
+        Some(Self::new(Library::of_user()?.folder()))
+    }
+
+    /// The list in `folder`, which need not exist yet.
+    pub fn new(folder: &Path) -> Self {
+        Self { file: folder.join(NAME) }
+    }
+
+    /// The paths, the latest first. A list that cannot be read is empty.
+    pub fn list(&self) -> Vec<String> {
+        let is_list = fs::metadata(&self.file).is_ok_and(|found| found.is_file() && found.len() <= LARGEST_BYTES);
+        let text = if is_list { fs::read_to_string(&self.file).unwrap_or_default() } else { String::new() };
+        text.lines().filter(|line| !line.trim().is_empty()).take(MOST).map(str::to_owned).collect()
+    }
+
+    /// Puts a path first; the new list. That it cannot be written is no fault worth a word: the list is a convenience.
+    pub fn add(&self, path: &str) -> Vec<String> {
+        let mut paths = self.list();
+        if path.trim().is_empty() || path.contains(['\n', '\r']) {
+            return paths;
+        }
+        paths.retain(|known| known != path);
+        paths.insert(0, path.to_owned());
+        paths.truncate(MOST);
+        let _ = self.write(&paths.join("\n"));
+        paths
+    }
+
+    /// Whole or not at all: other instances write it too.
+    fn write(&self, text: &str) -> std::io::Result<()> {
+        let folder = self.file.parent().unwrap_or(Path::new("."));
+        fs::create_dir_all(folder)?;
+        let beside = folder.join(format!(".{NAME}.{}", std::process::id()));
+        let written = fs::File::create(&beside).and_then(|mut file| file.write_all(text.as_bytes()));
+        let done = written.and_then(|()| fs::rename(&beside, &self.file));
+        if done.is_err() {
+            // It may not be there.
+            let _ = fs::remove_file(&beside);
+        }
+        done
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_latest_stands_first_once_and_old_ones_go() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let recent = Recent::new(&folder.path().join("not yet"));
+        assert_eq!(recent.list(), [""; 0]);
+        for path in ["/a.wav", "/b.wav", "/a.wav", "", "/two\nlines.wav"] {
+            recent.add(path);
+        }
+        assert_eq!(recent.list(), ["/a.wav", "/b.wav"]);
+        for number in 0..20 {
+            assert_eq!(recent.add(&format!("/{number}.wav"))[0], format!("/{number}.wav"));
+        }
+        assert_eq!((recent.list().len(), recent.list()[0].as_str()), (MOST, "/19.wav"));
+        assert_eq!(fs::read_dir(folder.path().join("not yet")).expect("made").count(), 1, "nothing is left over");
+    }
+
+    #[test]
+    fn garbage_is_no_trouble() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let recent = Recent::new(folder.path());
+        fs::write(folder.path().join(NAME), [0xff, 0xfe, 0x00]).expect("written");
+        assert_eq!(recent.list(), [""; 0]);
+        assert_eq!(recent.add("/a.wav"), ["/a.wav"]);
+        fs::remove_file(folder.path().join(NAME)).expect("removed");
+        fs::create_dir(folder.path().join(NAME)).expect("made");
+        assert_eq!(recent.add("/a.wav"), ["/a.wav"], "it is told though it cannot be kept");
+    }
+}

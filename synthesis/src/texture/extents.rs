@@ -1,0 +1,98 @@
+//! How far the output pyramid's levels swing, for those who watch.
+
+/// How far one level swung in a frame of a sixtieth of a second. Each level goes at its own pace: coarse levels are
+/// ahead of fine ones, by the latency at most.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Extent {
+    /// Pyramid level, 0 the finest.
+    pub level: u8,
+    /// Least sample, 0 at most.
+    pub low: f32,
+    /// Largest sample, 0 at least.
+    pub high: f32,
+}
+
+/// Frames per second.
+const FRAMES_HZ: f64 = 60.0;
+/// Most extents that are kept until they are taken; later ones are lost.
+const CAPACITY: usize = 512;
+
+/// The frame under way on each level, and those that are done.
+#[derive(Debug)]
+pub(super) struct Extents {
+    frame_samples: i64,
+    levels: Vec<Frame>,
+    done: Vec<Extent>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Frame {
+    low: f64,
+    high: f64,
+    /// The finest level's first sample after it.
+    end: i64,
+}
+
+impl Extents {
+    /// For `levels` levels, the finest at `sample_rate_hz`.
+    pub fn new(levels: usize, sample_rate_hz: f64) -> Self {
+        Self {
+            frame_samples: ((sample_rate_hz / FRAMES_HZ).round() as i64).max(1),
+            levels: vec![Frame::default(); levels],
+            done: Vec::with_capacity(CAPACITY),
+        }
+    }
+
+    /// Starts anew with sample `origin` of the finest level.
+    pub fn reset(&mut self, origin: i64) {
+        self.levels.fill(Frame { end: origin + self.frame_samples, ..Frame::default() });
+        self.done.clear();
+    }
+
+    /// Takes the sample at `index` of `level`; real-time safe.
+    #[inline]
+    pub fn take(&mut self, level: usize, index: i64, sample: f64) {
+        let frame = &mut self.levels[level];
+        while index << level >= frame.end {
+            if self.done.len() < CAPACITY {
+                self.done.push(Extent { level: level as u8, low: frame.low as f32, high: frame.high as f32 });
+            }
+            (frame.low, frame.high) = (0.0, 0.0);
+            frame.end += self.frame_samples;
+        }
+        frame.low = frame.low.min(sample);
+        frame.high = frame.high.max(sample);
+    }
+
+    /// Those that are done since they were taken last.
+    pub fn drain(&mut self) -> std::vec::Drain<'_, Extent> {
+        self.done.drain(..)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_of_all_levels_keep_pace() {
+        let mut extents = Extents::new(3, 48_000.0);
+        extents.reset(16);
+        for n in 16..48_016 {
+            let sample = if n == 4_100 { -2.0 } else { 0.5 };
+            (0..3).filter(|level| n % (1 << level) == 0).for_each(|level| extents.take(level, n >> level, sample));
+            // A level that nobody takes from must not hold up the others.
+            if n % 1_000 == 0 && n > 40_000 {
+                assert!(extents.done.len() <= CAPACITY);
+            }
+        }
+        let done: Vec<Extent> = extents.drain().collect();
+        for level in 0..3 {
+            let found: Vec<&Extent> = done.iter().filter(|extent| extent.level == level).collect();
+            assert_eq!(found.len(), 59, "level {level}");
+            let deep: Vec<usize> = (0..59).filter(|frame| found[*frame].low < 0.0).collect();
+            assert_eq!(deep, [5], "level {level}: the dip lies in the sixth frame");
+            assert!(found.iter().all(|extent| extent.high == 0.5));
+        }
+    }
+}
