@@ -23,23 +23,42 @@ pub enum Profile {
     Release,
 }
 
+impl Profile {
+    /// What tells Cargo of it.
+    fn flags(self) -> Vec<String> {
+        match self {
+            Self::Dev => vec![],
+            Self::Release => vec!["--release".to_owned()],
+        }
+    }
+
+    /// Its folder in the target folder.
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Dev => "debug",
+            Self::Release => "release",
+        }
+    }
+}
+
 /// Builds the bundles and gives their paths, CLAP first.
 pub fn bundle(profile: Profile) -> Result<[PathBuf; 2]> {
-    let (folder, flags) = match profile {
-        Profile::Dev => ("debug", vec![]),
-        Profile::Release => ("release", vec!["--release".to_owned()]),
-    };
-    let status = cargo::command().args(["build", "--package", PACKAGE]).args(&flags).status()?;
+    let status = cargo::command().args(["build", "--package", PACKAGE]).args(profile.flags()).status()?;
     ensure!(status.success(), "the plugin does not build; see above");
+    wrap(profile)
+}
 
+/// Makes the bundles of a library that was built already, and gives their paths, CLAP first.
+pub fn wrap(profile: Profile) -> Result<[PathBuf; 2]> {
     let target = project::target_dir();
     // The bundler looks for a library named after its package.
-    let built = target.join(folder).join(format!("{DLL_PREFIX}{LIBRARY}{DLL_SUFFIX}"));
-    let expected = target.join(folder).join(format!("{DLL_PREFIX}{}{DLL_SUFFIX}", PACKAGE.replace('-', "_")));
+    let folder = target.join(profile.folder());
+    let built = folder.join(format!("{DLL_PREFIX}{LIBRARY}{DLL_SUFFIX}"));
+    let expected = folder.join(format!("{DLL_PREFIX}{}{DLL_SUFFIX}", PACKAGE.replace('-', "_")));
     if built.exists() {
         fs::copy(&built, &expected).with_context(|| format!("copying {}", built.display()))?;
     }
-    nice_plug_xtask::bundle(&target, PACKAGE, &flags, false)?;
+    nice_plug_xtask::bundle(&target, PACKAGE, &profile.flags(), false)?;
 
     let bundles = paths();
     for path in &bundles {

@@ -13,12 +13,11 @@ use crate::{cargo, project, setup};
 const END_TO_END: &str = "pyrophone-tests";
 /// The command line, which they compare the bundles with.
 const COMMAND_LINE: &str = "pyrophone-cli";
-/// What runs under which of Rust's sanitizers: its name, a package and one of that package's tests. The realtime sanitizer
+/// What runs under which of Rust's sanitizers: its name, packages, and a test that each of them has. The realtime sanitizer
 /// watches over `process`, the address sanitizer over the search, which is where `unsafe` stands.
-const SANITIZED: [(&str, &str, &str); 3] = [
-    ("address", "pyrophone-synthesis", "texture_search"),
-    ("realtime", "pyrophone-synthesis", "realtime"),
-    ("realtime", "pyrophone-plugin", "realtime"),
+const SANITIZED: [(&str, &[&str], &str); 2] = [
+    ("address", &["pyrophone-synthesis"], "texture_search"),
+    ("realtime", &["pyrophone-synthesis", "pyrophone-plugin"], "realtime"),
 ];
 
 /// Tells end-to-end tests which build to take.
@@ -39,20 +38,21 @@ pub fn run() -> Result<ExitCode> {
     setup::ensure(&setup::TEST)?;
     let mut tally = Tally::default();
 
-    tally.cargo_test("unit and engine tests", &[], &["--workspace", "--exclude", END_TO_END])?;
-    if tally.step("bundles and command line", || build(Profile::Dev)) {
-        tally.cargo_test("end to end", &[(BUILD, "debug")], &["--package", END_TO_END])?;
+    // All at once, and just as `cargo test` wants it: other sets of packages would have their dependencies built again.
+    if tally.step("building", build_tests) && tally.step("bundles", || bundle::wrap(Profile::Dev).map(drop)) {
+        tally.cargo_test("tests, end to end", &[(BUILD, "debug")], &["--workspace"])?;
     }
     match sanitizer_target() {
         Some(target) => {
-            for (sanitizer, package, test) in SANITIZED {
+            for (sanitizer, packages, test) in SANITIZED {
                 let folder = project::target_dir().join(format!("{sanitizer}-sanitizer"));
                 let folder = folder.to_string_lossy();
                 let flags = format!("-Zsanitizer={sanitizer} --cfg sanitize_{sanitizer}");
                 let environment =
                     [("RUSTC_BOOTSTRAP", "1"), ("RUSTFLAGS", flags.as_str()), ("CARGO_TARGET_DIR", &*folder)];
-                let arguments = ["--profile", "checked", "--target", &target, "--package", package, "--test", test];
-                tally.cargo_test(&format!("{sanitizer} sanitizer, {package}, {test}"), &environment, &arguments)?;
+                let mut arguments = vec!["--profile", "checked", "--target", &target, "--test", test];
+                arguments.extend(packages.iter().flat_map(|package| ["--package", package]));
+                tally.cargo_test(&format!("{sanitizer} sanitizer"), &environment, &arguments)?;
             }
         }
         None => eprintln!("\nnot run: the sanitizers, which Rust has for Linux on x86-64 only"),
@@ -64,7 +64,7 @@ pub fn run() -> Result<ExitCode> {
 pub fn soak() -> Result<ExitCode> {
     setup::ensure(&setup::TEST)?;
     let mut tally = Tally::default();
-    if tally.step("bundles and command line", || build(Profile::Release)) {
+    if tally.step("bundles and command line", build_release) {
         tally.cargo_test("end to end, as it is used", &[SOAK, (BUILD, "release")], &["--package", END_TO_END])?;
     }
     let mut arguments = vec!["--release", "--package", "pyrophone-flame"];
@@ -73,12 +73,17 @@ pub fn soak() -> Result<ExitCode> {
     Ok(tally.conclude())
 }
 
-/// Builds what the end-to-end tests load and call. For the short ones that is what the tests before have already built most
-/// of, with debug assertions; the long ones take it as it is used.
-fn build(profile: Profile) -> Result<()> {
-    bundle::bundle(profile)?;
-    let release = (profile == Profile::Release).then_some("--release");
-    let status = cargo::command().args(["build", "--package", COMMAND_LINE]).args(release).status()?;
+/// Builds all tests, and the plugin and command line that the end-to-end ones load and call.
+fn build_tests() -> Result<()> {
+    let status = cargo::command().args(["build", "--workspace", "--lib", "--bins", "--tests"]).status()?;
+    ensure!(status.success(), "it does not build; see above");
+    Ok(())
+}
+
+/// Builds plugin and command line as they are used.
+fn build_release() -> Result<()> {
+    bundle::bundle(Profile::Release)?;
+    let status = cargo::command().args(["build", "--release", "--package", COMMAND_LINE]).status()?;
     ensure!(status.success(), "the command line does not build; see above");
     Ok(())
 }
