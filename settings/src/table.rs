@@ -63,6 +63,7 @@ pub enum Id {
     VortexFalloff,
     VortexLimit,
     VortexSeed,
+    ScalingAuto,
 }
 
 /// Names of the values of `dynamic_range`.
@@ -572,6 +573,15 @@ pub const PARAMETERS: &[Parameter] = &[
         Kind::Int { low: 0, high: 65_535, default: 42 },
         None,
         "Number of the sources: another one places and times them anew.",
+    ),
+    control(
+        "scaling_auto",
+        "Scaling auto",
+        "Texture",
+        "",
+        Kind::Toggle { default: false },
+        Some(0.0),
+        "Turns Scaling alpha down by itself while the texture buzzes, and slowly up again.",
     ),
 ];
 

@@ -105,6 +105,7 @@ impl Values {
             },
             texture: TextureControls {
                 scaling_alpha: self.get(Id::ScalingAlpha),
+                scaling_auto: on(Id::ScalingAuto),
                 dynamic_range: match self.get(Id::DynamicRange) as usize {
                     0 => DynamicRange::Off,
                     1 => DynamicRange::Learned,

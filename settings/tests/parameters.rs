@@ -82,6 +82,7 @@ fn every_id_is_at_its_place() {
         (Id::VortexFalloff, "vortex_falloff"),
         (Id::VortexLimit, "vortex_limit"),
         (Id::VortexSeed, "vortex_seed"),
+        (Id::ScalingAuto, "scaling_auto"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {

@@ -152,6 +152,8 @@ impl Default for Quality {
 pub struct TextureControls {
     /// How far the recording's amplitudes are mapped onto the drive's, 0-1 (1: the paper).
     pub scaling_alpha: f64,
+    /// Whether that is lowered while single tones stand out ([`crate::texture::buzz`]).
+    pub scaling_auto: bool,
     /// Where the drive's amplitude distribution comes from.
     pub dynamic_range: DynamicRange,
     /// Amplitude of the pyramid's top level below which, once it lasts longer than the look-ahead, nothing is synthesized; 0 = no gate.
@@ -166,6 +168,7 @@ impl Default for TextureControls {
     fn default() -> Self {
         Self {
             scaling_alpha: 1.0,
+            scaling_auto: false,
             dynamic_range: DynamicRange::Running,
             gate: 1e-4,
             quality: Quality::default(),

@@ -241,3 +241,43 @@ fn matches_are_told_by_their_places_in_the_recording() {
     let (matches, extents) = engine.take_traces();
     assert_eq!((matches.count(), extents.count()), (0, 0), "they are taken once");
 }
+
+#[test]
+fn scaling_that_yields_to_a_buzz_knows_no_blocks_and_no_past() {
+    let shape = Shape::default();
+    let hop = shape.period_samples() / 2;
+    // What repeats with the hops repeats so in all that is made of it.
+    let tile = signal(&mut Random::new(12), 1, 3 * hop);
+    let recording: Vec<f64> = (0..30_000).map(|i| tile[i % tile.len()]).collect();
+    let dictionary = Arc::new(Dictionary::new(&[recording], RATE_HZ, &shape, &|_| true).unwrap());
+    let drive = signal(&mut Random::new(13), 1, 60_000);
+    let auto = TextureControls {
+        scaling_auto: true,
+        gate: 0.0,
+        quality: Quality::Bounded { candidates: 64 },
+        ..TextureControls::default()
+    };
+    let by_hand = TextureControls { scaling_auto: false, ..auto };
+    let play = |engine: &mut Texture, cut: Cut| {
+        let mut out = run(engine, &drive, &auto, 1, cut).remove(0);
+        let lowered = engine.scaling_alpha();
+        out.extend(run(engine, &drive[..20_000], &by_hand, 1, cut).remove(0));
+        out.extend(run(engine, &drive[..20_000], &auto, 1, cut).remove(0));
+        (out, lowered, engine.scaling_alpha())
+    };
+    let mut engine = engine(&shape, &dictionary, 1);
+    engine.reset(77);
+    let expected = play(&mut engine, Cut::Every(60_000));
+    assert!(expected.1 < 0.5, "scaling alpha is {}", expected.1);
+    assert!(expected.2 > expected.1 && expected.2 < 1.0, "it begins anew: {}", expected.2);
+    for cut in CUTS {
+        engine.reset(77);
+        assert!(play(&mut engine, cut) == expected, "{cut:?}");
+    }
+    let mut fresh = self::engine(&shape, &dictionary, 1);
+    fresh.reset(77);
+    assert!(play(&mut fresh, Cut::Every(512)) == expected, "fresh");
+    fresh.reset(77);
+    assert!(run(&mut fresh, &drive, &by_hand, 1, Cut::Every(512))[0] != expected.0[..60_000]);
+    assert_eq!(fresh.scaling_alpha(), 1.0);
+}

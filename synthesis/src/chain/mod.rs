@@ -71,6 +71,8 @@ pub struct Meters {
     pub vortex: f32,
     /// Output.
     pub output: f32,
+    /// How far texture maps amplitudes now: scalingAlpha, less what a buzz takes where that is asked for.
+    pub scaling_alpha: f32,
     /// Whether the input's channels cancel in the mean that drives the engines.
     pub cancels: bool,
     /// Whether texture lacks a recording.
@@ -399,6 +401,7 @@ impl Chain {
         };
         let drive = newest.drive_block(samples);
         self.meters.drive = drive.iter().fold(self.meters.drive, |peak, x| peak.max(x.abs() as f32));
+        self.meters.scaling_alpha = newest.scaling_alpha() as f32;
         self.meters.cancels |= newest.cancels();
         for magnitude in newest.top_magnitudes() {
             if self.top_magnitudes.len() < TOLD_CAPACITY {

@@ -202,6 +202,11 @@ impl Voice {
         self.drive.cancels()
     }
 
+    /// See [`Texture::scaling_alpha`].
+    pub fn scaling_alpha(&self) -> f64 {
+        self.texture.scaling_alpha()
+    }
+
     /// Processes one chunk of up to [`CHUNK`] samples into `layers`.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &Controls, samples: usize) {
         let stands_in = self.stands_in();

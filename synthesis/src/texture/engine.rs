@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use super::buzz::Buzz;
 use super::dictionary::Dictionary;
 use super::distribution::{Distribution, RunningDistribution, feature_factor};
 use super::extents::{Extent, Extents};
@@ -63,6 +64,10 @@ pub struct Texture {
     longest_run: Vec<usize>,
     /// Exponent of the drive's loudness.
     dynamics: Smoothed,
+    buzz: Buzz,
+    /// Whether it has listened since it was reset.
+    is_listening: bool,
+    scaling_alpha: f64,
 }
 
 /// What a window of the level below the top was matched with.
@@ -169,6 +174,9 @@ impl Texture {
                 })
                 .collect(),
             dynamics: Smoothed::new(DYNAMICS_S, sample_rate_hz / shape.window as f64),
+            buzz: Buzz::new(shape.period_samples() / 2, sample_rate_hz),
+            is_listening: false,
+            scaling_alpha: 0.0,
             shape: *shape,
             schedule,
         };
@@ -215,6 +223,9 @@ impl Texture {
         self.top_magnitudes.clear();
         self.matches.clear();
         self.extents.reset(origin);
+        self.buzz.reset();
+        self.is_listening = false;
+        self.scaling_alpha = 0.0;
         let first_at = |level: usize| (origin + (1 << level) - 1) >> level;
         self.top.reset(first_at(self.shape.top()));
         for (l, level) in self.levels.iter_mut().enumerate() {
@@ -266,6 +277,11 @@ impl Texture {
         (self.matches.drain(..), self.extents.drain())
     }
 
+    /// How far the recording's amplitudes are mapped onto the drive's now, 0-1: what the controls say, less what the buzz takes.
+    pub fn scaling_alpha(&self) -> f64 {
+        self.scaling_alpha
+    }
+
     /// Windows and boxes compared since it was made.
     pub fn compared(&self) -> u64 {
         self.compared
@@ -300,7 +316,20 @@ impl Texture {
             for (output, ring) in outputs.iter_mut().zip(&self.outputs) {
                 output[i] = if ready >= self.origin { ring.get(ready) } else { 0.0 };
             }
+            self.listen(controls.scaling_auto, ready);
             self.now += 1;
+        }
+        self.scaling_alpha = controls.scaling_alpha * self.buzz.share();
+    }
+
+    /// Listens for a buzz in the synthesized sample `ready`, where that is asked for.
+    fn listen(&mut self, is_asked: bool, ready: i64) {
+        if is_asked && ready >= self.origin {
+            self.is_listening = true;
+            self.buzz.push(self.levels[0].samples.get(ready));
+        } else if !is_asked && self.is_listening {
+            self.is_listening = false;
+            self.buzz.reset();
         }
     }
 
@@ -454,13 +483,14 @@ impl Texture {
         let coarse = &mut self.query[self.shape.causal_len()..];
         let mean = coarse.iter().map(|x| x.abs()).sum::<f64>() / coarse.len() as f64;
         let recording = dictionary.distribution();
+        let scaling_alpha = controls.scaling_alpha * if controls.scaling_auto { self.buzz.share() } else { 1.0 };
         let factor = match (controls.dynamic_range, &self.learned) {
             (DynamicRange::Learned, Some(learned)) => {
-                feature_factor(mean, controls.scaling_alpha, |a| learned.fraction(a), recording)
+                feature_factor(mean, scaling_alpha, |a| learned.fraction(a), recording)
             }
             (DynamicRange::Running, _) => {
                 let prior = dictionary.histogram();
-                feature_factor(mean, controls.scaling_alpha, |a| self.running.fraction(a, prior), recording)
+                feature_factor(mean, scaling_alpha, |a| self.running.fraction(a, prior), recording)
             }
             _ => 1.0,
         };

@@ -11,9 +11,11 @@
 //! | [`schedule`] | which window is matched at which sample |
 //! | [`gate`] | silence in, silence out |
 //! | [`extents`] | how far the output's levels swing |
+//! | [`buzz`] | repeats that are heard as tones |
 //! | [`engine`] | all of it, as a stream |
 //! | [`offline`] | all of it, on a whole signal |
 
+pub mod buzz;
 pub mod dictionary;
 pub mod distribution;
 pub mod engine;

@@ -70,6 +70,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
         },
         texture: TextureControls {
             scaling_alpha: random.unit(),
+            scaling_auto: random.below(2) == 0,
             dynamic_range,
             gate: if random.below(2) == 0 { 0.0 } else { 1e-3 },
             quality,

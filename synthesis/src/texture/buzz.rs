@@ -1,0 +1,242 @@
+//! The buzz of windows that repeat, and how far scalingAlpha yields to it.
+//!
+//! Mapped fully, a quiet passage of the drive can choose the same windows over and over, as loud as the drive
+//! asks: a tone whose lines stand at multiples of rate / hop, or of a whole fraction of that where a repeat lasts several hops.
+//! A sound's correlation with itself, a lag of as many hops ago, weighs its power at those lines against that
+//! between them (Wiener-Khinchin), for all lines at once and without a transform; the same at lags beside the hops tells
+//! what tones and colours the sound has otherwise. The difference is the buzz.
+
+use crate::filter::{Section, section_gain};
+
+/// Hops that a repeat may last: torch on its own recording repeats after six.
+const HOPS: usize = 16;
+/// Where, in a hop's 64ths, the lags beside the hops lie: off the hops of finer levels too.
+const BESIDE: usize = 23;
+/// Corner in Hz of what is listened to: flames' own rumble lies below.
+const LOW_HZ: f64 = 500.0;
+/// Time constant in seconds of the correlations.
+const HEARD_S: f64 = 1.0;
+/// Buzz that is borne: recordings and results of the reference pairs that do not buzz stay below 0.06 but for moments,
+/// those with a line beyond 5 dB reach 0.15 to 0.6.
+const BORNE: f64 = 0.08;
+/// Buzz beyond that at which the share falls as fast as it may.
+const SPAN: f64 = 0.1;
+/// Seconds in which the share falls from 1 to 0 at the fastest, and in which it comes back without any buzz.
+const FALL_S: f64 = 0.8;
+const RISE_S: f64 = 20.0;
+/// Part of the mean power below which a hop tells nothing, -40 dB, and power that is silence whatever went before.
+const SILENT_PART: f64 = 1e-4;
+const SILENCE: f64 = 1e-20;
+
+/// Listens to what is synthesized.
+#[derive(Debug)]
+pub struct Buzz {
+    hop: usize,
+    low: Section,
+    low_gain: f64,
+    last: f64,
+    /// What was heard in the last `HOPS` + 1 hops; `at` is the oldest.
+    past: Vec<f64>,
+    at: usize,
+    part: f64,
+    power: f64,
+    /// Mean products with what was heard 1 to `HOPS` hops before, and beside.
+    on_grid: [f64; HOPS],
+    beside: [f64; HOPS],
+    /// Samples in the hop under way, and their energy.
+    filled: usize,
+    energy: f64,
+    fall: f64,
+    rise: f64,
+    share: f64,
+}
+
+impl Buzz {
+    /// For windows that are matched every `hop` samples, 1 at least.
+    pub fn new(hop: usize, sample_rate_hz: f64) -> Self {
+        let hop_s = hop as f64 / sample_rate_hz;
+        Self {
+            hop,
+            low: Section::default(),
+            low_gain: section_gain(LOW_HZ.min(0.4 * sample_rate_hz), sample_rate_hz),
+            last: 0.0,
+            past: vec![0.0; (HOPS + 1) * hop],
+            at: 0,
+            part: 1.0 - (-1.0 / (HEARD_S * sample_rate_hz)).exp(),
+            power: 0.0,
+            on_grid: [0.0; HOPS],
+            beside: [0.0; HOPS],
+            filled: 0,
+            energy: 0.0,
+            fall: hop_s / FALL_S,
+            rise: hop_s / RISE_S,
+            share: 1.0,
+        }
+    }
+
+    /// Nothing heard yet.
+    pub fn reset(&mut self) {
+        self.low.reset();
+        self.last = 0.0;
+        self.past.fill(0.0);
+        self.at = 0;
+        self.filled = 0;
+        self.energy = 0.0;
+        self.share = 1.0;
+        self.forget();
+    }
+
+    fn forget(&mut self) {
+        self.power = 0.0;
+        self.on_grid = [0.0; HOPS];
+        self.beside = [0.0; HOPS];
+    }
+
+    /// Part of scalingAlpha that is left, 0-1: it falls while there is a buzz and rises slowly when there is none.
+    pub fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// Takes a sample of what is synthesized.
+    pub fn push(&mut self, sample: f64) {
+        // Fire falls by some 6 to 9 dB an octave: its differences are nearly white, so all lines count alike.
+        let heard = self.low.process(self.low_gain, sample - std::mem::replace(&mut self.last, sample)).high;
+        let ago = |lag: usize| {
+            let place = self.at + self.past.len() - lag;
+            self.past[if place < self.past.len() { place } else { place - self.past.len() }]
+        };
+        let beside = self.hop * BESIDE / 64;
+        for hops in 0..HOPS {
+            let lag = (hops + 1) * self.hop;
+            self.on_grid[hops] += self.part * (heard * ago(lag) - self.on_grid[hops]);
+            self.beside[hops] += self.part * (heard * ago(lag + beside) - self.beside[hops]);
+        }
+        self.power += self.part * (heard * heard - self.power);
+        self.past[self.at] = heard;
+        self.at = if self.at + 1 < self.past.len() { self.at + 1 } else { 0 };
+        self.energy += heard * heard;
+        self.filled += 1;
+        if self.filled == self.hop {
+            self.follow();
+        }
+    }
+
+    /// How much of what is heard repeats with the hops, and with nothing else: up to 1.
+    fn strength(&self) -> f64 {
+        let most = |means: &[f64; HOPS], size: fn(f64) -> f64| means.iter().fold(0.0f64, |most, x| most.max(size(*x)));
+        (most(&self.on_grid, |x| x) - most(&self.beside, f64::abs)) / self.power
+    }
+
+    /// Lets the share follow, once a hop. What is as strong as is borne lets it be, so that it settles where the buzz just ends.
+    fn follow(&mut self) {
+        let power = std::mem::take(&mut self.energy) / self.hop as f64;
+        self.filled = 0;
+        if self.power < SILENCE {
+            self.forget();
+        }
+        let tells = power > SILENT_PART * self.power && self.power > 0.0;
+        let strength = if tells { self.strength() } else { 0.0 };
+        let step = if strength > BORNE {
+            -self.fall * ((strength - BORNE) / SPAN).min(1.0)
+        } else {
+            self.rise * (1.0 - strength / BORNE).min(1.0)
+        };
+        self.share = (self.share + step).clamp(0.0, 1.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::White;
+
+    const RATE_HZ: f64 = 44_100.0;
+    const HOP: usize = 64;
+
+    /// Noise that falls as fire does, seconds of it; of `repeats`, that part repeats every `period` samples.
+    fn fire(seed: u32, seconds: f64, repeats: f64, period: usize) -> Vec<f64> {
+        let (fresh, again) = (White::new(seed, 1), White::new(seed, 2));
+        let mut last = 0.0;
+        (0..(seconds * RATE_HZ) as usize)
+            .map(|n| {
+                last = 0.98 * last + (1.0 - repeats) * fresh.at(n as i64) + repeats * again.at((n % period) as i64);
+                0.05 * last
+            })
+            .collect()
+    }
+
+    /// The share after every hop.
+    fn follow(buzz: &mut Buzz, signal: &[f64]) -> Vec<f64> {
+        let hop = |hop: &[f64]| {
+            hop.iter().for_each(|x| buzz.push(*x));
+            buzz.share()
+        };
+        signal.chunks_exact(HOP).map(hop).collect()
+    }
+
+    fn least(shares: &[f64]) -> f64 {
+        shares.iter().fold(1.0f64, |least, share| least.min(*share))
+    }
+
+    #[test]
+    fn repeats_of_one_and_of_several_hops_are_found_within_seconds() {
+        for hops in [1, 2, 3, 6, 12] {
+            let mut buzz = Buzz::new(HOP, RATE_HZ);
+            let shares = follow(&mut buzz, &fire(1, 3.0, 0.6, hops * HOP));
+            assert!(*shares.last().unwrap() < 0.1, "{hops} hops: {:?}", shares.last());
+            assert!(shares[(0.3 * RATE_HZ) as usize / HOP] > 0.5, "{hops} hops: it takes about a second");
+        }
+    }
+
+    #[test]
+    fn noise_tones_and_repeats_beside_the_grid_are_no_buzz() {
+        let tone = |hz: f64| -> Vec<f64> {
+            let noise = fire(2, 4.0, 0.0, 1);
+            let angle = |n: usize| 2.0 * std::f64::consts::PI * hz * n as f64 / RATE_HZ;
+            noise.iter().enumerate().map(|(n, x)| x + 0.3 * angle(n).sin()).collect()
+        };
+        let others =
+            [fire(3, 8.0, 0.0, 1), tone(900.0), tone(1234.5), tone(5000.0), fire(4, 4.0, 0.6, 87), vec![0.0; 100_000]];
+        for (number, signal) in others.iter().enumerate() {
+            let shares = follow(&mut Buzz::new(HOP, RATE_HZ), signal);
+            // Until all lags have heard it, a tone that begins is like a repeat.
+            let (begun, rest) = shares.split_at((0.4 * RATE_HZ) as usize / HOP);
+            assert!(least(begun) > 0.75, "signal {number}: {}", least(begun));
+            assert!(rest.is_sorted(), "signal {number} falls: {}", least(rest));
+        }
+    }
+
+    #[test]
+    fn the_share_moves_smoothly_and_comes_back_slowly() {
+        let mut buzz = Buzz::new(HOP, RATE_HZ);
+        let mut shares = follow(&mut buzz, &fire(5, 3.0, 0.7, 3 * HOP));
+        let calm = shares.len();
+        shares.extend(follow(&mut buzz, &fire(6, 26.0, 0.0, 1)));
+        let hop_s = HOP as f64 / RATE_HZ;
+        let fastest = shares.windows(2).map(|x| (x[1] - x[0]).abs()).fold(0.0, f64::max);
+        assert!(fastest <= 1.001 * hop_s / FALL_S, "{fastest}");
+        assert!(shares[calm - 1] < 0.05, "{}", shares[calm - 1]);
+        let after = |seconds: f64| shares[calm + (seconds / hop_s) as usize];
+        assert!(after(6.0) < 0.4 && after(6.0) > 0.1, "{}", after(6.0));
+        assert_eq!(after(25.9), 1.0);
+    }
+
+    #[test]
+    fn silence_is_no_buzz_however_it_was_before() {
+        let mut buzz = Buzz::new(HOP, RATE_HZ);
+        let buzzing = *follow(&mut buzz, &fire(7, 3.0, 0.7, HOP)).last().unwrap();
+        let shares = follow(&mut buzz, &vec![0.0; 40 * RATE_HZ as usize]);
+        assert!(shares[0] >= buzzing && *shares.last().unwrap() == 1.0);
+        assert!(least(&follow(&mut buzz, &fire(8, 1.0, 0.0, 1))) > 0.9);
+    }
+
+    #[test]
+    fn reset_forgets() {
+        let (noise, mut used) = (fire(9, 2.0, 0.5, HOP), Buzz::new(HOP, RATE_HZ));
+        let fresh = follow(&mut used, &noise);
+        assert!(least(&fresh) < 0.5);
+        used.push(0.3);
+        used.reset();
+        assert_eq!(follow(&mut used, &noise), fresh);
+    }
+}
