@@ -42,6 +42,7 @@ pub struct Meters {
     pub output: Peak,
     cancels: AtomicBool,
     late_steps: AtomicU32,
+    scaling_alpha_bits: AtomicU32,
     latency_samples: AtomicU32,
     sample_rate_bits: AtomicU32,
 }
@@ -62,12 +63,18 @@ impl Meters {
             peak.raise(magnitude);
         }
         self.cancels.store(measured.cancels, Ordering::Relaxed);
+        self.scaling_alpha_bits.store(measured.scaling_alpha.to_bits(), Ordering::Relaxed);
         self.late_steps.fetch_add(u32::try_from(measured.late_steps).unwrap_or(u32::MAX), Ordering::Relaxed);
     }
 
     /// Whether the input's channels cancel in the mean that drives the engines.
     pub fn input_cancels(&self) -> bool {
         self.cancels.load(Ordering::Relaxed)
+    }
+
+    /// How far texture maps amplitudes, 0-1: Scaling alpha, or what a buzz has left of it.
+    pub fn scaling_alpha(&self) -> f32 {
+        f32::from_bits(self.scaling_alpha_bits.load(Ordering::Relaxed))
     }
 
     /// Steps of the live gas that came too late since the activation.

@@ -184,6 +184,12 @@ pub fn sanitize(state: &mut PluginState) {
         true
     });
     for (id, plain) in session::EARLIER {
-        state.params.entry((*id).to_owned()).or_insert(ParamValue::I32(*plain as i32));
+        let Ok(index) = index_of(id) else { continue };
+        let value = match PARAMETERS[index].kind {
+            Kind::Float { .. } => ParamValue::F32(*plain as f32),
+            Kind::Int { .. } | Kind::Choice { .. } => ParamValue::I32(*plain as i32),
+            Kind::Toggle { .. } => ParamValue::Bool(*plain > 0.5),
+        };
+        state.params.entry((*id).to_owned()).or_insert(value);
     }
 }

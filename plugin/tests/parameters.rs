@@ -111,9 +111,21 @@ fn bad_values_are_brought_into_range_or_dropped() {
     let mut state: PluginState = serde_json::from_str(text).unwrap();
     sanitize(&mut state);
     let kept: Vec<&str> = state.params.keys().map(String::as_str).collect();
-    assert_eq!(kept, ["alpha", "cutoff", "dynamics_mode", "levels", "low_level", "noise_amount", "quality", "window"]);
+    let known = [
+        "alpha",
+        "cutoff",
+        "dynamics_mode",
+        "levels",
+        "low_level",
+        "noise_amount",
+        "quality",
+        "scaling_auto",
+        "window",
+    ];
+    assert_eq!(kept, known);
     for (id, value) in &state.params {
         let plain = match value {
+            ParamValue::Bool(on) => f64::from(u8::from(*on)),
             ParamValue::F32(plain) => f64::from(*plain),
             ParamValue::I32(plain) => f64::from(*plain),
             other => panic!("{other:?}"),
@@ -132,4 +144,19 @@ fn a_state_from_before_the_companded_mode_keeps_the_papers() {
     assert_eq!(params.values().structure().dynamics, Dynamics::Companded, "a fresh instance's");
     apply(&params, &state);
     assert_eq!(params.values().structure().dynamics, Dynamics::Paper);
+}
+
+#[test]
+fn a_state_from_before_scaling_auto_turns_it_off() {
+    let params = params();
+    let mut values = Values::default();
+    values.set_text("scaling_auto", "on").unwrap();
+    let on: PluginState = serde_json::from_str(&plugin_state(&values, &Session::default())).unwrap();
+    apply(&params, &on);
+    assert_eq!(params.values(), values);
+    let mut earlier = on;
+    earlier.params.remove("scaling_auto");
+    sanitize(&mut earlier);
+    apply(&params, &earlier);
+    assert_eq!(params.values(), Values::default());
 }

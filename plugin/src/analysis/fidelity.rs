@@ -320,9 +320,9 @@ impl Fault {
             Self::Buzzes if is_calm => {
                 "Tones stand out that the recording has not: a longer, livelier recording has fewer."
             }
-            Self::Buzzes => "It buzzes: turn Scaling alpha down, or Dynamics mode to companded.",
+            Self::Buzzes => "It buzzes: turn Scaling auto on, Scaling alpha down, or Dynamics mode to companded.",
             Self::MayBuzz => {
-                "Drive and recording differ so much in loudness that this may buzz: turn Scaling alpha down."
+                "Drive and recording differ so much in loudness that this may buzz: turn Scaling auto on, or Scaling alpha down."
             }
             Self::Wanders => "It does not follow the drive: turn Dynamics up, or a steady layer down.",
             Self::Sudden => "It is more sudden than the recording: turn Drive match down.",

@@ -28,8 +28,11 @@ impl Cure {
         let companded = DYNAMICS_MODES.iter().position(|mode| *mode == "companded").unwrap_or(0) as f64;
         let is_companded = values.get(Id::DynamicsMode) == companded;
         let scaling = values.get(Id::ScalingAlpha);
+        let is_auto = values.get(Id::ScalingAuto) > 0.5;
         let (id, plain) = match fault {
-            Fault::Buzzes | Fault::MayBuzz if scaling > CALM_SCALING => (Id::ScalingAlpha, CALM_SCALING),
+            Fault::Buzzes | Fault::MayBuzz if scaling > 0.0 && !is_companded && !is_auto => (Id::ScalingAuto, 1.0),
+            Fault::Buzzes if scaling > CALM_SCALING => (Id::ScalingAlpha, CALM_SCALING),
+            Fault::MayBuzz if scaling > CALM_SCALING && !is_auto => (Id::ScalingAlpha, CALM_SCALING),
             Fault::Buzzes if scaling > 0.0 => (Id::ScalingAlpha, 0.0),
             Fault::Buzzes if !is_companded => (Id::DynamicsMode, companded),
             Fault::Wanders if is_companded => (Id::Dynamics, values.get(Id::Dynamics) + DYNAMICS_STEP),
@@ -68,10 +71,16 @@ mod tests {
         paper.set_text("dynamics_mode", "paper").expect("known");
         paper.set_text("scaling_alpha", "1").expect("known");
         let buzzing = clicks(Fault::Buzzes, paper);
-        assert_eq!(buzzing[..2], [(Id::ScalingAlpha, 0.5), (Id::ScalingAlpha, 0.0)]);
-        assert_eq!(buzzing.len(), 3);
-        assert_eq!(buzzing[2].0, Id::DynamicsMode);
-        assert_eq!(clicks(Fault::MayBuzz, paper), [(Id::ScalingAlpha, 0.5)]);
+        let by_hand = [(Id::ScalingAlpha, 0.5), (Id::ScalingAlpha, 0.0)];
+        assert_eq!(buzzing[0], (Id::ScalingAuto, 1.0));
+        assert_eq!(buzzing[1..3], by_hand);
+        assert_eq!(buzzing.len(), 4);
+        assert_eq!(buzzing[3].0, Id::DynamicsMode);
+        let mut companded = Values::default();
+        companded.set_text("scaling_alpha", "1").expect("known");
+        assert_eq!(clicks(Fault::Buzzes, companded), by_hand);
+        assert_eq!(clicks(Fault::MayBuzz, paper), [(Id::ScalingAuto, 1.0)]);
+        assert_eq!(clicks(Fault::MayBuzz, companded), [(Id::ScalingAlpha, 0.5)]);
         for fault in [Fault::Wanders, Fault::Sudden, Fault::Dull] {
             assert_eq!(clicks(fault, paper), [], "there is nothing to turn in the paper's mode");
             assert!(!clicks(fault, Values::default()).is_empty(), "{fault:?}");

@@ -55,6 +55,7 @@ use header::Header;
 use levels::Levels;
 use listen::ListenPanel;
 use monitor::Monitor;
+use plots::spectrum::Told;
 use recording::RecordingPanel;
 
 /// The smallest size in points at which everything can be reached.
@@ -186,7 +187,8 @@ impl Window {
         let spectra = if shows_engines { left.with_max_y(left.bottom() - ENGINES - GAP) } else { left };
         let figures = self.monitor.figures(portrait.map(|portrait| &portrait.character));
         let fault = figures.fault().or_else(|| foreseen(&mut self.monitor, &view, &hand, now_s));
-        self.monitor.spectra.show(ui, spectra, portrait, &figures, fault, &mut hand);
+        let told = Told { figures, fault, scaling_alpha: self.meters.scaling_alpha() };
+        self.monitor.spectra.show(ui, spectra, portrait, &told, &mut hand);
         if shows_engines {
             self.engines(ui, left.with_min_y(left.bottom() - ENGINES), &view);
         }
@@ -247,6 +249,9 @@ impl Window {
 fn foreseen(monitor: &mut Monitor, view: &View, hand: &Hand<'_>, now_s: f64) -> Option<Fault> {
     let values = hand.values();
     let range = DYNAMIC_RANGES[values.get(Id::DynamicRange) as usize];
+    if values.get(Id::ScalingAuto) > 0.5 {
+        return None;
+    }
     let scaling_alpha = values.get(Id::ScalingAlpha);
     let [recording, learned] = &view.amplitudes;
     let recording = recording.as_deref()?;

@@ -94,16 +94,8 @@ impl Axes {
 }
 
 impl Spectra {
-    /// Draws the plot; handles on it move parameters.
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        rect: Rect,
-        recording: Option<&Portrait>,
-        figures: &Figures,
-        fault: Option<Fault>,
-        hand: &mut Hand<'_>,
-    ) {
+    /// Draws the plot; handles on it move parameters. `scaling_alpha` is what the texture uses of it.
+    pub fn show(&mut self, ui: &mut Ui, rect: Rect, recording: Option<&Portrait>, told: &Told, hand: &mut Hand<'_>) {
         let (drive, output) = (self.drive.levels_db(), self.output.levels_db());
         let loudest = drive.iter().chain(&output).copied().fold(FLOOR_DB, f32::max);
         let wanted = (loudest + HEADROOM_DB).max(REST_DB);
@@ -121,7 +113,7 @@ impl Spectra {
             curve(&painter, &axes, levels, Stroke::new(1.6, color));
         }
         extension(ui, &painter, &axes, &drive, hand);
-        told(ui, &painter, rect, figures, fault, hand);
+        told.show(ui, &painter, rect, hand);
         legend(&painter, rect, matched.as_ref().and_then(|(_, likeness)| *likeness), recording.is_some());
         read_out(ui, &painter, &axes, &drive, &output);
     }
@@ -295,40 +287,50 @@ fn readable(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Re
     place
 }
 
-/// The output's figures, what to change, and a button that does.
-fn told(
-    ui: &mut Ui,
-    painter: &egui::Painter,
-    rect: Rect,
-    figures: &Figures,
-    fault: Option<Fault>,
-    hand: &mut Hand<'_>,
-) {
-    let mut words = vec![];
-    words.extend(figures.follows.map(|follows| format!("follows {follows:.2}")));
-    words.extend(figures.lines_db.map(|lines_db| format!("tones +{lines_db:.1} dB")));
-    words.extend(figures.crackle.map(|crackle| format!("crackle ×{crackle:.1}")));
-    if words.is_empty() && fault.is_none() {
-        return;
-    }
-    let at = rect.left_top() + Vec2::new(8.0, 21.0);
-    let drawn = readable(painter, at, &words.join("   "), theme::WEAK);
-    let area = ui.interact(drawn, Place::unique("figures"), Sense::hover());
-    area.on_hover_text(
-        "Over the last eight seconds. Follows: correlation of the output's loudness with the drive's, 1 at best. \
-         Tones: how far the output's strongest tones stand out beyond the recording's; noise has none, a buzz some 3 dB and more. \
-         Crackle: how sudden the output is, as a multiple of the recording; 1 at best.",
-    );
-    let Some(fault) = fault else { return };
-    let at = at + Vec2::new(0.0, 15.0);
-    let cure = Cure::of(fault, &hand.values());
-    let advice = readable(painter, at, fault.advice(cure.is_none()), theme::EMBER);
-    let Some(cure) = cure else { return };
-    let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));
-    let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
-    map::note(ui, "button.Cure", place);
-    if ui.put(place, button).on_hover_text("Does what is advised; Undo takes it back").clicked() {
-        hand.set_once(cure.id as usize, cure.plain);
+/// What is told of the output.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Told {
+    /// How near it is to the recording, and how it follows the drive.
+    pub figures: Figures,
+    /// What is wrong with it, or is about to be.
+    pub fault: Option<Fault>,
+    /// What Scaling auto has left of Scaling alpha.
+    pub scaling_alpha: f32,
+}
+
+impl Told {
+    /// The figures, what to change, and a button that does.
+    fn show(&self, ui: &mut Ui, painter: &egui::Painter, rect: Rect, hand: &mut Hand<'_>) {
+        let mut words = vec![];
+        words.extend(self.figures.follows.map(|follows| format!("follows {follows:.2}")));
+        words.extend(self.figures.lines_db.map(|lines_db| format!("tones +{lines_db:.1} dB")));
+        words.extend(self.figures.crackle.map(|crackle| format!("crackle ×{crackle:.1}")));
+        if hand.values().get(Id::ScalingAuto) > 0.5 {
+            words.push(format!("scaling {:.2}", self.scaling_alpha));
+        }
+        if words.is_empty() && self.fault.is_none() {
+            return;
+        }
+        let at = rect.left_top() + Vec2::new(8.0, 21.0);
+        let drawn = readable(painter, at, &words.join("   "), theme::WEAK);
+        let area = ui.interact(drawn, Place::unique("figures"), Sense::hover());
+        area.on_hover_text(
+            "Over the last eight seconds. Follows: correlation of the output's loudness with the drive's, 1 at best. \
+             Tones: how far the output's strongest tones stand out beyond the recording's; noise has none, a buzz some 3 dB and more. \
+             Crackle: how sudden the output is, as a multiple of the recording; 1 at best. \
+             Scaling: what Scaling auto has left of Scaling alpha.",
+        );
+        let Some(fault) = self.fault else { return };
+        let at = at + Vec2::new(0.0, 15.0);
+        let cure = Cure::of(fault, &hand.values());
+        let advice = readable(painter, at, fault.advice(cure.is_none()), theme::EMBER);
+        let Some(cure) = cure else { return };
+        let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));
+        let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
+        map::note(ui, "button.Cure", place);
+        if ui.put(place, button).on_hover_text("Does what is advised; Undo takes it back").clicked() {
+            hand.set_once(cure.id as usize, cure.plain);
+        }
     }
 }
 
