@@ -30,7 +30,7 @@ fn try_format(desk: &Desk, format: Format) {
     let mut live = Live::start(plugin, RATE_HZ, STEREO);
     let input = flame(81, 2, 4096);
 
-    let (mut position, first_size) = (0, (1060, 760));
+    let (mut position, first_size) = (0, (1100, 790));
     let mut play = |player: &mut pyrophone_tests::live::Player| {
         let output = player.play(&input, Clock::Playing(position), 512);
         assert!(peak(&output[0]).is_finite());
@@ -54,6 +54,8 @@ fn try_format(desk: &Desk, format: Format) {
     }
     try_preset(&mut hand, format);
     try_files(&mut hand, desk, format);
+    try_part(&mut hand, format);
+    try_listening(&mut hand, desk, format);
     try_sizes(&mut hand, format);
     let Hand { window, .. } = hand;
     window.close(live.plugin());
@@ -206,6 +208,46 @@ fn try_files(hand: &mut Hand<'_>, desk: &Desk, format: Format) {
     hand.wait_until("what was dropped", |hand| session_recording(hand).contains("bonfire, 100 % dry.wav"));
     hand.settle();
     hand.photograph(&format!("{format}-file-dropped"));
+}
+
+/// The part of the recording that is learnt from, by mouse and by numbers.
+fn try_part(hand: &mut Hand<'_>, format: Format) {
+    hand.drag("region", (70, 0));
+    hand.wait_until("a part of the recording", |hand| session_recording(hand).contains("region_s"));
+    hand.settle();
+    hand.photograph(&format!("{format}-part"));
+    hand.click_into("number.Gain");
+    hand.with_control(b'a');
+    hand.write("-6");
+    hand.press(RETURN);
+    hand.wait_until("a gain", |hand| session_recording(hand).contains("gain_db\\\":-6.0"));
+    hand.double_click("region");
+    hand.wait_until("all of it", |hand| !session_recording(hand).contains("region_s"));
+}
+
+/// Hearing one sound alone, a burst, learning from a file, and saving what was played.
+fn try_listening(hand: &mut Hand<'_>, desk: &Desk, format: Format) {
+    hand.click("button.Hear rec.");
+    hand.click("button.Burst");
+    (0..20).for_each(|_| hand.pass());
+    hand.photograph(&format!("{format}-listening"));
+    hand.click("button.Hear output");
+    hand.click("button.Learn from file");
+    hand.wait_until("a learned drive", |hand| session_recording(hand).contains("quantiles"));
+    let (answer, original) = (desk.dialog_answer(), desk.folder().join("original.wav"));
+    std::fs::copy(&answer, &original).expect("copied");
+    hand.click("button.Take");
+    hand.click("button.Burst");
+    (0..80).for_each(|_| hand.pass());
+    hand.click("button.Take");
+    hand.click("button.Save sound");
+    hand.photograph(&format!("{format}-saving"));
+    hand.click("button.Save output");
+    let taken = || pyrophone_recording::decode(&answer, &|_| true).ok().filter(|taken| taken.channels.len() == 2);
+    hand.wait_until("a file with what was played", |_| taken().is_some());
+    let taken = taken().expect("just seen");
+    assert!(taken.duration_s() > 0.5 && peak(&taken.channels[0]) > 1e-4, "{format}: the burst is in it");
+    std::fs::rename(original, answer).expect("put back");
 }
 
 /// Sizes by the host's frame, down to the smallest, and by the corner that the window draws itself.
