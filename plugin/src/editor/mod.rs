@@ -12,7 +12,7 @@
 //! | [`listen`] | listening to one sound alone, a burst, [takes](take) and saving them |
 //!
 //! [`cure`] is what one click does against a fault. [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog,
-//! [`drop`] takes files that are dropped, [`task`] work with files, [`map`] tells tests where things are.
+//! [`mod@drop`] takes files that are dropped, [`task`] work with files, [`map`] tells tests where things are.
 
 pub mod controls;
 pub mod cure;
