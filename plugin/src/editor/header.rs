@@ -10,6 +10,10 @@ use super::presets::Presets;
 use super::{map, theme};
 use crate::meters::Meters;
 
+/// Room in points without which the name, and what the engines cost, are left out.
+const ROOM_FOR_NAME: f32 = 860.0;
+const ROOM_FOR_COST: f32 = 170.0;
+
 /// Presets, and the page of parameters that is shown.
 pub struct Header {
     /// The list of presets.
@@ -27,8 +31,10 @@ impl Header {
     /// The row. `load` is the part of their time that blocks take, and the worst of the last second.
     pub fn show(&mut self, ui: &mut Ui, hand: &mut Hand<'_>, meters: &Meters, load: (f32, f32)) {
         ui.horizontal(|ui| {
-            ui.label(RichText::new("PYROPHONE").heading().color(theme::EMBER).strong());
-            ui.separator();
+            if ui.available_width() > ROOM_FOR_NAME {
+                ui.label(RichText::new("PYROPHONE").heading().color(theme::EMBER).strong());
+                ui.separator();
+            }
             self.presets.show(ui, hand);
             ui.separator();
             history(ui, hand);
@@ -45,7 +51,9 @@ impl Header {
                 if button.on_hover_text(Id::Bypass.parameter().help).clicked() {
                     hand.set_once(bypass, f64::from(u8::from(!is_on)));
                 }
-                cost(ui, meters, load);
+                if ui.available_width() > ROOM_FOR_COST {
+                    cost(ui, meters, load);
+                }
             });
         });
     }

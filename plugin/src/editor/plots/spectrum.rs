@@ -280,7 +280,8 @@ fn legend(painter: &egui::Painter, rect: Rect, apart_db: Option<f32>, has_record
 
 /// Words over whatever curves there are; where they stand.
 fn readable(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Rect {
-    let galley = painter.layout_no_wrap(text.to_owned(), theme::small(), color);
+    let room = painter.clip_rect().right() - at.x - 8.0;
+    let galley = painter.layout(text.to_owned(), theme::small(), color, room.max(40.0));
     let place = Rect::from_min_size(at, galley.size());
     painter.rect_filled(place.expand(1.5), 2.0, theme::WELL.gamma_multiply(0.75));
     painter.galley(at, galley, color);
@@ -344,9 +345,9 @@ fn read_out(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS],
     let hair = Stroke::new(1.0, theme::TEXT.gamma_multiply(0.25));
     painter.line_segment([Pos2::new(pointer.x, axes.rect.top()), Pos2::new(pointer.x, axes.rect.bottom())], hair);
     let text = format!("{frequency_hz:.0} Hz   drive {:.0}   output {:.0} dB/Hz", drive[band], output[band]);
-    // Under the legend, and clear of the levels' names.
-    let at = axes.rect.right_top() + Vec2::new(-34.0, 21.0);
-    painter.text(at, Align2::RIGHT_TOP, text, theme::small(), theme::TEXT);
+    // Above the frequencies' names, where curves are rare, and clear of the levels'.
+    let at = axes.rect.left_bottom() + Vec2::new(8.0, -30.0);
+    readable(painter, at, &text, theme::TEXT);
 }
 
 #[cfg(test)]
