@@ -88,6 +88,12 @@ impl Pyrophone {
     pub fn probe(&self) -> ProbeOut {
         self.probe.clone()
     }
+
+    /// What the editor shows in a window of the host.
+    pub fn window(&self) -> Window {
+        let (params, meters) = (self.params.clone(), self.meters.clone());
+        Window::new(params, self.loader.handle(), meters, self.probe(), self.notifier.clone())
+    }
 }
 
 impl Plugin for Pyrophone {
@@ -143,14 +149,7 @@ impl Plugin for Pyrophone {
 
     fn editor(&mut self, executor: AsyncExecutor<Self>) -> Option<Self::Editor> {
         self.executor = Some(executor);
-        let window = Window::new(
-            self.params.clone(),
-            self.loader.handle(),
-            self.meters.clone(),
-            self.probe(),
-            self.notifier.clone(),
-        );
-        PyrophoneEditor::new(window, self.params.window.clone(), self.notifier.clone())
+        PyrophoneEditor::new(self.window(), self.params.window.clone(), self.notifier.clone())
     }
 
     fn filter_state(state: &mut PluginState) {

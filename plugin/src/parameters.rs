@@ -52,6 +52,11 @@ impl EffectParams {
         values
     }
 
+    /// The present value of one parameter, as in [`values`](Self::values).
+    pub fn value(&self, index: usize) -> f64 {
+        PARAMETERS[index].snap(self.slots[index].plain())
+    }
+
     /// The host parameter at a place of the table.
     pub fn slot(&self, index: usize) -> &Slot {
         &self.slots[index]

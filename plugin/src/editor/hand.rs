@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use nice_plug::prelude::ParamSetter;
-use pyrophone_settings::{COUNT, Values};
+use pyrophone_settings::{COUNT, Id, Values};
 
 use crate::parameters::EffectParams;
 
@@ -61,6 +61,16 @@ impl Hand<'_> {
     /// The present values, with what the gesture under way has changed: hosts take their time.
     pub fn values(&self) -> Values {
         self.history.gesture.map_or_else(|| self.params.values(), |(_, now)| now)
+    }
+
+    /// The present value of one parameter.
+    pub fn value(&self, index: usize) -> f64 {
+        self.history.gesture.as_ref().map_or_else(|| self.params.value(index), |(_, now)| now.as_slice()[index])
+    }
+
+    /// The present value of one parameter, by its id.
+    pub fn get(&self, id: Id) -> f64 {
+        self.value(id as usize)
     }
 
     /// Takes hold of a parameter.

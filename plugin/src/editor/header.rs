@@ -45,7 +45,7 @@ impl Header {
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let bypass = Id::Bypass as usize;
-                let is_on = hand.values().get(Id::Bypass) > 0.5;
+                let is_on = hand.get(Id::Bypass) > 0.5;
                 let button = ui.add(Button::new("Bypass").selected(is_on));
                 map::note(ui, "button.Bypass", button.rect);
                 if button.on_hover_text(Id::Bypass.parameter().help).clicked() {

@@ -76,7 +76,7 @@ impl ListenPanel {
             listening(ui, monitor, loader, view);
         });
         ui.horizontal(|ui| {
-            let burns = DRIVE_MODES.get(hand.values().get(Id::DriveMode) as usize) == Some(&"flame");
+            let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
             let burst = ui.add_enabled(!burns && rate_hz.is_some(), Button::new("Burst"));
             map::note(ui, "button.Burst", burst.rect);
             let hint = "Adds a burst of flame to what comes in, to try settings with. Not in drive mode flame, where one burns already.";

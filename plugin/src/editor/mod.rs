@@ -50,6 +50,7 @@ use crate::loader::status::View;
 use crate::meters::Meters;
 use crate::parameters::EffectParams;
 use crate::probe::ProbeOut;
+use controls::Page;
 use hand::{Hand, History};
 use header::Header;
 use levels::Levels;
@@ -109,29 +110,13 @@ impl NiceEguiApp for Window {
         host: GuiContext,
         frame: &mut Frame,
     ) -> Result<(), baseview::HandlerError> {
-        theme::apply(&context);
+        self.open(&context, host);
         self.recording.take_drops(frame.baseview_window());
-        self.host = Some(host);
-        self.is_seen = false;
         Ok(())
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut Frame) {
-        let Some(host) = self.host.clone() else { return };
-        let setter = host.param_setter();
-        let began = map::begin(ui.ctx());
-        // From here on the audio thread asks for frames. A window that is asked before it is shown may wait for ever for the
-        // display to be ready.
-        if !std::mem::replace(&mut self.is_seen, true) {
-            self.monitor.watch(true);
-        }
-        self.monitor.follow(self.meters.engine());
-        ResizableWindow::new("window").min_size(egui::vec2(SMALLEST.0, SMALLEST.1)).show(ui, |ui| {
-            let all = ui.max_rect();
-            ui.painter().rect_filled(all, 0.0, theme::GROUND);
-            self.contents(ui, all.shrink(8.0), &setter);
-        });
-        map::end(ui.ctx(), began);
+        self.show(ui);
     }
 
     fn editor_closed(&mut self) {
@@ -147,6 +132,39 @@ impl NiceEguiApp for Window {
 
     fn resized(&mut self, size: baseview::WindowSize) {
         self.params.window.set([size.logical.width as f32, size.logical.height as f32]);
+    }
+}
+
+impl Window {
+    /// Shows what follows on a new window.
+    pub fn open(&mut self, context: &egui::Context, host: GuiContext) {
+        theme::apply(context);
+        self.host = Some(host);
+        self.is_seen = false;
+    }
+
+    /// Shows this page of parameters.
+    pub fn turn_to(&mut self, page: Page) {
+        self.header.page = page;
+    }
+
+    /// Draws a frame.
+    pub fn show(&mut self, ui: &mut egui::Ui) {
+        let Some(host) = self.host.clone() else { return };
+        let setter = host.param_setter();
+        let began = map::begin(ui.ctx());
+        // From here on the audio thread asks for frames. A window that is asked before it is shown may wait for ever for the
+        // display to be ready.
+        if !std::mem::replace(&mut self.is_seen, true) {
+            self.monitor.watch(true);
+        }
+        self.monitor.follow(self.meters.engine());
+        ResizableWindow::new("window").min_size(egui::vec2(SMALLEST.0, SMALLEST.1)).show(ui, |ui| {
+            let all = ui.max_rect();
+            ui.painter().rect_filled(all, 0.0, theme::GROUND);
+            self.contents(ui, all.shrink(8.0), &setter);
+        });
+        map::end(ui.ctx(), began);
     }
 }
 
@@ -213,7 +231,7 @@ impl Window {
             let left = rect.left() + index * (width + GAP);
             rect.with_min_x(left).with_max_x(left + width)
         };
-        let uses_learned = DYNAMIC_RANGES[self.params.values().get(Id::DynamicRange) as usize] == "learned";
+        let uses_learned = DYNAMIC_RANGES[self.params.value(Id::DynamicRange as usize) as usize] == "learned";
         let [recording, learned] = &view.amplitudes;
         let learned = learned.as_deref().filter(|_| uses_learned);
         self.monitor.betas.show(ui, place(0.0));
@@ -247,12 +265,11 @@ impl Window {
 
 /// Whether matching is likely to buzz, before it is heard to.
 fn foreseen(monitor: &mut Monitor, view: &View, hand: &Hand<'_>, now_s: f64) -> Option<Fault> {
-    let values = hand.values();
-    let range = DYNAMIC_RANGES[values.get(Id::DynamicRange) as usize];
-    if values.get(Id::ScalingAuto) > 0.5 {
+    let range = DYNAMIC_RANGES[hand.get(Id::DynamicRange) as usize];
+    if hand.get(Id::ScalingAuto) > 0.5 {
         return None;
     }
-    let scaling_alpha = values.get(Id::ScalingAlpha);
+    let scaling_alpha = hand.get(Id::ScalingAlpha);
     let [recording, learned] = &view.amplitudes;
     let recording = recording.as_deref()?;
     let gain_db = match (range, learned.as_deref(), monitor.dynamics.drive(now_s)) {

@@ -309,7 +309,7 @@ impl RecordingPanel {
             if ui.small_button("Forget").clicked() {
                 loader.forget_learned();
             }
-        } else if DYNAMIC_RANGES[params.values().get(Id::DynamicRange) as usize] == "learned" {
+        } else if DYNAMIC_RANGES[params.value(Id::DynamicRange as usize) as usize] == "learned" {
             ui.label(RichText::new("Nothing was learned yet.").font(theme::small()).color(theme::ALARM));
         }
     }

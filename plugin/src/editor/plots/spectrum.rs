@@ -170,9 +170,8 @@ fn matched(recording: &[f32; BANDS], output: &[f32; BANDS]) -> ([f32; BANDS], Op
 
 /// Cutoff, blend and fit, and the slope that noise continues the drive with; each can be dragged.
 fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS], hand: &mut Hand<'_>) {
-    let values = hand.values();
-    let (cutoff_hz, blend_hz) = (values.get(Id::Cutoff), values.get(Id::BlendWidth));
-    let (fit_hz, alpha) = (values.get(Id::FitWidth), values.get(Id::Alpha));
+    let (cutoff_hz, blend_hz) = (hand.get(Id::Cutoff), hand.get(Id::BlendWidth));
+    let (fit_hz, alpha) = (hand.get(Id::FitWidth), hand.get(Id::Alpha));
     let (top, bottom) = (axes.rect.top(), axes.rect.bottom());
     let edges = [-0.5, 0.5].map(|side| axes.x((cutoff_hz + side * blend_hz).max(1.0)));
     let band = Rect::from_min_max(Pos2::new(edges[0], top), Pos2::new(edges[1], bottom));
@@ -189,7 +188,7 @@ fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS]
         }
         if let notches @ (-1.0 | 1.0) = notches(ui, &response) {
             let parameter = id.parameter();
-            let now = parameter.to_normalised(hand.values().get(id));
+            let now = parameter.to_normalised(hand.get(id));
             hand.set_once(id as usize, parameter.from_normalised((now + KEY_NOTCH * notches).clamp(0.0, 1.0)));
         }
         if response.drag_started() {
@@ -306,7 +305,7 @@ impl Told {
         words.extend(self.figures.follows.map(|follows| format!("follows {follows:.2}")));
         words.extend(self.figures.lines_db.map(|lines_db| format!("tones +{lines_db:.1} dB")));
         words.extend(self.figures.crackle.map(|crackle| format!("crackle ×{crackle:.1}")));
-        if hand.values().get(Id::ScalingAuto) > 0.5 {
+        if hand.get(Id::ScalingAuto) > 0.5 {
             words.push(format!("scaling {:.2}", self.scaling_alpha));
         }
         if words.is_empty() && self.fault.is_none() {

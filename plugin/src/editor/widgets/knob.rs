@@ -52,7 +52,7 @@ pub fn knob(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
 
 /// Follows mouse and keys; the value as it is then.
 fn turn(ui: &Ui, response: &Response, parameter: &Parameter, index: usize, hand: &mut Hand<'_>) -> f64 {
-    let plain = hand.values().as_slice()[index];
+    let plain = hand.value(index);
     let place = parameter.to_normalised(plain);
     let id = response.id;
     let fine = if ui.input(|input| input.modifiers.shift) { FINE } else { 1.0 };
@@ -104,7 +104,7 @@ fn turn(ui: &Ui, response: &Response, parameter: &Parameter, index: usize, hand:
         info.current_text_value = Some(text.clone());
         info
     });
-    hand.values().as_slice()[index]
+    hand.value(index)
 }
 
 fn draw(ui: &Ui, response: &Response, centre: Pos2, parameter: &Parameter, plain: f64) {

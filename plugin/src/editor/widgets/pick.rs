@@ -13,7 +13,7 @@ pub const WIDTH: f32 = 112.0;
 /// A list to choose from, under its name.
 pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
     let parameter = &PARAMETERS[index];
-    let mut chosen = hand.values().as_slice()[index] as usize;
+    let mut chosen = hand.value(index) as usize;
     let before = chosen;
     ui.allocate_ui(Vec2::new(WIDTH, 42.0), |ui| {
         ui.vertical(|ui| {
@@ -43,7 +43,7 @@ pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
 /// A switch.
 pub fn toggle(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
     let parameter = &PARAMETERS[index];
-    let mut is_on = hand.values().as_slice()[index] > 0.5;
+    let mut is_on = hand.value(index) > 0.5;
     let text = RichText::new(parameter.name).color(if is_on { theme::TEXT } else { theme::WEAK });
     let switch = ui.checkbox(&mut is_on, text).on_hover_text(parameter.help);
     map::note(ui, format_args!("toggle.{}", parameter.id), switch.rect);

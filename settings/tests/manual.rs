@@ -1,0 +1,63 @@
+//! The manual's list of parameters is that of the table. `PYROPHONE_UPDATE=1` writes it anew.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use pyrophone_settings::{Kind, PARAMETERS, Parameter};
+
+const BEGIN: &str = "<!-- parameters -->\n";
+const END: &str = "<!-- end of parameters -->";
+/// As the window has them.
+const GROUPS: [&str; 7] = ["Drive", "Levels", "Extension", "Texture", "Flame", "Vortex", "Structure"];
+
+fn range(parameter: &Parameter) -> String {
+    match parameter.kind {
+        Kind::Choice { names, .. } => names.join(", "),
+        Kind::Toggle { .. } => "off, on".to_owned(),
+        Kind::Float { off_at_low: true, .. } => {
+            let [low, high] = [parameter.low(), parameter.high()];
+            format!("off ({low}) to {high} {}", parameter.unit).trim_end().to_owned()
+        }
+        Kind::Float { .. } | Kind::Int { .. } => {
+            format!("{} to {} {}", parameter.low(), parameter.high(), parameter.unit).trim_end().to_owned()
+        }
+    }
+}
+
+fn list() -> String {
+    let mut text = String::new();
+    for group in GROUPS {
+        let members = PARAMETERS.iter().filter(|parameter| parameter.group == group);
+        writeln!(
+            text,
+            "\n### {group}\n\n| name | id | range | default | the paper's | what it does |\n|---|---|---|---|---|---|"
+        )
+        .unwrap();
+        for parameter in members {
+            let fixed = if parameter.automatable { "" } else { " *Fixed.*" };
+            let paper = parameter.paper.map_or_else(String::new, |paper| parameter.to_text(paper));
+            let default = parameter.to_text(parameter.default_value());
+            let (name, id, help) = (parameter.name, parameter.id, parameter.help);
+            writeln!(text, "| {name} | `{id}` | {} | {default} | {paper} | {help}{fixed} |", range(parameter)).unwrap();
+        }
+    }
+    text + "\n"
+}
+
+#[test]
+fn the_manual_has_every_parameter_as_it_is() {
+    let groups: Vec<&str> = PARAMETERS.iter().map(|parameter| parameter.group).collect();
+    assert!(groups.iter().all(|group| GROUPS.contains(group)), "a group is missing here: {groups:?}");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/manual.md");
+    let manual = std::fs::read_to_string(&path).expect("a manual");
+    // Wherever it was checked out, lines end as here.
+    let manual = manual.replace("\r\n", "\n");
+    let (before, rest) = manual.split_once(BEGIN).expect("the list's begin");
+    let (found, after) = rest.split_once(END).expect("the list's end");
+    let list = list();
+    if std::env::var_os("PYROPHONE_UPDATE").is_some() {
+        std::fs::write(&path, [before, BEGIN, &list, END, after].concat()).expect("a manual that can be written");
+        return;
+    }
+    assert_eq!(found, list, "PYROPHONE_UPDATE=1 writes it anew");
+}
