@@ -32,13 +32,19 @@ enum Bench {
     Search,
     /// The solver and the flame front
     Flame,
+    /// The editor's window, frame by frame
+    Window,
 }
 
 /// Runs the benches.
 pub fn run(args: &Args) -> Result<ExitCode> {
     setup::ensure(&setup::BUILD)?;
     let is_wanted = |bench: Bench| args.bench.is_none_or(|only| only == bench);
-    for (bench, package, name) in [(Bench::Extend, PACKAGE, "extend"), (Bench::Flame, "pyrophone-flame", "flame")] {
+    for (bench, package, name) in [
+        (Bench::Extend, PACKAGE, "extend"),
+        (Bench::Flame, "pyrophone-flame", "flame"),
+        (Bench::Window, "pyrophone-plugin", "window"),
+    ] {
         if is_wanted(bench) {
             let status = cargo::command().args(["bench", "--quiet", "--package", package, "--bench", name]).status()?;
             ensure!(status.success(), "the bench `{name}` failed; see above");

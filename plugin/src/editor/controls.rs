@@ -1,5 +1,7 @@
 //! All parameters, group by group.
 
+use std::sync::LazyLock;
+
 use egui::{Frame, Margin, RichText, ScrollArea, Ui};
 use pyrophone_settings::{Kind, PARAMETERS};
 
@@ -21,27 +23,31 @@ pub enum Page {
 
 impl Page {
     /// Its groups, with a word on what they do.
-    const fn groups(self) -> &'static [Group] {
+    fn groups(self) -> &'static [Group] {
+        // Which parameter is where does not change: it is not looked up with every frame.
+        static PLAY: LazyLock<[Group; 5]> = LazyLock::new(|| {
+            [
+                Group::new("Drive", "what goes in"),
+                Group::new("Levels", "what is heard"),
+                Group::new("Extension", "noise above the cutoff"),
+                Group::new("Flame", "what burns where nothing goes in (drive flame)"),
+                Group::new("Texture", "fire from the recording"),
+            ]
+        });
+        static VORTEX: LazyLock<[Group; 3]> = LazyLock::new(|| {
+            [
+                Group::new("Vortex", "the whoosh of turbulent gas"),
+                Group::new("Flame", "what burns where nothing goes in (drive flame), and moves the flow of fields"),
+                Group::new("Levels", "what is heard"),
+            ]
+        });
+        static STRUCTURE: LazyLock<[Group; 1]> = LazyLock::new(|| {
+            [Group::new("Structure", "sizes of the engines: a change restarts them and may change the latency")]
+        });
         match self {
-            Self::Play => &[
-                Group { name: "Drive", note: "what goes in" },
-                Group { name: "Levels", note: "what is heard" },
-                Group { name: "Extension", note: "noise above the cutoff" },
-                Group { name: "Flame", note: "what burns where nothing goes in (drive flame)" },
-                Group { name: "Texture", note: "fire from the recording" },
-            ],
-            Self::Vortex => &[
-                Group { name: "Vortex", note: "the whoosh of turbulent gas" },
-                Group {
-                    name: "Flame",
-                    note: "what burns where nothing goes in (drive flame), and moves the flow of fields",
-                },
-                Group { name: "Levels", note: "what is heard" },
-            ],
-            Self::Structure => &[Group {
-                name: "Structure",
-                note: "sizes of the engines: a change restarts them and may change the latency",
-            }],
+            Self::Play => &*PLAY,
+            Self::Vortex => &*VORTEX,
+            Self::Structure => &*STRUCTURE,
         }
     }
 }
@@ -73,27 +79,29 @@ pub fn show(ui: &mut Ui, page: Page, hand: &mut Hand<'_>) {
 }
 
 struct Group {
-    name: &'static str,
+    head: String,
     note: &'static str,
+    /// Choices and switches, and knobs, by their places in the table.
+    picks: Vec<usize>,
+    knobs: Vec<usize>,
 }
 
 impl Group {
-    /// Its parameters by their places in the table: choices and switches, then knobs. The switch for bypass stands in the
-    /// head of the window.
-    fn members(&self) -> (Vec<usize>, Vec<usize>) {
-        let members = (0..PARAMETERS.len())
-            .filter(|index| PARAMETERS[*index].group == self.name && PARAMETERS[*index].id != "bypass");
-        members.partition(|index| matches!(PARAMETERS[*index].kind, Kind::Choice { .. } | Kind::Toggle { .. }))
+    /// All of a group but the switch for bypass, which stands in the head of the window.
+    fn new(name: &'static str, note: &'static str) -> Self {
+        let members =
+            (0..PARAMETERS.len()).filter(|index| PARAMETERS[*index].group == name && PARAMETERS[*index].id != "bypass");
+        let (picks, knobs) =
+            members.partition(|index| matches!(PARAMETERS[*index].kind, Kind::Choice { .. } | Kind::Toggle { .. }));
+        Self { head: name.to_uppercase(), note, picks, knobs }
     }
 
     fn width(&self) -> f32 {
-        let (picks, knobs) = self.members();
-        let picks = if picks.is_empty() { 0.0 } else { PICK_WIDTH + SPACING };
-        2.0 * f32::from(MARGIN) + picks + knobs.len() as f32 * (KNOB.x + SPACING)
+        let picks = if self.picks.is_empty() { 0.0 } else { PICK_WIDTH + SPACING };
+        2.0 * f32::from(MARGIN) + picks + self.knobs.len() as f32 * (KNOB.x + SPACING)
     }
 
     fn show(&self, ui: &mut Ui, room: f32, hand: &mut Hand<'_>) {
-        let (picks, knobs) = self.members();
         let width = self.width().min(room) - 2.0 * f32::from(MARGIN);
         Frame::new().fill(theme::PANEL).corner_radius(theme::ROUNDING).inner_margin(Margin::symmetric(MARGIN, 6)).show(
             ui,
@@ -101,25 +109,23 @@ impl Group {
                 ui.vertical(|ui| {
                     ui.set_width(width);
                     ui.horizontal(|ui| {
-                        ui.label(
-                            RichText::new(self.name.to_uppercase()).font(theme::head()).color(theme::EMBER).strong(),
-                        );
+                        ui.label(RichText::new(&self.head).font(theme::head()).color(theme::EMBER).strong());
                         ui.add(
                             egui::Label::new(RichText::new(self.note).font(theme::small()).color(theme::WEAK))
                                 .truncate(),
                         );
                     });
                     ui.horizontal_top(|ui| {
-                        if !picks.is_empty() {
+                        if !self.picks.is_empty() {
                             ui.vertical(|ui| {
                                 ui.set_width(PICK_WIDTH);
-                                picks.iter().for_each(|index| match PARAMETERS[*index].kind {
+                                self.picks.iter().for_each(|index| match PARAMETERS[*index].kind {
                                     Kind::Choice { names, .. } => choice(ui, *index, names, hand),
                                     _ => toggle(ui, *index, hand),
                                 });
                             });
                         }
-                        ui.horizontal_wrapped(|ui| knobs.iter().for_each(|index| knob(ui, *index, hand)));
+                        ui.horizontal_wrapped(|ui| self.knobs.iter().for_each(|index| knob(ui, *index, hand)));
                     });
                 });
             },

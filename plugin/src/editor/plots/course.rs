@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, Ui, Vec2};
+use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, Ui, Vec2};
 
 use super::super::theme;
 use crate::analysis::bands::{BANDS, decibels};
@@ -130,5 +130,5 @@ pub fn label(ui: &Ui, rect: Rect, text: &str, color: Color32) {
     let galley = ui.painter().layout_no_wrap(text.to_owned(), theme::small(), color);
     let behind = Rect::from_min_size(place, galley.size()).expand(2.0);
     ui.painter().rect_filled(behind, 2.0, theme::WELL.gamma_multiply(0.75));
-    ui.painter().text(place, Align2::LEFT_TOP, text, theme::small(), color);
+    ui.painter().galley(place, galley, color);
 }

@@ -1,6 +1,6 @@
 //! Where in the recording the last matches came from.
 
-use egui::{Pos2, Rect, Shape, Stroke, Ui, Vec2};
+use egui::{Mesh, Pos2, Rect, Shape, Stroke, Ui, Vec2};
 
 use super::super::theme;
 
@@ -59,13 +59,14 @@ impl Heat {
         let hottest = self.cells.iter().copied().fold(1e-3, f32::max);
         let strip = rect.with_min_y(rect.bottom() - HEIGHT);
         let width = strip.width() / CELLS as f32;
-        let cells = self.cells.iter().enumerate().filter(|(_, heat)| **heat > 0.0).map(|(index, heat)| {
+        let mut mesh = Mesh::default();
+        for (index, heat) in self.cells.iter().enumerate().filter(|(_, heat)| **heat > 0.0) {
             let at = Pos2::new(strip.left() + index as f32 * width, strip.top());
             // The eye tells roots of frequencies apart better than frequencies.
             let color = theme::glow(0.25 + 0.75 * (heat / hottest).sqrt());
-            Shape::rect_filled(Rect::from_min_size(at, Vec2::new(width.max(1.0), HEIGHT)), 0.0, color)
-        });
-        painter.extend(cells);
+            mesh.add_colored_rect(Rect::from_min_size(at, Vec2::new(width.max(1.0), HEIGHT)), color);
+        }
+        painter.add(Shape::mesh(mesh));
         let x = rect.left() + last * rect.width();
         painter.vline(x, rect.y_range(), Stroke::new(1.0, theme::EMBER));
     }

@@ -1,6 +1,6 @@
 //! A recording's outline.
 
-use egui::{Pos2, Rect, Shape, Stroke, Ui};
+use egui::{Mesh, Pos2, Rect, Shape, Ui};
 
 use super::super::theme;
 use crate::analysis::Portrait;
@@ -10,11 +10,13 @@ pub fn show(ui: &Ui, rect: Rect, portrait: &Portrait) {
     let largest = portrait.outline.iter().flatten().fold(0.0f32, |largest, x| largest.max(x.abs())).max(1e-6);
     let columns = portrait.outline.len().max(1) as f32;
     let y = |value: f32| rect.center().y - 0.48 * rect.height() * value / largest;
-    let lines = portrait.outline.iter().enumerate().map(|(index, [low, high])| {
+    let (half, color) = (0.5 * (rect.width() / columns).max(1.0), theme::ASH.gamma_multiply(0.85));
+    let mut mesh = Mesh::default();
+    for (index, [low, high]) in portrait.outline.iter().enumerate() {
         let x = rect.left() + (index as f32 + 0.5) / columns * rect.width();
-        let stroke = Stroke::new((rect.width() / columns).max(1.0), theme::ASH.gamma_multiply(0.85));
         // A silent stretch is a line.
-        Shape::line_segment([Pos2::new(x, y(*low) + 0.5), Pos2::new(x, y(*high) - 0.5)], stroke)
-    });
-    ui.painter().extend(lines);
+        let (top, bottom) = (y(*high) - 0.5, y(*low) + 0.5);
+        mesh.add_colored_rect(Rect::from_min_max(Pos2::new(x - half, top), Pos2::new(x + half, bottom)), color);
+    }
+    ui.painter().add(Shape::mesh(mesh));
 }

@@ -98,10 +98,9 @@ fn turn(ui: &Ui, response: &Response, parameter: &Parameter, index: usize, hand:
             hand.set_once(index, next);
         }
     }
-    let text = parameter.to_text(plain);
     response.widget_info(|| {
         let mut info = WidgetInfo::slider(true, plain, parameter.name);
-        info.current_text_value = Some(text.clone());
+        info.current_text_value = Some(parameter.to_text(plain));
         info
     });
     hand.value(index)
