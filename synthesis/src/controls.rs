@@ -192,7 +192,7 @@ pub struct CompandingControls {
 
 impl Default for CompandingControls {
     fn default() -> Self {
-        Self { dynamics: 0.75, drive_match: 1.0, low_end_hz: 150.0, spectrum_match: 1.0 }
+        Self { dynamics: 0.77, drive_match: 1.0, low_end_hz: 150.0, spectrum_match: 0.75 }
     }
 }
 

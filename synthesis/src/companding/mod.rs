@@ -53,7 +53,7 @@ use ramp::Ramp;
 pub const MATCH_EXPONENT: f64 = 0.6;
 /// How much louder than the recording's mean the drive is matched: quiet windows are many, loud
 /// ones are what fire is made of.
-const MATCH_FACTOR: f64 = 3.0;
+const MATCH_FACTOR: f64 = 2.83;
 /// What texture's top level hears of the drive, about: its loudness is that of what lies below, in Hz.
 const MATCHED_HZ: f64 = 600.0;
 /// Time constants of the loudness's power, in seconds: 8 Hz.
@@ -66,7 +66,7 @@ const OUTPUT_FUTURE_S: f64 = 0.06;
 const FLOOR: f64 = 0.01;
 /// Level, relative to what is matched, of a noise under it: where a drive pauses while its loudness still
 /// falls, so that what is matched there is fire and not one quiet window over and over.
-const UNDERTONE: f64 = 0.3;
+const UNDERTONE: f64 = 0.32;
 /// Its stream of white noise, which no other stage uses.
 const UNDERTONE_SEED: u32 = 0x4649_5245;
 const UNDERTONE_STREAM: u32 = 0x434F_4D50;
