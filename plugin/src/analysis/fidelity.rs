@@ -314,7 +314,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// What to change, in plain words; `is_calm` tells that nothing is left to turn against a buzz.
+    /// What to change, in plain words; `is_calm` tells that of the texture's controls none is left to turn.
     pub fn advice(self, is_calm: bool) -> &'static str {
         match self {
             Self::Buzzes if is_calm => {
@@ -324,8 +324,11 @@ impl Fault {
             Self::MayBuzz => {
                 "Drive and recording differ so much in loudness that this may buzz: turn Scaling auto on, or Scaling alpha down."
             }
+            Self::Wanders if is_calm => "It does not follow the drive: turn a steady layer down.",
             Self::Wanders => "It does not follow the drive: turn Dynamics up, or a steady layer down.",
+            Self::Sudden if is_calm => "It is more sudden than the recording.",
             Self::Sudden => "It is more sudden than the recording: turn Drive match down.",
+            Self::Dull if is_calm => "It crackles less than the recording: turn extension and vortex down.",
             Self::Dull => "It crackles less than the recording: turn Drive match up, or extension and vortex down.",
         }
     }

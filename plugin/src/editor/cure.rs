@@ -26,10 +26,13 @@ impl Cure {
     /// The change that is likely to help, where there is one left to make.
     pub fn of(fault: Fault, values: &Values) -> Option<Self> {
         let companded = DYNAMICS_MODES.iter().position(|mode| *mode == "companded").unwrap_or(0) as f64;
-        let is_companded = values.get(Id::DynamicsMode) == companded;
+        // What only the texture hears is of no use without it.
+        let is_textured = !Id::TextureLevel.parameter().is_off(values.get(Id::TextureLevel));
+        let is_companded = is_textured && values.get(Id::DynamicsMode) == companded;
         let scaling = values.get(Id::ScalingAlpha);
         let is_auto = values.get(Id::ScalingAuto) > 0.5;
         let (id, plain) = match fault {
+            Fault::Buzzes | Fault::MayBuzz if !is_textured => return None,
             Fault::Buzzes | Fault::MayBuzz if scaling > 0.0 && !is_companded && !is_auto => (Id::ScalingAuto, 1.0),
             Fault::Buzzes if scaling > CALM_SCALING => (Id::ScalingAlpha, CALM_SCALING),
             Fault::MayBuzz if scaling > CALM_SCALING && !is_auto => (Id::ScalingAlpha, CALM_SCALING),
@@ -86,5 +89,11 @@ mod tests {
             assert!(!clicks(fault, Values::default()).is_empty(), "{fault:?}");
         }
         assert_eq!(clicks(Fault::Wanders, Values::default()).last(), Some(&(Id::Dynamics, 1.0)));
+        for mut values in [paper, companded] {
+            values.set_text("texture_level", "off").expect("known");
+            for fault in [Fault::Buzzes, Fault::MayBuzz, Fault::Wanders, Fault::Sudden, Fault::Dull] {
+                assert_eq!(clicks(fault, values), [], "{fault:?} is not the texture's");
+            }
+        }
     }
 }

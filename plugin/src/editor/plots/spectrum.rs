@@ -19,6 +19,9 @@ const RANGE_DB: f32 = 100.0;
 const HEADROOM_DB: f32 = 8.0;
 /// The lowest top: what fades away is not followed into the ground.
 const REST_DB: f32 = -60.0;
+/// Height of a name on an axis, and the plot's width without which the legend is short, in points.
+const NAME: f32 = 13.0;
+const ROOM_FOR_SENTENCES: f32 = 400.0;
 /// Part of its range that an arrow key moves a handle.
 const KEY_NOTCH: f64 = 0.01;
 /// The band in which a recording's level is matched, and its likeness told, in Hz.
@@ -140,8 +143,11 @@ fn grid(painter: &egui::Painter, axes: &Axes) {
     for level_db in (first - 6..=first).map(|n| 20 * n) {
         let y = axes.y(level_db as f32);
         painter.line_segment([Pos2::new(axes.rect.left(), y), Pos2::new(axes.rect.right(), y)], rule);
-        let at = Pos2::new(axes.rect.right() - 4.0, y + 1.0);
-        painter.text(at, Align2::RIGHT_TOP, format!("{level_db}"), theme::small(), theme::WEAK);
+        // Down there the frequencies' names stand.
+        if y < axes.rect.bottom() - 2.0 * NAME {
+            let at = Pos2::new(axes.rect.right() - 4.0, y + 1.0);
+            painter.text(at, Align2::RIGHT_TOP, format!("{level_db}"), theme::small(), theme::WEAK);
+        }
     }
 }
 
@@ -268,6 +274,9 @@ fn legend(painter: &egui::Painter, rect: Rect, apart_db: Option<f32>, has_record
     word("output", theme::EMBER);
     if has_recording {
         match apart_db {
+            Some(apart_db) if rect.width() < ROOM_FOR_SENTENCES => {
+                word(&format!("recording ±{apart_db:.1} dB"), theme::ASH)
+            }
             Some(apart_db) => {
                 word("recording, level matched", theme::ASH);
                 word(&format!("output within {apart_db:.1} dB of it"), theme::WEAK);
