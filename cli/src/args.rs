@@ -121,7 +121,8 @@ pub struct ExtendArgs {
 #[derive(Debug, Args)]
 pub struct RenderArgs {
     /// Name of a factory preset (default, extend, texture, texture-paper, flame, campfire, flamethrower, explosion,
-    /// swinging-torch) or a preset's file
+    /// swinging-torch, paper-candle, paper-torch, paper-dragon, paper-burning-brick, paper-flame-jet) or of one of
+    /// yours, or a preset's file
     #[arg(long, value_name = "FILE|NAME")]
     pub preset: String,
     /// Main input

@@ -53,7 +53,9 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
     if let Some(path) = &args.training {
         let cut =
             Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
-        let training = input::at_rate(&cut.of(&input::load(path, work)?)?, main.sample_rate_hz, work)?;
+        let recording = input::load(path, work)?;
+        check_region(args.training_region, &recording, path)?;
+        let training = input::at_rate(&cut.of(&recording)?, main.sample_rate_hz, work)?;
         let shape = Shape::at_rate(&structure, rate_hz);
         let dictionary = texture::index(&training, path, &shape, structure.dynamics, work)?;
         drop(chain.swap_dictionary(Some(dictionary)));
@@ -69,6 +71,18 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
     let rendered = render(&mut chain, &main.channels, &sidechain, outputs, values, &events, work)?;
     check_finite(&args.output, &rendered)?;
     write_wav_f32(&args.output, &rendered, main.sample_rate_hz)?;
+    Ok(())
+}
+
+/// Refuses a part that the recording has not, and says so where it has not all of it.
+fn check_region(region_s: Option<[f64; 2]>, recording: &Recording, path: &Path) -> Result<(), Error> {
+    let duration_s = recording.len_samples() as f64 / f64::from(recording.sample_rate_hz);
+    let Some([start_s, end_s]) = region_s.filter(|[_, end_s]| *end_s > duration_s) else { return Ok(()) };
+    let found = format!("--training-region is {start_s}-{end_s} s, but {} has {duration_s:.3} s", path.display());
+    if start_s >= duration_s {
+        return Err(Error::Conflict(format!("{found}; choose a part of it")));
+    }
+    note(&format!("{found}; what it has of it is used"));
     Ok(())
 }
 

@@ -4,7 +4,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{hiss, read, rumble, succeeds, write};
+use common::{hiss, read, refuses, rumble, succeeds, write};
 use pyrophone_synthesis::vortex::SpeedField;
 use tempfile::TempDir;
 
@@ -46,6 +46,11 @@ fn a_part_of_the_recording_is_learnt_from_at_its_level() {
     let full = render("d.wav", "part.wav --training-normalise");
     assert_eq!(render("e.wav", "half.wav --training-normalise"), full, "whatever its level was");
     assert_ne!(render("f.wav", "fire.wav"), from_part);
+    let run = "render --preset default --input mono.wav --training fire.wav --output g.wav --training-region";
+    let duration_s = whole.len_samples() as f64 / 44_100.0;
+    let beyond = format!("{run} {}-{}", duration_s + 1.0, duration_s + 2.0);
+    refuses(folder.path(), &beyond, 1, &["--training-region is", &format!("{duration_s:.3} s")]);
+    succeeds(folder.path(), &format!("{run} 0.25-400"));
 }
 
 /// Settings that leave vortex sound alone.

@@ -34,6 +34,15 @@ fn cached_frames_give_the_same_signal() {
 }
 
 #[test]
+fn a_report_that_is_a_file_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("page"), "mine").unwrap();
+    let run = "simulate dragon --seconds 3600 --output a.wav --report page";
+    refuses(folder.path(), run, 1, &["page: it is a file"]);
+    assert_eq!(bytes(folder.path(), "page"), b"mine");
+}
+
+#[test]
 fn the_seed_and_the_options_are_heard() {
     let folder = tempfile::tempdir().unwrap();
     let run = |name: &str, options: &str| {

@@ -78,13 +78,15 @@ pub enum Error {
     },
     /// Neither a factory preset nor a file.
     #[error(
-        "there is no preset `{name}`: it is neither a file nor one of the factory presets {known}; check the spelling"
+        "there is no preset `{name}`: it is neither a file, nor one of the factory presets {known}, nor one of yours in {folder}; check the spelling"
     )]
     UnknownPreset {
         /// The name found.
         name: String,
         /// Names of the factory presets.
         known: String,
+        /// Folder of the user's presets.
+        folder: String,
     },
     /// A preset cannot have this name.
     #[error("a preset cannot be called \"{found}\"; give it a name of 1 to {longest} characters, on one line")]

@@ -54,17 +54,39 @@ impl Library {
         &self.folder
     }
 
+    /// The preset of this name, or what is wrong with its file; none where there is no such file.
+    pub fn find(&self, name: &str) -> Option<Result<Preset, Error>> {
+        let (presets, _) = self.list();
+        if let Some(found) = presets.into_iter().find(|stored| stored.preset.name == name) {
+            return Some(Ok(found.preset));
+        }
+        // One that cannot be read as a preset may still have a name.
+        let is_called_so = |path: &PathBuf| {
+            let text = check(path).ok().and_then(|()| fs::read_to_string(path).ok());
+            let table = text.and_then(|text| text.parse::<toml::Table>().ok()).unwrap_or_default();
+            let stated = table.get("name").and_then(|stated| stated.as_str());
+            stated == Some(name) || path.file_stem().is_some_and(|stem| stem == name)
+        };
+        let broken = self.paths().ok()?.into_iter().filter(|path| load(path).is_err()).find(is_called_so)?;
+        Some(load(&broken))
+    }
+
+    /// The files that may be presets.
+    fn paths(&self) -> std::io::Result<Vec<PathBuf>> {
+        let paths = fs::read_dir(&self.folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+        let is_preset = |path: &PathBuf| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(EXTENSION));
+        Ok(paths.filter(is_preset).take(MOST_FILES).collect())
+    }
+
     /// All presets by name, and what is wrong with the files that are none. A folder that does not exist is empty.
     pub fn list(&self) -> (Vec<Stored>, Vec<Error>) {
         let (mut presets, mut errors) = (vec![], vec![]);
-        let entries = match fs::read_dir(&self.folder) {
-            Ok(entries) => entries,
+        let paths = match self.paths() {
+            Ok(paths) => paths,
             Err(error) if error.kind() == ErrorKind::NotFound => return (presets, errors),
             Err(source) => return (presets, vec![Error::File { path: self.folder.clone(), source }]),
         };
-        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-        let is_preset = |path: &PathBuf| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(EXTENSION));
-        for path in paths.filter(is_preset).take(MOST_FILES) {
+        for path in paths {
             match load(&path) {
                 Ok(preset) => presets.push(Stored { path, preset }),
                 Err(error) => errors.push(error),
@@ -131,6 +153,12 @@ impl Library {
 const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "com", "lpt"];
 
 fn load(path: &Path) -> Result<Preset, Error> {
+    check(path)?;
+    Preset::load(path)
+}
+
+/// Whether a file may be read as a preset.
+fn check(path: &Path) -> Result<(), Error> {
     let refuse = |source| Error::File { path: path.to_owned(), source };
     let metadata = fs::metadata(path).map_err(refuse)?;
     // A pipe would be waited for, maybe for ever.
@@ -140,7 +168,7 @@ fn load(path: &Path) -> Result<Preset, Error> {
     if metadata.len() > LARGEST_BYTES {
         return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is no preset")));
     }
-    Preset::load(path)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -215,6 +243,16 @@ mod tests {
             fs::write(library.folder().join(format!("{name}.toml")), text).expect("written");
         }
         fs::create_dir(library.folder().join("folder.toml")).expect("made");
+        let wrong = "version = 2\nname = \"mistyped\"\n[parameters]\nalpha = 99.0";
+        fs::write(library.folder().join("wrong.toml"), wrong).expect("written");
+        for name in ["mistyped", "wrong"] {
+            let error = library.find(name).expect("a file").expect_err("out of range");
+            assert!(error.to_string().contains("alpha"), "{error}");
+        }
+        assert!(matches!(library.find("good"), Some(Ok(found)) if found == preset("good", 2.0)));
+        assert!(matches!(library.find("huge"), Some(Err(Error::File { .. }))));
+        assert!(library.find("none").is_none());
+        fs::remove_file(library.folder().join("wrong.toml")).expect("removed");
         #[cfg(unix)]
         {
             let pipe = library.folder().join("pipe.toml");

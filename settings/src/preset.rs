@@ -99,9 +99,11 @@ impl Preset {
         if path.exists() {
             return Self::load(path);
         }
-        let users = Library::of_user().map(|library| library.list().0).unwrap_or_default();
-        let found = users.into_iter().find(|stored| stored.preset.name == name_or_path);
-        found.map(|stored| stored.preset).ok_or_else(|| unknown(name_or_path))
+        let library = Library::of_user();
+        library
+            .as_ref()
+            .and_then(|library| library.find(name_or_path))
+            .unwrap_or_else(|| Err(unknown(name_or_path, library.as_ref())))
     }
 
     /// Reads a preset's file.
@@ -150,9 +152,10 @@ impl Preset {
     }
 }
 
-fn unknown(name: &str) -> Error {
+fn unknown(name: &str, library: Option<&Library>) -> Error {
     let known = FACTORY.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-    Error::UnknownPreset { name: name.to_owned(), known }
+    let folder = library.map_or_else(|| "no folder".to_owned(), |library| library.folder().display().to_string());
+    Error::UnknownPreset { name: name.to_owned(), known, folder }
 }
 
 fn one_line(error: &toml::de::Error) -> String {

@@ -14,6 +14,9 @@ use std::time::{Duration, Instant};
 
 use pyrophone_host::Plugin;
 use pyrophone_host::editor::EditorWindow;
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{AtomEnum, PropMode};
+use x11rb::wrapper::ConnectionExt;
 
 pub use hand::{ESCAPE, Hand, RETURN};
 pub use map::Map;
@@ -52,6 +55,23 @@ impl Desk {
             unsafe { std::env::set_var(name, path) };
         }
         Some(desk)
+    }
+
+    /// Makes pixels smaller for windows that open from now on, as desktops do by `Xft.dpi`; only on a server of our own.
+    pub fn scale_screen(&self, scale: f64) -> bool {
+        if self.server.is_none() {
+            return false;
+        }
+        let (connection, screen) = x11rb::connect(None).expect("a display");
+        let root = connection.setup().roots[screen].root;
+        let resources = format!("Xft.dpi:\t{:.0}\n", 96.0 * scale);
+        let (name, kind) = (AtomEnum::RESOURCE_MANAGER, AtomEnum::STRING);
+        connection
+            .change_property8(PropMode::REPLACE, root, name, kind, resources.as_bytes())
+            .expect("a request")
+            .check()
+            .expect("resources");
+        true
     }
 
     /// A folder of its own.

@@ -1,5 +1,7 @@
 //! The editor in a host's window: it opens, draws, resizes, follows mouse and keyboard, takes files, closes and opens again.
 
+use std::time::Duration;
+
 use pyrophone_host::state::State;
 use pyrophone_host::{Configuration, Format};
 use pyrophone_settings::Preset;
@@ -63,12 +65,24 @@ fn try_format(desk: &Desk, format: Format) {
     // It has the size again that it had, and all that is heard of it.
     let (plugin, player) = live.halves();
     let mut at = position;
-    let window = desk.open_drawn(plugin, || {
+    let mut play = || {
         player.play(&input, Clock::Playing(at), 512);
         at += 4096;
-    });
+    };
+    let mut window = desk.open_drawn(plugin, &mut play);
     assert_eq!(window.size(), LARGE, "{format}: a window remembers its size");
-    window.close(live.plugin());
+    window.resize(plugin, SMALL).expect("as small as it goes");
+    window.run_for(plugin, Duration::from_millis(200));
+    window.close(plugin);
+    if desk.scale_screen(1.5) {
+        let window = desk.open_drawn(plugin, &mut play);
+        let scaled = (SMALL.0 * 3 / 2, SMALL.1 * 3 / 2);
+        assert_eq!(window.size(), scaled, "{format}: as large on a screen with smaller pixels");
+        assert_eq!(desk.map().map(|map| map.size), Some(scaled), "{format}");
+        Desk::photograph(&window, &format!("{format}-scaled"));
+        window.close(plugin);
+        desk.scale_screen(1.0);
+    }
     // It outlives its editor, and changes its state while that is open.
     let mut plugin = live.stop();
     let window = desk.open_drawn(plugin.as_mut(), || {});

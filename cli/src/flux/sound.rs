@@ -81,6 +81,10 @@ pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result
             return Err(Error::Conflict(message));
         }
     }
+    if let Some(folder) = args.report.as_deref().filter(|path| path.exists() && !path.is_dir()) {
+        let message = format!("{}: it is a file, but the report is a folder; choose another name", folder.display());
+        return Err(Error::Conflict(message));
+    }
     Ok(())
 }
 

@@ -25,13 +25,15 @@ const LARGEST: f32 = 8192.0;
 pub struct WindowSize {
     /// Width and height, 32 bits each.
     bits: AtomicU64,
+    /// Pixels of a point on the last window's screen; 0 before there was one.
+    scale_bits: AtomicU64,
     /// Whether a session has brought it and no window had it yet.
     is_new: AtomicBool,
 }
 
 impl Default for WindowSize {
     fn default() -> Self {
-        Self { bits: AtomicU64::new(pack(SIZE)), is_new: AtomicBool::new(false) }
+        Self { bits: AtomicU64::new(pack(SIZE)), scale_bits: AtomicU64::new(0), is_new: AtomicBool::new(false) }
     }
 }
 
@@ -64,9 +66,44 @@ impl WindowSize {
     }
 
     /// As the window has it now.
-    pub fn set(&self, size: [f32; 2]) {
+    pub fn set(&self, size: baseview::WindowSize) {
+        self.set_points([size.logical.width as f32, size.logical.height as f32]);
+        self.set_scale(size.scale_factor);
+    }
+
+    fn set_points(&self, size: [f32; 2]) {
         self.bits.store(pack(size), Ordering::Relaxed);
     }
+
+    fn set_scale(&self, scale: f64) {
+        self.scale_bits.store(scale.to_bits(), Ordering::Relaxed);
+    }
+
+    /// As hosts count it. They ask before there is a window, too.
+    fn native(&self) -> NativeSize<u32> {
+        let [width, height] = self.get();
+        let scale = match f64::from_bits(self.scale_bits.load(Ordering::Relaxed)) {
+            scale if scale > 0.0 => scale,
+            _ => desktop_scale(),
+        };
+        NativeSize::from_size(LogicalSize::new(width, height).into(), scale)
+    }
+}
+
+/// Pixels of a point on the user's desktop, as a window that opens there will find it.
+#[cfg(target_os = "linux")]
+fn desktop_scale() -> f64 {
+    let resources = x11rb::connect(None)
+        .ok()
+        .and_then(|(connection, _)| x11rb::resource_manager::new_from_default(&connection).ok());
+    let dots_per_inch = resources.and_then(|resources| resources.get_value::<u32>("Xft.dpi", "").ok().flatten());
+    dots_per_inch.map_or(1.0, |dots_per_inch| f64::from(dots_per_inch) / 96.0)
+}
+
+/// Elsewhere the host tells, or counts in points.
+#[cfg(not(target_os = "linux"))]
+fn desktop_scale() -> f64 {
+    1.0
 }
 
 /// What is drawn in: windows come and go, the contents stay.
@@ -162,11 +199,15 @@ impl Editor for PyrophoneEditor {
         context: GuiContext,
         host: Option<HostMethods>,
     ) -> Result<SpawnedEditor<Self::Handle>, Box<dyn Error>> {
-        self.inner().editor.spawn(parent, wait_for_parent, fallback_scale_factor, context, host)
+        let spawned = self.inner().editor.spawn(parent, wait_for_parent, fallback_scale_factor, context, host)?;
+        self.size.set_scale(spawned.window.size().scale_factor);
+        Ok(spawned)
     }
 
     fn size(&self) -> NativeSize<u32> {
-        self.inner().editor.size()
+        // A session may have brought another size.
+        drop(self.inner());
+        self.size.native()
     }
 
     fn resize_hint(&self) -> ResizeHint {
@@ -191,7 +232,7 @@ mod tests {
     fn sizes_are_kept_and_garbage_is_not() {
         let size = WindowSize::default();
         assert_eq!(size.get(), SIZE);
-        size.set([800.5, 600.0]);
+        size.set_points([800.5, 600.0]);
         let other = WindowSize::default();
         other.read_json(&size.to_json());
         assert_eq!(other.get(), [800.5, 600.0]);

@@ -131,7 +131,7 @@ impl NiceEguiApp for Window {
     }
 
     fn resized(&mut self, size: baseview::WindowSize) {
-        self.params.window.set([size.logical.width as f32, size.logical.height as f32]);
+        self.params.window.set(size);
     }
 }
 

@@ -268,12 +268,14 @@ impl RecordingPanel {
             match (&view.recording, &view.path) {
                 (Some(recording), _) => label(ui, above, recording, theme::ASH),
                 (None, Some(path)) => word(
-                    &format!("Not loaded: {path}\nLocate it where it is now; extension plays meanwhile."),
+                    &format!(
+                        "Not loaded: {path}\nLocate it where it is now; extension stands in for companded texture."
+                    ),
                     theme::ALARM,
                 ),
                 (None, None) => {
                     word(
-                        "No recording yet: extension stands in for texture.\nDrop a recording of fire here.",
+                        "No recording yet: extension stands in for companded texture.\nDrop a recording of fire here.",
                         theme::WEAK,
                     );
                 }
