@@ -267,6 +267,18 @@ impl Plugin for ClapPlugin {
         Ok((size.width, size.height))
     }
 
+    fn scale_editor(&mut self, scale: f64) -> Result<(u32, u32), HostError> {
+        let failed = |what: &str| HostError::Unsupported(format!("the editor {what}"));
+        if !self.editor_is_open {
+            return Err(failed("is not open"));
+        }
+        let gui: PluginGui = self.extension("editor")?;
+        let handle = self.instance.plugin_handle();
+        gui.set_scale(&handle, scale).map_err(|_| failed("is not scaled"))?;
+        let size = gui.get_size(&handle).ok_or_else(|| failed("does not tell its size"))?;
+        Ok((size.width, size.height))
+    }
+
     fn resize_editor(&mut self, (width, height): (u32, u32)) -> Result<(u32, u32), HostError> {
         let failed = |what: &str| HostError::Unsupported(format!("the editor {what}"));
         if !self.editor_is_open {

@@ -57,6 +57,15 @@ impl EditorWindow {
         self.fit(size).map_err(no_display)
     }
 
+    /// Tells the editor how many pixels a point has on this screen, as hosts do, and gives the window the size that it then has.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when the editor does not want to know, or the display is gone.
+    pub fn scale(&mut self, plugin: &mut dyn Plugin, scale: f64) -> Result<(), HostError> {
+        let size = plugin.scale_editor(scale)?;
+        self.fit(size).map_err(no_display)
+    }
+
     /// Gives the window the editor's size.
     fn fit(&mut self, size: (u32, u32)) -> Result<(), Box<dyn std::error::Error>> {
         let fit = ConfigureWindowAux::new().width(size.0).height(size.1);

@@ -248,6 +248,12 @@ pub trait Plugin {
     /// [`HostError::Unsupported`] where there is no editor, or none that can be embedded.
     fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError>;
 
+    /// Tells the open editor how many pixels a point has on this screen, and gives its size in pixels then.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] where no editor is open, or it does not want to know.
+    fn scale_editor(&mut self, scale: f64) -> Result<(u32, u32), HostError>;
+
     /// Resizes the open editor to the size in pixels nearest to this that it takes, and gives that.
     ///
     /// # Errors

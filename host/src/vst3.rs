@@ -297,6 +297,13 @@ impl Plugin for Vst3Plugin {
         Ok(size)
     }
 
+    fn scale_editor(&mut self, scale: f64) -> Result<(u32, u32), HostError> {
+        match &self.editor {
+            Some(editor) => editor.scale(scale),
+            None => Err(HostError::Unsupported("no editor is open".to_owned())),
+        }
+    }
+
     fn resize_editor(&mut self, size: (u32, u32)) -> Result<(u32, u32), HostError> {
         match &self.editor {
             Some(editor) => editor.resize(size),

@@ -57,14 +57,15 @@ impl Desk {
         Some(desk)
     }
 
-    /// Makes pixels smaller for windows that open from now on, as desktops do by `Xft.dpi`; only on a server of our own.
+    /// Makes pixels smaller for windows that open from now on, as desktops do by `Xft.dpi`; with 0 the desktop tells
+    /// nothing. Only on a server of our own.
     pub fn scale_screen(&self, scale: f64) -> bool {
         if self.server.is_none() {
             return false;
         }
         let (connection, screen) = x11rb::connect(None).expect("a display");
         let root = connection.setup().roots[screen].root;
-        let resources = format!("Xft.dpi:\t{:.0}\n", 96.0 * scale);
+        let resources = if scale > 0.0 { format!("Xft.dpi:\t{:.0}\n", 96.0 * scale) } else { String::new() };
         let (name, kind) = (AtomEnum::RESOURCE_MANAGER, AtomEnum::STRING);
         connection
             .change_property8(PropMode::REPLACE, root, name, kind, resources.as_bytes())

@@ -81,7 +81,15 @@ fn try_format(desk: &Desk, format: Format) {
         assert_eq!(desk.map().map(|map| map.size), Some(scaled), "{format}");
         Desk::photograph(&window, &format!("{format}-scaled"));
         window.close(plugin);
-        desk.scale_screen(1.0);
+        desk.scale_screen(0.0);
+        for _ in 0..2 {
+            let mut window = desk.open_drawn(plugin, &mut play);
+            window.scale(plugin, 1.5).unwrap_or_else(|error| panic!("{format}: {error}"));
+            window.run_for(plugin, Duration::from_millis(200));
+            assert_eq!(window.size(), scaled, "{format}: where the host tells of smaller pixels");
+            assert_eq!(desk.map().map(|map| map.size), Some(scaled), "{format}");
+            window.close(plugin);
+        }
     }
     // It outlives its editor, and changes its state while that is open.
     let mut plugin = live.stop();

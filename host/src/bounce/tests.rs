@@ -116,6 +116,10 @@ impl Plugin for DelayPlugin {
         Err(HostError::Unsupported(String::new()))
     }
 
+    fn scale_editor(&mut self, _: f64) -> Result<(u32, u32), HostError> {
+        unreachable!()
+    }
+
     fn resize_editor(&mut self, _: (u32, u32)) -> Result<(u32, u32), HostError> {
         Err(HostError::Process)
     }

@@ -10,8 +10,8 @@ use ::vst3::Steinberg::Linux::{
 };
 use ::vst3::Steinberg::Vst::{IEditController, IEditControllerTrait, ViewType};
 use ::vst3::Steinberg::{
-    IPlugFrame, IPlugFrameTrait, IPlugView, IPlugViewTrait, ViewRect, kInvalidArgument, kPlatformTypeX11EmbedWindowID,
-    kResultOk, tresult,
+    IPlugFrame, IPlugFrameTrait, IPlugView, IPlugViewContentScaleSupport, IPlugViewContentScaleSupportTrait,
+    IPlugViewTrait, ViewRect, kInvalidArgument, kPlatformTypeX11EmbedWindowID, kResultOk, tresult,
 };
 use ::vst3::{Class, ComPtr, ComRef, ComWrapper};
 
@@ -55,6 +55,16 @@ impl Editor {
         // SAFETY: a live view and a place to write to.
         let result = unsafe { self.view.getSize(&mut rect) };
         if result == kResultOk { Ok(size_of_rect(&rect)) } else { Err(failed("asked for its size")) }
+    }
+
+    /// Tells the view how many pixels a point has, and gives its size in pixels then.
+    pub fn scale(&self, scale: f64) -> Result<(u32, u32), HostError> {
+        let scaled = self.view.cast::<IPlugViewContentScaleSupport>().ok_or_else(|| failed("scaled"))?;
+        // SAFETY: a live view.
+        if unsafe { scaled.setContentScaleFactor(scale as f32) } != kResultOk {
+            return Err(failed("scaled"));
+        }
+        self.size()
     }
 
     /// Resizes the view to the size nearest to this that it takes, and gives that.

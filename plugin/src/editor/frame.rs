@@ -6,7 +6,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use nice_plug_core::context::gui::GuiContext;
 use nice_plug_core::editor::dpi::{LogicalSize, NativeSize};
-use nice_plug_core::editor::{Editor, HostMethods, ParentWindowHandle, ResizeHint, SizeConstraints, SpawnedEditor};
+use nice_plug_core::editor::{
+    Editor, EditorHandle as _, HostMethods, ParentWindowHandle, ResizeHint, SizeConstraints, SpawnedEditor,
+};
 use nice_plug_core::plugin::TrackInfo;
 use nice_plug_egui::{
     EguiEditor, EguiEditorHandle, EguiEditorState, EguiNiceSettings, Frame, NiceEguiApp, RepaintNotifier,
@@ -199,8 +201,19 @@ impl Editor for PyrophoneEditor {
         context: GuiContext,
         host: Option<HostMethods>,
     ) -> Result<SpawnedEditor<Self::Handle>, Box<dyn Error>> {
-        let spawned = self.inner().editor.spawn(parent, wait_for_parent, fallback_scale_factor, context, host)?;
-        self.size.set_scale(spawned.window.size().scale_factor);
+        let inner = self.inner();
+        let wanted = self.size.get();
+        let spawned = inner.editor.spawn(parent, wait_for_parent, fallback_scale_factor, context, host)?;
+        let found = spawned.window.size();
+        // With baseview 0.4.2 the size of a new X11 window leaves out the scale that the host has told of.
+        let [width, height] = wanted;
+        let native = NativeSize::from_size(LogicalSize::new(width, height).into(), found.scale_factor);
+        let is_found = native == NativeSize::from_logical_or_physical(found.logical, found.physical);
+        if !is_found {
+            spawned.handle.set_size(native, &spawned.window)?;
+        }
+        self.size.set_points(wanted);
+        self.size.set_scale(found.scale_factor);
         Ok(spawned)
     }
 
