@@ -2,18 +2,20 @@
 //! part. Sixty frames a second at 1000×700 points; a page of parameters each. `-- instructions` draws a few frames of the first page, for
 //! callgrind.
 
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use common::Context as Host;
 use egui::{Context, Pos2, RawInput, Rect, Vec2};
 use nice_plug::prelude::*;
 use nice_plug_core::context::gui::{GuiContext, GuiContextInner};
-use nice_plug_core::context::process::SendEventError;
 use pyrophone::Pyrophone;
 use pyrophone::editor::Window;
 use pyrophone::editor::controls::Page;
-use pyrophone::effect::PassFence;
 use pyrophone_settings::Session;
 use pyrophone_settings::session::{FIELD, RecordingReference};
 
@@ -25,43 +27,6 @@ const SIZE: Vec2 = Vec2::new(1000.0, 700.0);
 const BEFORE: usize = 300;
 const COUNTED: usize = 600;
 const COUNTED_INSTRUCTIONS: usize = 60;
-
-/// A host that listens and answers nothing.
-struct Host {
-    transport: Transport,
-}
-
-impl ProcessContext<Pyrophone> for Host {
-    fn plugin_api(&self) -> PluginApi {
-        PluginApi::Clap
-    }
-    fn execute_background(&self, _: PassFence) {}
-    fn execute_gui(&self, _: PassFence) {}
-    fn transport(&self) -> &Transport {
-        &self.transport
-    }
-    fn next_event(&mut self) -> Option<PluginNoteEvent<Pyrophone>> {
-        None
-    }
-    fn try_send_event(
-        &mut self,
-        event: PluginNoteEvent<Pyrophone>,
-    ) -> Result<(), (PluginNoteEvent<Pyrophone>, SendEventError)> {
-        Err((event, SendEventError::NoOutputBuffer))
-    }
-    fn set_latency_samples(&self, _: u32) {}
-    fn request_restart(&self) {}
-    fn set_current_voice_capacity(&self, _: u32) {}
-}
-
-impl ActivateContext<Pyrophone> for Host {
-    fn plugin_api(&self) -> PluginApi {
-        PluginApi::Clap
-    }
-    fn execute(&self, _: PassFence) {}
-    fn set_latency_samples(&self, _: u32) {}
-    fn set_current_voice_capacity(&self, _: u32) {}
-}
 
 /// The same host, as the window knows it.
 struct Ear;

@@ -9,15 +9,16 @@
 
 #![cfg_attr(sanitize_realtime, feature(sanitize))]
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use common::Context;
 use nice_plug::prelude::*;
-use nice_plug_core::context::process::SendEventError;
 use pyrophone::Pyrophone;
-use pyrophone::effect::PassFence;
 use pyrophone::probe::Listen;
 use pyrophone_settings::session::{FIELD, FieldReference, RecordingReference, Session};
 use pyrophone_settings::{COUNT, PARAMETERS};
@@ -25,43 +26,6 @@ use pyrophone_synthesis::vortex::{End, SpeedField};
 
 const RATE_HZ: f32 = 48_000.0;
 const BLOCKS: [usize; 8] = [0, 1, 17, 64, 480, 1024, 4096, 8192];
-
-/// A host that listens and answers nothing.
-struct Context {
-    transport: Transport,
-}
-
-impl ProcessContext<Pyrophone> for Context {
-    fn plugin_api(&self) -> PluginApi {
-        PluginApi::Clap
-    }
-    fn execute_background(&self, _: PassFence) {}
-    fn execute_gui(&self, _: PassFence) {}
-    fn transport(&self) -> &Transport {
-        &self.transport
-    }
-    fn next_event(&mut self) -> Option<PluginNoteEvent<Pyrophone>> {
-        None
-    }
-    fn try_send_event(
-        &mut self,
-        event: PluginNoteEvent<Pyrophone>,
-    ) -> Result<(), (PluginNoteEvent<Pyrophone>, SendEventError)> {
-        Err((event, SendEventError::NoOutputBuffer))
-    }
-    fn set_latency_samples(&self, _: u32) {}
-    fn request_restart(&self) {}
-    fn set_current_voice_capacity(&self, _: u32) {}
-}
-
-impl ActivateContext<Pyrophone> for Context {
-    fn plugin_api(&self) -> PluginApi {
-        PluginApi::Clap
-    }
-    fn execute(&self, _: PassFence) {}
-    fn set_latency_samples(&self, _: u32) {}
-    fn set_current_voice_capacity(&self, _: u32) {}
-}
 
 #[cfg_attr(sanitize_realtime, sanitize(realtime = "nonblocking"))]
 fn process(plugin: &mut Pyrophone, main: &mut Buffer<'_>, aux: &mut AuxiliaryBuffers<'_>, context: &mut Context) {
