@@ -2,13 +2,16 @@
 
 use std::time::Duration;
 
+use pyrophone_host::editor::EditorWindow;
 use pyrophone_host::state::State;
-use pyrophone_host::{Configuration, Format};
+use pyrophone_host::{Configuration, Format, Plugin};
 use pyrophone_settings::Preset;
 use pyrophone_settings::session::FIELD;
 use pyrophone_tests::desk::{Desk, ESCAPE, Hand, RETURN, SCREEN};
 use pyrophone_tests::live::{Clock, Live};
-use pyrophone_tests::{RATE_HZ, STEREO, await_recording, flame, load_session, open, peak, preset, recording, session};
+use pyrophone_tests::{
+    RATE_HZ, STEREO, await_recording, flame, load_session, open, peak, preset, recording, session, wait_until,
+};
 
 /// The smallest size there is, and one that the screen has room for.
 const SMALL: (u32, u32) = (700, 450);
@@ -72,7 +75,7 @@ fn try_format(desk: &Desk, format: Format) {
     let mut window = desk.open_drawn(plugin, &mut play);
     assert_eq!(window.size(), LARGE, "{format}: a window remembers its size");
     window.resize(plugin, SMALL).expect("as small as it goes");
-    window.run_for(plugin, Duration::from_millis(200));
+    await_size(desk, &mut window, plugin, &mut play, SMALL);
     window.close(plugin);
     if desk.scale_screen(1.5) {
         let window = desk.open_drawn(plugin, &mut play);
@@ -85,9 +88,8 @@ fn try_format(desk: &Desk, format: Format) {
         for _ in 0..2 {
             let mut window = desk.open_drawn(plugin, &mut play);
             window.scale(plugin, 1.5).unwrap_or_else(|error| panic!("{format}: {error}"));
-            window.run_for(plugin, Duration::from_millis(200));
             assert_eq!(window.size(), scaled, "{format}: where the host tells of smaller pixels");
-            assert_eq!(desk.map().map(|map| map.size), Some(scaled), "{format}");
+            await_size(desk, &mut window, plugin, &mut play, scaled);
             window.close(plugin);
         }
     }
@@ -98,6 +100,21 @@ fn try_format(desk: &Desk, format: Format) {
     let processor = plugin.activate(&configuration).expect("active with its editor open");
     plugin.deactivate(processor).expect("inactive");
     window.close(plugin.as_mut());
+}
+
+/// Plays until the window is drawn in this size.
+fn await_size(
+    desk: &Desk,
+    window: &mut EditorWindow,
+    plugin: &mut dyn Plugin,
+    mut play: impl FnMut(),
+    size: (u32, u32),
+) {
+    wait_until(&format!("a window of {size:?}"), || {
+        play();
+        window.run_for(plugin, Duration::from_millis(20));
+        desk.map().is_some_and(|map| map.size == size)
+    });
 }
 
 fn type_alpha(hand: &mut Hand<'_>, text: &str) {
