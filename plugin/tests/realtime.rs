@@ -105,7 +105,9 @@ fn run(sidechain_channels: usize) {
     let map = params.param_map();
     let (left, right, side) = (noise(8192, 1), noise(8192, 2), noise(8192, 3));
     let mut heard = 0.0f32;
-    for round in 0..800usize {
+    // Every parameter is moved several times, and a window comes and goes six times.
+    let rounds = if std::env::var("PYROPHONE_SOAK").as_deref() == Ok("1") { 3200 } else { 360usize };
+    for round in 0..rounds {
         let index = round % COUNT;
         if PARAMETERS[index].id != "bypass" {
             // SAFETY: the parameters are alive.

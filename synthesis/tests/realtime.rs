@@ -44,6 +44,11 @@ fn reset(chain: &mut Chain) {
 
 type Recording = (Option<Arc<pyrophone_synthesis::texture::Dictionary>>, Option<Arc<Distribution>>);
 
+/// Every block size eight times, and all that happens now and then at least once with each; more of it in the long tests.
+fn rounds() -> usize {
+    if std::env::var("PYROPHONE_SOAK").as_deref() == Ok("1") { 640 } else { 64 }
+}
+
 /// Everything that may happen on the audio thread, at every block size.
 fn everything(rate_hz: f64, layout: Channels, dynamics: Dynamics) {
     let mut random = Random::new(3);
@@ -51,7 +56,7 @@ fn everything(rate_hz: f64, layout: Channels, dynamics: Dynamics) {
     let input = channels(1, layout.output, 8192);
     let sidechain = channels(2, layout.sidechain, 8192);
     let structure = Structure { dynamics, ..Structure::default() };
-    for round in 0..160 {
+    for round in 0..rounds() {
         let block = [0, 1, 17, 64, 480, 1024, 4096, 8192][round % 8];
         let mut block_data: Vec<Vec<f32>> = input.iter().map(|x| x[..block].to_vec()).collect();
         if round % 11 == 0 {

@@ -10,6 +10,7 @@ mod install;
 mod project;
 mod setup;
 mod test;
+mod validators;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
