@@ -14,6 +14,7 @@ pub mod recent;
 pub mod session;
 pub mod table;
 pub mod values;
+pub mod vst3_preset;
 
 pub use automation::Automation;
 pub use error::Error;
@@ -23,5 +24,5 @@ pub use preset::Preset;
 pub use recent::Recent;
 pub use session::Session;
 pub(crate) use table::ids_as_list;
-pub use table::{COUNT, Id, PARAMETERS, index_of};
+pub use table::{COUNT, Id, PARAMETERS, host_order, index_of};
 pub use values::Values;

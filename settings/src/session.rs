@@ -223,6 +223,13 @@ enum StateValue {
 /// The plugin's whole state as JSON text, as it would save it itself: the bare state of the VST3
 /// plugin. The CLAP plugin's is this with its length in bytes before it, 64 bits, little-endian.
 pub fn plugin_state(values: &Values, session: &Session) -> String {
+    // The fields of a state are themselves JSON.
+    let session = serde_json::to_string(&session.to_json()).unwrap_or_default();
+    parameters_json(values, BTreeMap::from([(FIELD, session)]))
+}
+
+/// A plugin's state with these values and fields, as JSON text.
+pub(crate) fn parameters_json(values: &Values, fields: BTreeMap<&'static str, String>) -> String {
     #[derive(Serialize)]
     struct State {
         version: &'static str,
@@ -237,12 +244,6 @@ pub fn plugin_state(values: &Values, session: &Session) -> String {
         };
         (parameter.id, value)
     });
-    // The fields of a state are themselves JSON.
-    let session = serde_json::to_string(&session.to_json()).unwrap_or_default();
-    let state = State {
-        version: env!("CARGO_PKG_VERSION"),
-        params: params.collect(),
-        fields: BTreeMap::from([(FIELD, session)]),
-    };
+    let state = State { version: env!("CARGO_PKG_VERSION"), params: params.collect(), fields };
     serde_json::to_string(&state).unwrap_or_default()
 }

@@ -186,7 +186,7 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
     control(
         "extension_seed",
-        "Seed",
+        "Noise seed",
         "Extension",
         "",
         Kind::Int { low: 0, high: 65_535, default: 42 },
@@ -313,7 +313,7 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
     structure(
         "levels",
-        "Levels",
+        "Pyramid levels",
         "",
         Kind::Int { low: 3, high: 8, default: 6 },
         6.0,
@@ -549,7 +549,7 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
     control(
         "vortex_falloff",
-        "Falloff",
+        "Vortex falloff",
         "Vortex",
         "",
         float(1.0, 3.0, 1.0, 1.0, 3),
@@ -567,7 +567,7 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
     control(
         "vortex_seed",
-        "Seed",
+        "Vortex seed",
         "Vortex",
         "",
         Kind::Int { low: 0, high: 65_535, default: 42 },
@@ -593,6 +593,18 @@ impl Id {
     pub fn parameter(self) -> &'static Parameter {
         &PARAMETERS[self as usize]
     }
+}
+
+/// Groups in the order in which hosts show them.
+const HOST_GROUPS: [&str; 7] = ["Levels", "Drive", "Flame", "Texture", "Extension", "Vortex", "Structure"];
+
+/// Places in the table in the order in which hosts show the parameters: by group, bypass first, within a group as in
+/// the table.
+pub fn host_order() -> Vec<usize> {
+    let mut order: Vec<usize> = (0..COUNT).collect();
+    let group = |index: usize| HOST_GROUPS.iter().position(|group| *group == PARAMETERS[index].group);
+    order.sort_by_key(|index| (PARAMETERS[*index].id != "bypass", group(*index)));
+    order
 }
 
 /// Place of the parameter with this id in [`PARAMETERS`].

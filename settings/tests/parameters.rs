@@ -274,3 +274,20 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn names_are_unique_and_every_group_has_its_place_with_hosts() {
+    let names: std::collections::HashSet<&str> = PARAMETERS.iter().map(|parameter| parameter.name).collect();
+    assert_eq!(names.len(), PARAMETERS.len(), "hosts tell parameters apart by their names");
+    let order = pyrophone_settings::host_order();
+    let mut sorted = order.clone();
+    sorted.sort_unstable();
+    assert_eq!(sorted, (0..PARAMETERS.len()).collect::<Vec<_>>(), "each once");
+    assert_eq!(PARAMETERS[order[0]].id, "bypass");
+    let groups: Vec<&str> = order[1..].iter().map(|index| PARAMETERS[*index].group).collect();
+    let mut changes = groups.clone();
+    changes.dedup();
+    let distinct: std::collections::HashSet<&str> = groups.iter().copied().collect();
+    assert_eq!(changes.len(), distinct.len(), "each group stands together");
+    assert_eq!(changes[0], "Levels", "a group without a place would come first");
+}
