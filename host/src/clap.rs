@@ -3,6 +3,7 @@
 mod description;
 mod handlers;
 mod processor;
+pub(crate) mod validator;
 
 use std::collections::HashMap;
 use std::ffi::CString;

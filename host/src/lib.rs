@@ -21,6 +21,7 @@ mod vst3;
 pub mod bounce;
 pub mod editor;
 pub mod state;
+pub mod validator;
 
 pub use error::HostError;
 pub use id::numeric_id;

@@ -5,6 +5,7 @@ mod editor;
 mod interfaces;
 mod module;
 mod processor;
+pub(crate) mod validator;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -26,6 +26,8 @@ pub struct Audio {
     link: AudioLink,
     probe: ProbeIn,
     running: Option<Running>,
+    /// Channels that come in; they pass through while no engines run.
+    input_channels: usize,
     /// Stands in for a sidechain that is not there; as long as the longest piece that is processed
     /// at once.
     silence: Vec<f32>,
@@ -45,13 +47,6 @@ struct Running {
     restart_asked: u64,
 }
 
-/// What a restart would bring.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Restart {
-    /// The latency in samples after it.
-    pub latency_samples: u32,
-}
-
 /// What sounds on after the input has fallen silent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tail {
@@ -66,13 +61,14 @@ pub enum Tail {
 impl Audio {
     /// No engines yet.
     pub fn new(link: AudioLink, probe: ProbeIn) -> Self {
-        Self { link, probe, running: None, silence: Vec::new() }
+        Self { link, probe, running: None, input_channels: 0, silence: Vec::new() }
     }
 
     /// Exchanges the engines; not real-time safe. `values` are those they were made of.
     pub fn set_chain(&mut self, chain: Option<Chain>, channels: Channels, max_block: usize, values: &Values) {
         let piece = max_block.clamp(1, LONGEST_PIECE);
         self.silence = vec![0.0; piece];
+        self.input_channels = channels.input;
         let structure = fingerprint(&values.structure());
         let effects = Layout::of_channels(channels.output).ok().and_then(Layout::low_frequency_effects);
         self.running = chain.map(|chain| Running {
@@ -104,21 +100,20 @@ impl Audio {
         }
     }
 
-    /// The restart to ask the host for, once, when the parameters say another structure than runs
-    /// and everything is ready for it.
-    pub fn wanted_restart(&mut self, values: &Values) -> Option<Restart> {
-        let running = self.running.as_mut()?;
+    /// Whether to ask the host for a restart: once, when the parameters say another structure than runs and
+    /// everything is ready for it.
+    pub fn wants_restart(&mut self, values: &Values) -> bool {
+        let Some(running) = &mut self.running else { return false };
         let wanted = fingerprint(&values.structure());
         if wanted == running.structure {
             running.restart_asked = wanted;
-            return None;
+            return false;
         }
-        if wanted == running.restart_asked {
-            return None;
+        if wanted == running.restart_asked || self.link.shared.prepared_latency_samples(wanted).is_none() {
+            return false;
         }
-        let latency_samples = self.link.shared.prepared_latency_samples(wanted)?;
         running.restart_asked = wanted;
-        Some(Restart { latency_samples })
+        true
     }
 
     /// Latency in samples of the engines that run.
@@ -144,8 +139,7 @@ impl Audio {
         transport: Transport,
     ) {
         let Some(running) = &mut self.running else {
-            main.iter_mut().for_each(|channel| channel.fill(0.0));
-            return;
+            return pass_through(main, self.input_channels);
         };
         let mut controls = values.controls();
         self.probe.hush(&mut controls.mix);
@@ -222,6 +216,15 @@ impl Audio {
             Some(samples) => Tail::Samples(samples.min(u32::MAX as usize - 1) as u32),
             None => Tail::Endless,
         }
+    }
+}
+
+/// The input as it came: one channel for both sides, others to their own loudspeakers.
+fn pass_through(main: &mut [&mut [f32]], input_channels: usize) {
+    if input_channels == 1
+        && let [left, right, ..] = main
+    {
+        right.copy_from_slice(left);
     }
 }
 

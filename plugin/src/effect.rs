@@ -5,12 +5,13 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::*;
 use nice_plug_egui::RepaintNotifier;
-use pyrophone_settings::Recent;
+use pyrophone_settings::{Recent, Values};
 use pyrophone_synthesis::chain::{Chain, Channels};
 
 use crate::audio::{Audio, Tail};
 use crate::editor::Window;
 use crate::editor::frame::PyrophoneEditor;
+use crate::entry::instance::{self, Instance};
 use crate::fence::Fence;
 use crate::gas::Gas;
 use crate::host_clock::{HostClock, Reported};
@@ -18,10 +19,15 @@ use crate::loader::{Engine, Loader};
 use crate::meters::Meters;
 use crate::parameters::{EffectParams, sanitize};
 use crate::probe::{self, ProbeOut};
+use crate::remote_pages;
 
 /// The longest that an activation waits for a load under way. Hosts bounce in "real-time" mode
 /// too, so some wait is due there; where the host says that it renders offline there is no limit.
 const ACTIVATION_WAIT: Duration = Duration::from_secs(2);
+
+/// The same for the first activation after a state was loaded. A project that opens takes its time, and a host that
+/// renders at once has no other moment at which it could wait; longer than this and hosts take a plug-in for hung.
+const STATE_WAIT: Duration = Duration::from_secs(10);
 
 /// How often the window is asked to show new levels.
 const METER_HZ: f32 = 30.0;
@@ -39,6 +45,12 @@ pub struct Pyrophone {
     executor: Option<AsyncExecutor<Self>>,
     notifier: RepaintNotifier,
     sample_rate_hz: f32,
+    /// Whether the host renders as fast as it can, and waits for whatever takes time.
+    is_offline: bool,
+    /// Whether the last activation was at a sample rate that the engines do not have.
+    is_rate_refused: bool,
+    /// States that had been loaded at the last activation.
+    states_seen: u64,
     /// Samples since the window was asked to show new levels.
     since_repaint: f32,
 }
@@ -51,11 +63,13 @@ impl Default for Pyrophone {
         let notifier = RepaintNotifier::new();
         let (loader, params, link) = Loader::start(notifier.clone(), Recent::of_user());
         let (probe_in, probe) = probe::pair();
+        let meters = Arc::<Meters>::default();
+        instance::announce(Instance { params: params.clone(), meters: meters.clone() });
         Self {
             params,
             loader,
             audio: Audio::new(link, probe_in),
-            meters: Arc::default(),
+            meters,
             probe,
             clock: HostClock::default(),
             fence: Fence::default(),
@@ -63,6 +77,9 @@ impl Default for Pyrophone {
             executor: None,
             notifier,
             sample_rate_hz: 0.0,
+            is_offline: false,
+            is_rate_refused: false,
+            states_seen: 0,
             since_repaint: 0.0,
         }
     }
@@ -83,7 +100,59 @@ const STEREO: &[NonZeroU32] = &[new_nonzero_u32(2)];
 const SURROUND_50: &[NonZeroU32] = &[new_nonzero_u32(5)];
 const SURROUND_51: &[NonZeroU32] = &[new_nonzero_u32(6)];
 
+/// Tells the host of the latency. In CLAP that is done by the guard around the effect, within `activate`: the
+/// framework would ask for a restart first, at every first activation.
+fn announce_latency(context: &mut impl ActivateContext<Pyrophone>, latency_samples: u32) {
+    if context.plugin_api() != PluginApi::Clap {
+        context.set_latency_samples(latency_samples);
+    }
+}
+
 impl Pyrophone {
+    /// Runs without engines, which have no such sample rate; the window says why.
+    fn pass_through(&mut self, channels: Channels, config: &BufferConfig, reason: &str) {
+        self.gas = None;
+        self.audio.set_chain(None, channels, config.max_buffer_size as usize, &self.params.values());
+        self.meters.set_engine(config.sample_rate, 0);
+        self.is_rate_refused = true;
+        self.loader.handle().status.fail(reason.to_owned());
+    }
+
+    /// Runs `chain` from now on, with the recording if that is there in time.
+    fn start(
+        &mut self,
+        mut chain: Chain,
+        engine: Engine,
+        config: &BufferConfig,
+        values: &Values,
+        context: &mut impl ActivateContext<Self>,
+    ) {
+        let ticket = self.loader.set_engine(engine);
+        let latency_samples = chain.latency_samples() as u32;
+        self.gas = match Gas::start(&mut chain, self.is_offline) {
+            Ok(gas) => Some(gas),
+            Err(reason) => {
+                nice_warn!("Pyrophone's gas cannot be simulated live: {reason}");
+                None
+            }
+        };
+        let states = self.params.session.arrivals();
+        let is_new_state = std::mem::replace(&mut self.states_seen, states) != states;
+        let limit = if is_new_state { STATE_WAIT } else { ACTIVATION_WAIT };
+        let began = Instant::now();
+        let is_loaded = self.loader.wait(ticket, (!self.is_offline).then_some(limit));
+        let waited_s = began.elapsed().as_secs_f32();
+        if !is_loaded {
+            nice_log!("Pyrophone starts without its recording, which is still loading after {waited_s:.1} s");
+        } else if waited_s > 0.2 {
+            let why = if self.is_offline { "an offline render needs its recording" } else { "a recording was loading" };
+            nice_log!("Pyrophone waited {waited_s:.1} s, because {why}");
+        }
+        self.audio.set_chain(Some(chain), engine.channels, config.max_buffer_size as usize, values);
+        self.meters.set_engine(config.sample_rate, latency_samples);
+        announce_latency(context, latency_samples);
+    }
+
     /// What the window sees of the sound.
     pub fn probe(&self) -> ProbeOut {
         self.probe.clone()
@@ -99,8 +168,8 @@ impl Pyrophone {
 impl Plugin for Pyrophone {
     const NAME: &'static str = "Pyrophone";
     const VENDOR: &'static str = "Pyrophone";
-    const URL: &'static str = "";
-    const EMAIL: &'static str = "";
+    const URL: &'static str = "https://pyrophone.org";
+    const EMAIL: &'static str = "support@pyrophone.org";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
 
     // Of the layouts beyond stereo these are the two that VST3 can be told rightly: seven channels and more would be named
@@ -170,37 +239,21 @@ impl Plugin for Pyrophone {
         };
         let values = self.params.values();
         let sample_rate_hz = f64::from(config.sample_rate);
+        self.sample_rate_hz = config.sample_rate;
+        self.is_offline = config.process_mode == ProcessMode::Offline;
         let engine = Engine { sample_rate_hz, structure: values.structure(), channels };
-        let ticket = self.loader.set_engine(engine);
-        let mut chain = match Chain::new(sample_rate_hz, channels, &engine.structure) {
+        let chain = match Chain::new(sample_rate_hz, channels, &engine.structure) {
             Ok(chain) => chain,
             Err(error) => {
-                nice_error!("Pyrophone cannot run: {error}");
-                return false;
+                self.pass_through(channels, config, &format!("{error}; the input passes through"));
+                announce_latency(context, 0);
+                return true;
             }
         };
-        let latency_samples = chain.latency_samples() as u32;
-        let offline = config.process_mode == ProcessMode::Offline;
-        self.gas = match Gas::start(&mut chain, offline) {
-            Ok(gas) => Some(gas),
-            Err(reason) => {
-                nice_warn!("Pyrophone's gas cannot be simulated live: {reason}");
-                None
-            }
-        };
-        let began = Instant::now();
-        let is_loaded = self.loader.wait(ticket, (!offline).then_some(ACTIVATION_WAIT));
-        let waited_s = began.elapsed().as_secs_f32();
-        if !is_loaded {
-            nice_log!("Pyrophone starts without its recording, which is still loading after {waited_s:.1} s");
-        } else if waited_s > 0.2 {
-            let why = if offline { "an offline render needs its recording" } else { "a recording was loading" };
-            nice_log!("Pyrophone waited {waited_s:.1} s, because {why}");
+        if std::mem::take(&mut self.is_rate_refused) {
+            self.loader.handle().status.update(|view| view.error = None);
         }
-        self.audio.set_chain(Some(chain), channels, config.max_buffer_size as usize, &values);
-        self.sample_rate_hz = config.sample_rate;
-        self.meters.set_engine(config.sample_rate, latency_samples);
-        context.set_latency_samples(latency_samples);
+        self.start(chain, engine, config, &values, context);
         true
     }
 
@@ -216,6 +269,10 @@ impl Plugin for Pyrophone {
         context: &mut impl ProcessContext<Self>,
     ) -> ProcessStatus {
         let began = self.audio.is_watched().then(Instant::now);
+        if self.is_offline {
+            // A state loaded since the activation may still be on its way; offline there is all the time in the world.
+            self.loader.wait_for_all();
+        }
         self.audio.receive_updates();
         let values = self.params.values();
         if let Some(gas) = &self.gas {
@@ -242,10 +299,8 @@ impl Plugin for Pyrophone {
             self.since_repaint = 0.0;
             self.notifier.request_repaint();
         }
-        if let Some(restart) = self.audio.wanted_restart(&values) {
-            if self.audio.latency_samples() != Some(restart.latency_samples) {
-                context.set_latency_samples(restart.latency_samples);
-            }
+        // The latency of what comes then is announced by the activation, which is the only place for it.
+        if self.audio.wants_restart(&values) {
             context.request_restart();
         }
         match self.audio.tail() {
@@ -271,8 +326,8 @@ impl ClapPlugin for Pyrophone {
     const CLAP_ID: &'static str = "org.pyrophone.pyrophone";
     const CLAP_DESCRIPTION: Option<&'static str> =
         Some("Turns a low-frequency flame signal, or any sound's envelope, into full-band fire");
-    const CLAP_MANUAL_URL: Option<&'static str> = None;
-    const CLAP_SUPPORT_URL: Option<&'static str> = None;
+    const CLAP_MANUAL_URL: Option<&'static str> = Some("https://pyrophone.org/manual");
+    const CLAP_SUPPORT_URL: Option<&'static str> = Some("https://pyrophone.org/support");
     const CLAP_FEATURES: &'static [ClapFeature] = &[
         ClapFeature::AudioEffect,
         ClapFeature::Mono,
@@ -280,10 +335,14 @@ impl ClapPlugin for Pyrophone {
         ClapFeature::Surround,
         ClapFeature::MultiEffects,
     ];
+
+    fn remote_controls(&self, context: &mut impl RemoteControlsContext) {
+        remote_pages::define(&self.params, context);
+    }
 }
 
 impl Vst3Plugin for Pyrophone {
-    const VST3_CLASS_ID: [u8; 16] = *b"PyrophoneFireFX1";
+    const VST3_CLASS_ID: [u8; 16] = pyrophone_settings::vst3_preset::CLASS_ID;
     const VST3_SUBCATEGORIES: &'static [Vst3SubCategory] =
         &[Vst3SubCategory::Fx, Vst3SubCategory::Generator, Vst3SubCategory::Surround];
 }

@@ -3,6 +3,8 @@
 //! | module | is | lives on |
 //! |---|---|---|
 //! | [`effect`] | what hosts call | whichever thread the host says |
+//! | [`entry`] | what hosts find in the library, and guards around the framework | whichever thread the host says |
+//! | [`remote_pages`] | pages of parameters for controllers | at the start |
 //! | [`parameters`] | the settings' table as host parameters | any thread |
 //! | [`audio`] | the engines, and their ends of the rings | the audio thread |
 //! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
@@ -16,6 +18,7 @@ pub mod analysis;
 pub mod audio;
 pub mod editor;
 pub mod effect;
+pub mod entry;
 pub mod fence;
 pub mod gas;
 pub mod host_clock;
@@ -24,8 +27,6 @@ pub mod meters;
 pub mod parameters;
 pub mod persist;
 pub mod probe;
+pub mod remote_pages;
 
 pub use effect::Pyrophone;
-
-nice_plug::nice_export_clap!(Pyrophone);
-nice_plug::nice_export_vst3!(Pyrophone);

@@ -8,10 +8,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nice_plug::prelude::*;
+use nice_plug_core::params::InternalParamMut;
 use nice_plug_core::plugin::ParamValue;
-use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, index_of, session};
+use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, host_order, index_of, session};
 
 use crate::editor::frame::WindowSize;
+use crate::entry::indication::Indications;
 use crate::persist::SessionStore;
 
 /// One host parameter.
@@ -32,6 +34,8 @@ pub struct EffectParams {
     pub session: Arc<SessionStore>,
     /// The window's size.
     pub window: Arc<WindowSize>,
+    /// What the host says about them.
+    pub indications: Indications,
 }
 
 /// Name of the window's size in the state.
@@ -40,7 +44,12 @@ const WINDOW: &str = "window";
 impl EffectParams {
     /// Parameters at their defaults.
     pub fn new(session: Arc<SessionStore>) -> Self {
-        Self { slots: PARAMETERS.iter().map(Slot::new).collect(), session, window: Arc::default() }
+        Self {
+            slots: PARAMETERS.iter().map(Slot::new).collect(),
+            session,
+            window: Arc::default(),
+            indications: Indications::default(),
+        }
     }
 
     /// The present values, rounded to the table's grid; real-time safe.
@@ -134,6 +143,18 @@ impl Slot {
         }
     }
 
+    /// Sets the plain value when the host itself has asked for it and reads it again.
+    pub fn set_without_host(&self, plain: f64) {
+        // SAFETY: hosts' values are set like this by the framework; they are atomic.
+        unsafe {
+            match self {
+                Self::Float(float) => float._internal_set_plain_value(plain as f32),
+                Self::Int(int) => int._internal_set_plain_value(plain as i32),
+                Self::Toggle(toggle) => toggle._internal_set_plain_value(plain > 0.5),
+            };
+        }
+    }
+
     fn pointer(&self) -> ParamPtr {
         match self {
             Self::Float(float) => float.as_ptr(),
@@ -147,11 +168,12 @@ impl Slot {
 // for as long as this object is; wrappers hold it in an `Arc`.
 unsafe impl Params for EffectParams {
     fn param_map(&self) -> Vec<(String, ParamPtr, String)> {
-        PARAMETERS
-            .iter()
-            .zip(&self.slots)
-            .map(|(parameter, slot)| (parameter.id.to_owned(), slot.pointer(), parameter.group.to_owned()))
-            .collect()
+        // The table's order is that of history; hosts show this one.
+        let line = |index: usize| {
+            let parameter = &PARAMETERS[index];
+            (parameter.id.to_owned(), self.slots[index].pointer(), parameter.group.to_owned())
+        };
+        host_order().into_iter().map(line).collect()
     }
 
     fn serialize_fields(&self) -> BTreeMap<String, String> {

@@ -1,6 +1,7 @@
 //! The state's field with the recording and the learned distribution, between the host, which
 //! loads and saves it on any thread, and the loader, which understands it.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pyrophone_settings::Session;
@@ -9,6 +10,8 @@ use pyrophone_settings::Session;
 /// so a session that cannot be understood or whose recording is missing is saved unharmed.
 pub struct SessionStore {
     inner: Mutex<Inner>,
+    /// Fields that have arrived so far.
+    arrivals: AtomicU64,
     /// Called after a field has arrived; must not block.
     on_arrival: Box<dyn Fn() + Send + Sync>,
 }
@@ -24,7 +27,11 @@ impl SessionStore {
     /// which may be the audio thread.
     pub fn new(on_arrival: impl Fn() + Send + Sync + 'static) -> Self {
         let field = encode(&Session::default());
-        Self { inner: Mutex::new(Inner { field, unread: false }), on_arrival: Box::new(on_arrival) }
+        Self {
+            inner: Mutex::new(Inner { field, unread: false }),
+            arrivals: AtomicU64::new(0),
+            on_arrival: Box::new(on_arrival),
+        }
     }
 
     /// The field as it is to be saved.
@@ -40,7 +47,13 @@ impl SessionStore {
             std::mem::replace(&mut inner.field, field)
         };
         drop(old);
+        self.arrivals.fetch_add(1, Ordering::Relaxed);
         (self.on_arrival)();
+    }
+
+    /// How many fields the host has loaded so far.
+    pub fn arrivals(&self) -> u64 {
+        self.arrivals.load(Ordering::Relaxed)
     }
 
     /// The field that the host has loaded, once.

@@ -2,7 +2,7 @@
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 
@@ -13,6 +13,9 @@ const PACKAGE: &str = "pyrophone-plugin";
 const LIBRARY: &str = "pyrophone";
 /// The bundles' name in `bundler.toml`.
 const NAME: &str = "Pyrophone";
+
+/// What hosts may know of the VST3 bundle without loading it.
+const MODULE_INFO: &str = include_str!("../moduleinfo.json");
 
 /// How to build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,7 +67,17 @@ pub fn wrap(profile: Profile) -> Result<[PathBuf; 2]> {
     for path in &bundles {
         ensure!(path.exists(), "{} was not made; does the plugin export this format?", path.display());
     }
+    describe(&bundles[1])?;
     Ok(bundles)
+}
+
+/// Puts what hosts want to know of a VST3 bundle without loading it beside its library. The validator compares it with
+/// what the library itself says.
+fn describe(bundle: &Path) -> Result<()> {
+    let folder = bundle.join("Contents/Resources");
+    fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
+    let text = MODULE_INFO.replace("VERSION", env!("CARGO_PKG_VERSION"));
+    fs::write(folder.join("moduleinfo.json"), text).with_context(|| format!("writing to {}", folder.display()))
 }
 
 /// Where the bundles are, CLAP first.

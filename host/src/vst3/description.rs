@@ -107,7 +107,7 @@ pub(super) fn from_utf16(text: &[u16]) -> String {
     String::from_utf16_lossy(&text[..length])
 }
 
-fn from_c(text: &[std::ffi::c_char]) -> String {
+pub(super) fn from_c(text: &[std::ffi::c_char]) -> String {
     let bytes: Vec<u8> = text.iter().map(|&c| c as u8).chain([0]).collect();
     CStr::from_bytes_until_nul(&bytes).map(|text| text.to_string_lossy().into_owned()).unwrap_or_default()
 }

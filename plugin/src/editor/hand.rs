@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use nice_plug::prelude::ParamSetter;
 use pyrophone_settings::{COUNT, Id, Values};
 
+use crate::entry::indication::Automation;
 use crate::parameters::EffectParams;
 
 /// Steps that can be undone.
@@ -61,6 +62,12 @@ impl Hand<'_> {
     /// The present values, with what the gesture under way has changed: hosts take their time.
     pub fn values(&self) -> Values {
         self.history.gesture.map_or_else(|| self.params.values(), |(_, now)| now)
+    }
+
+    /// What the host says about a parameter: whether a controller is mapped to it, and how it is automated.
+    pub fn indication(&self, index: usize) -> (bool, Automation) {
+        let indications = &self.params.indications;
+        (indications.is_mapped(index), indications.automation(index))
     }
 
     /// The present value of one parameter.

@@ -151,6 +151,12 @@ impl Mailbox {
         inner.settled >= ticket.0
     }
 
+    /// Waits until everything ordered so far is done; whether it is done.
+    pub fn wait_for_all(&self) -> bool {
+        let posted = Ticket(self.lock().posted);
+        self.wait(posted, None)
+    }
+
     fn lock(&self) -> MutexGuard<'_, Inner> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }

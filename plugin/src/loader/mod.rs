@@ -107,6 +107,13 @@ impl Loader {
     }
 }
 
+impl Loader {
+    /// Waits until everything ordered so far is done, without a limit; whether it is done.
+    pub fn wait_for_all(&self) -> bool {
+        self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) && self.handle.mailbox.wait_for_all()
+    }
+}
+
 impl LoaderHandle {
     /// Loads a recording; the latest call wins, and the old sound plays on until it is ready.
     pub fn load(&self, path: PathBuf) {

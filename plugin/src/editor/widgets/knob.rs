@@ -6,10 +6,13 @@ use pyrophone_settings::{Kind, PARAMETERS, Parameter};
 
 use super::super::hand::Hand;
 use super::super::{map, theme};
+use crate::entry::indication::Automation;
 
 /// A knob with its name and value, in points.
 pub const SIZE: Vec2 = Vec2::new(74.0, 80.0);
 const RADIUS: f32 = 19.0;
+/// Radius of the dots that show what the host does with it.
+const DOT: f32 = 2.5;
 /// Points that a full turn takes.
 const TRAVEL: f32 = 180.0;
 /// How much slower Shift makes it.
@@ -39,6 +42,7 @@ pub fn knob(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
         theme::WEAK,
     );
     draw(ui, &response, dial.center(), parameter, plain);
+    indicate(ui, dial, hand.indication(index));
     value(
         ui,
         Rect::from_min_max(Pos2::new(rect.left(), rect.bottom() - 20.0), rect.max),
@@ -104,6 +108,26 @@ fn turn(ui: &Ui, response: &Response, parameter: &Parameter, index: usize, hand:
         info
     });
     hand.value(index)
+}
+
+/// Dots beside the knob: a controller is mapped to it (left), it is automated (right; hollow while that does not play).
+fn indicate(ui: &Ui, dial: Rect, (is_mapped, automation): (bool, Automation)) {
+    let painter = ui.painter();
+    if is_mapped {
+        painter.circle_filled(dial.left_top(), DOT, theme::BLUE);
+    }
+    match automation {
+        Automation::None => {}
+        Automation::Present | Automation::Overriding => {
+            painter.circle_stroke(dial.right_top(), DOT, Stroke::new(1.0, theme::EMBER));
+        }
+        Automation::Playing => {
+            painter.circle_filled(dial.right_top(), DOT, theme::EMBER);
+        }
+        Automation::Recording => {
+            painter.circle_filled(dial.right_top(), DOT, theme::ALARM);
+        }
+    }
 }
 
 fn draw(ui: &Ui, response: &Response, centre: Pos2, parameter: &Parameter, plain: f64) {

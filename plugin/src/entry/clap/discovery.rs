@@ -1,0 +1,188 @@
+//! Presets for a host's browser: the factory's inside the library, the user's in their folder.
+
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::path::Path;
+
+use clap_sys::factory::preset_discovery::{
+    CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT, CLAP_PRESET_DISCOVERY_IS_USER_CONTENT,
+    CLAP_PRESET_DISCOVERY_LOCATION_FILE, CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN, clap_preset_discovery_factory,
+    clap_preset_discovery_filetype, clap_preset_discovery_indexer, clap_preset_discovery_location,
+    clap_preset_discovery_location_kind, clap_preset_discovery_metadata_receiver, clap_preset_discovery_provider,
+    clap_preset_discovery_provider_descriptor,
+};
+use clap_sys::universal_plugin_id::clap_universal_plugin_id;
+use clap_sys::version::CLAP_VERSION;
+use pyrophone_settings::{Library, Preset};
+
+/// Makes the only provider.
+pub static FACTORY: clap_preset_discovery_factory =
+    clap_preset_discovery_factory { count: Some(count), get_descriptor: Some(descriptor_at), create: Some(create) };
+
+static DESCRIPTOR: clap_preset_discovery_provider_descriptor = clap_preset_discovery_provider_descriptor {
+    clap_version: CLAP_VERSION,
+    id: c"org.pyrophone.pyrophone.presets".as_ptr(),
+    name: c"Pyrophone presets".as_ptr(),
+    vendor: c"Pyrophone".as_ptr(),
+};
+
+/// The ending of preset files.
+const EXTENSION: &CStr = c"toml";
+
+unsafe extern "C" fn count(_factory: *const clap_preset_discovery_factory) -> u32 {
+    1
+}
+
+unsafe extern "C" fn descriptor_at(
+    _factory: *const clap_preset_discovery_factory,
+    index: u32,
+) -> *const clap_preset_discovery_provider_descriptor {
+    if index == 0 { &DESCRIPTOR } else { std::ptr::null() }
+}
+
+unsafe extern "C" fn create(
+    _factory: *const clap_preset_discovery_factory,
+    indexer: *const clap_preset_discovery_indexer,
+    id: *const c_char,
+) -> *const clap_preset_discovery_provider {
+    // SAFETY: texts of the host's and of this library.
+    if indexer.is_null() || id.is_null() || unsafe { CStr::from_ptr(id) != CStr::from_ptr(DESCRIPTOR.id) } {
+        return std::ptr::null();
+    }
+    Box::into_raw(Box::new(clap_preset_discovery_provider {
+        desc: &DESCRIPTOR,
+        // The indexer outlives its providers.
+        provider_data: indexer.cast_mut().cast::<c_void>(),
+        init: Some(init),
+        destroy: Some(destroy),
+        get_metadata: Some(metadata),
+        get_extension: Some(get_extension),
+    }))
+}
+
+unsafe extern "C" fn init(provider: *const clap_preset_discovery_provider) -> bool {
+    // SAFETY: a live provider, whose data is the host's indexer.
+    let Some(indexer) = (unsafe { (*provider).provider_data.cast::<clap_preset_discovery_indexer>().as_ref() }) else {
+        return false;
+    };
+    let (Some(declare_filetype), Some(declare_location)) = (indexer.declare_filetype, indexer.declare_location) else {
+        return false;
+    };
+    let filetype = clap_preset_discovery_filetype {
+        name: c"Pyrophone preset".as_ptr(),
+        description: c"Readable settings of Pyrophone".as_ptr(),
+        file_extension: EXTENSION.as_ptr(),
+    };
+    let factory = clap_preset_discovery_location {
+        flags: CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT,
+        name: c"Pyrophone factory presets".as_ptr(),
+        kind: CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN,
+        location: std::ptr::null(),
+    };
+    // SAFETY: a live indexer, which copies what it is told.
+    if !unsafe { declare_filetype(indexer, &filetype) && declare_location(indexer, &factory) } {
+        return false;
+    }
+    // Hosts refuse folders that are not there, and there is none until something was saved.
+    let folder = Library::of_user().map(|library| library.folder().to_owned()).filter(|folder| folder.is_dir());
+    let Some(folder) = folder.and_then(|folder| CString::new(folder.into_os_string().into_encoded_bytes()).ok()) else {
+        return true;
+    };
+    let user = clap_preset_discovery_location {
+        flags: CLAP_PRESET_DISCOVERY_IS_USER_CONTENT,
+        name: c"Pyrophone user presets".as_ptr(),
+        kind: CLAP_PRESET_DISCOVERY_LOCATION_FILE,
+        location: folder.as_ptr(),
+    };
+    // SAFETY: a live indexer, which copies what it is told.
+    unsafe { declare_location(indexer, &user) }
+}
+
+unsafe extern "C" fn destroy(provider: *const clap_preset_discovery_provider) {
+    // SAFETY: made by `Box` in `create`, destroyed once.
+    drop(unsafe { Box::from_raw(provider.cast_mut()) });
+}
+
+unsafe extern "C" fn get_extension(
+    _provider: *const clap_preset_discovery_provider,
+    _id: *const c_char,
+) -> *const c_void {
+    std::ptr::null()
+}
+
+/// Tells the host of a preset; whether it wants to hear more.
+///
+/// # Safety
+/// A live receiver of the host.
+unsafe fn tell(
+    receiver: &clap_preset_discovery_metadata_receiver,
+    preset: &Preset,
+    key: Option<&str>,
+    flags: u32,
+) -> bool {
+    let text = |text: &str| CString::new(text.replace('\0', " ")).unwrap_or_default();
+    let name = text(&preset.name);
+    let key = key.map(text);
+    let key = key.as_ref().map_or(std::ptr::null(), |key| key.as_ptr());
+    let plugin = clap_universal_plugin_id { abi: c"clap".as_ptr(), id: super::descriptor().clap_id().as_ptr() };
+    // SAFETY: a live receiver, which copies what it is told.
+    unsafe {
+        if !receiver.begin_preset.is_some_and(|begin| begin(receiver, name.as_ptr(), key)) {
+            return false;
+        }
+        if let Some(add) = receiver.add_plugin_id {
+            add(receiver, &plugin);
+        }
+        if let Some(set) = receiver.set_flags {
+            set(receiver, flags);
+        }
+        if let (Some(add), true) = (receiver.add_creator, flags == CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT) {
+            add(receiver, c"Pyrophone".as_ptr());
+        }
+        if let (Some(set), false) = (receiver.set_description, preset.description.is_empty()) {
+            set(receiver, text(&preset.description).as_ptr());
+        }
+        if let Some(add) = receiver.add_feature {
+            for tag in &preset.tags {
+                add(receiver, text(tag).as_ptr());
+            }
+        }
+    }
+    true
+}
+
+unsafe extern "C" fn metadata(
+    _provider: *const clap_preset_discovery_provider,
+    kind: clap_preset_discovery_location_kind,
+    location: *const c_char,
+    receiver: *const clap_preset_discovery_metadata_receiver,
+) -> bool {
+    // SAFETY: null or a live receiver of the host.
+    let Some(receiver) = (unsafe { receiver.as_ref() }) else { return false };
+    let failed = |reason: String| {
+        let reason = CString::new(reason).unwrap_or_default();
+        if let Some(told) = receiver.on_error {
+            // SAFETY: a live receiver, and a text that lives as long as the call.
+            unsafe { told(receiver, 0, reason.as_ptr()) };
+        }
+        false
+    };
+    match kind {
+        CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN => match Preset::factory() {
+            Ok(presets) => presets.iter().all(|preset| {
+                // SAFETY: a live receiver.
+                unsafe { tell(receiver, preset, Some(&preset.name), CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT) }
+            }),
+            Err(error) => failed(error.to_string()),
+        },
+        CLAP_PRESET_DISCOVERY_LOCATION_FILE if !location.is_null() => {
+            // SAFETY: a text of the host's.
+            let path = unsafe { CStr::from_ptr(location) }.to_string_lossy();
+            match Preset::load(Path::new(&*path)) {
+                // SAFETY: a live receiver.
+                Ok(preset) => unsafe { tell(receiver, &preset, None, CLAP_PRESET_DISCOVERY_IS_USER_CONTENT) },
+                Err(error) => failed(error.to_string()),
+            }
+        }
+        _ => failed("there are presets in the plug-in and in files".to_owned()),
+    }
+}

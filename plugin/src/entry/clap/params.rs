@@ -1,0 +1,166 @@
+//! Parameters as CLAP hosts see them.
+//!
+//! Choices are enumerations; they, switches and whole numbers are not modulated, which would make no sense between
+//! two of them. Whole numbers that are never automated (levels, window, feature, half-width) have their plain values.
+//! The other ones (`vortex_sources`) keep the framework's, which count from 0: hosts have stored automation in them.
+
+use std::ffi::{CStr, c_char};
+
+use clap_sys::events::{clap_input_events, clap_output_events};
+use clap_sys::ext::params::{CLAP_PARAM_IS_ENUM, CLAP_PARAM_IS_MODULATABLE, clap_param_info, clap_plugin_params};
+use clap_sys::id::clap_id;
+use clap_sys::plugin::clap_plugin;
+use pyrophone_settings::{Kind, PARAMETERS};
+
+use super::events;
+use super::plugin::Guard;
+use crate::entry::instance::index_of_numeric;
+
+/// Parameters, with the framework's behind them.
+pub static PARAMS: clap_plugin_params = clap_plugin_params {
+    count: Some(count),
+    get_info: Some(get_info),
+    get_value: Some(get_value),
+    value_to_text: Some(value_to_text),
+    text_to_value: Some(text_to_value),
+    flush: Some(flush),
+};
+
+/// By how much a parameter's values are larger for the host than for the framework; none where they are the same;
+/// real-time safe.
+pub fn shift(id: clap_id) -> Option<f64> {
+    let parameter = &PARAMETERS[index_of_numeric(id)?];
+    match parameter.kind {
+        Kind::Int { low, .. } if low != 0 && !parameter.automatable => Some(f64::from(low)),
+        _ => None,
+    }
+}
+
+/// Steps as whole numbers: the framework multiplies 32-bit shares (6.0000001).
+fn whole(index: usize, value: f64) -> f64 {
+    if matches!(PARAMETERS[index].kind, Kind::Float { .. }) { value } else { value.round() }
+}
+
+/// Brings a value of the framework's to the host's scale; always true, for brevity.
+///
+/// # Safety
+/// `value` is valid for reading and writing.
+unsafe fn to_host(id: clap_id, value: *mut f64) -> bool {
+    if let Some(index) = index_of_numeric(id) {
+        // SAFETY: by the caller's word.
+        unsafe { *value = whole(index, *value + shift(id).unwrap_or(0.0)) };
+    }
+    true
+}
+
+unsafe extern "C" fn count(plugin: *const clap_plugin) -> u32 {
+    // SAFETY: a live plug-in.
+    let guard = unsafe { Guard::of(plugin) };
+    // SAFETY: likewise.
+    guard.and_then(|guard| guard.params()?.count).map_or(0, |count| unsafe { count(plugin) })
+}
+
+unsafe extern "C" fn get_info(plugin: *const clap_plugin, index: u32, info: *mut clap_param_info) -> bool {
+    // The framework panics at the index behind the last.
+    // SAFETY: a live plug-in.
+    if info.is_null() || index >= unsafe { count(plugin) } {
+        return false;
+    }
+    // SAFETY: a live plug-in.
+    let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.params()?.get_info) else { return false };
+    // SAFETY: a live plug-in and a place to write to.
+    if !unsafe { get(plugin, index, info) } {
+        return false;
+    }
+    // SAFETY: written to just now.
+    let info = unsafe { &mut *info };
+    if let Some(index) = index_of_numeric(info.id) {
+        let kind = PARAMETERS[index].kind;
+        if !matches!(kind, Kind::Float { .. }) {
+            info.flags &= !CLAP_PARAM_IS_MODULATABLE;
+        }
+        if matches!(kind, Kind::Choice { .. }) {
+            info.flags |= CLAP_PARAM_IS_ENUM;
+        }
+        let shift = shift(info.id).unwrap_or(0.0);
+        info.min_value += shift;
+        info.max_value += shift;
+        info.default_value = whole(index, info.default_value + shift);
+    }
+    true
+}
+
+unsafe extern "C" fn get_value(plugin: *const clap_plugin, id: clap_id, value: *mut f64) -> bool {
+    // SAFETY: a live plug-in.
+    let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.params()?.get_value) else { return false };
+    // SAFETY: a live plug-in; null is refused there.
+    let is_known = unsafe { get(plugin, id, value) };
+    // SAFETY: written to just now.
+    is_known && unsafe { to_host(id, value) }
+}
+
+unsafe extern "C" fn value_to_text(
+    plugin: *const clap_plugin,
+    id: clap_id,
+    value: f64,
+    text: *mut c_char,
+    size: u32,
+) -> bool {
+    if size == 0 || !value.is_finite() {
+        return false;
+    }
+    // SAFETY: a live plug-in.
+    let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.params()?.value_to_text) else {
+        return false;
+    };
+    // SAFETY: a live plug-in and room for `size` bytes; null is refused there.
+    unsafe { get(plugin, id, value - shift(id).unwrap_or(0.0), text, size) }
+}
+
+unsafe extern "C" fn text_to_value(
+    plugin: *const clap_plugin,
+    id: clap_id,
+    text: *const c_char,
+    value: *mut f64,
+) -> bool {
+    // SAFETY: a live plug-in.
+    let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.params()?.text_to_value) else {
+        return false;
+    };
+    // SAFETY: a text of the host's, if it is one.
+    if text.is_null() || unsafe { CStr::from_ptr(text) }.to_str().is_err() {
+        return false;
+    }
+    // SAFETY: a live plug-in and a text; null is refused there.
+    let is_understood = unsafe { get(plugin, id, text, value) };
+    // SAFETY: written to just now.
+    is_understood && unsafe { to_host(id, value) }
+}
+
+unsafe extern "C" fn flush(
+    plugin: *const clap_plugin,
+    incoming: *const clap_input_events,
+    outgoing: *const clap_output_events,
+) {
+    // SAFETY: a live plug-in.
+    let Some(guard) = (unsafe { Guard::of(plugin) }) else { return };
+    let Some(flush) = guard.params().and_then(|params| params.flush) else { return };
+    // SAFETY: a live plug-in; the lists are the host's and live as long as the call.
+    unsafe { events::translated(guard, incoming, outgoing, |incoming, outgoing| flush(plugin, incoming, outgoing)) };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::entry::instance::numeric_id;
+
+    #[test]
+    fn only_whole_numbers_that_nobody_has_automated_are_shifted() {
+        let shifted: Vec<&str> = PARAMETERS
+            .iter()
+            .filter(|parameter| shift(numeric_id(parameter.id)).is_some())
+            .map(|parameter| parameter.id)
+            .collect();
+        assert_eq!(shifted, ["levels", "window", "feature", "half_width"], "a promise to hosts");
+    }
+}

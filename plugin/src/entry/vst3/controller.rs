@@ -1,0 +1,212 @@
+//! The controlling half: parameters and their groups.
+
+use pyrophone_settings::{Kind, PARAMETERS};
+use std::sync::atomic::Ordering;
+use vst3::ComPtr;
+use vst3::Steinberg::Vst::{
+    BusDirection, CString, IComponentHandler, IEditControllerTrait, IUnitInfoTrait, MediaType, ParamID, ParamValue,
+    ParameterInfo, ParameterInfo_::ParameterFlags_, ProgramListID, ProgramListInfo, String128, TChar, UnitID, UnitInfo,
+    kNoParentUnitId, kNoProgramListId, kRootUnitId,
+};
+use vst3::Steinberg::{
+    FIDString, IBStream, IPlugView, int16, int32, kInvalidArgument, kNotImplemented, kResultFalse, kResultOk, tresult,
+};
+
+use super::component::Component;
+use super::text;
+use super::view::View;
+use crate::entry::instance::index_of_numeric;
+
+impl IEditControllerTrait for Component {
+    unsafe fn setComponentState(&self, state: *mut IBStream) -> tresult {
+        // SAFETY: a live controller.
+        unsafe { self.controller.setComponentState(state) }
+    }
+
+    unsafe fn setState(&self, state: *mut IBStream) -> tresult {
+        // SAFETY: a live controller; it keeps nothing of its own.
+        unsafe { IEditControllerTrait::setState(&self.controller, state) }
+    }
+
+    unsafe fn getState(&self, state: *mut IBStream) -> tresult {
+        // SAFETY: a live controller; it keeps nothing of its own.
+        unsafe { IEditControllerTrait::getState(&self.controller, state) }
+    }
+
+    unsafe fn getParameterCount(&self) -> int32 {
+        // SAFETY: a live controller.
+        unsafe { self.controller.getParameterCount() }
+    }
+
+    unsafe fn getParameterInfo(&self, index: int32, info: *mut ParameterInfo) -> tresult {
+        // The framework panics at the index behind the last.
+        // SAFETY: a live controller.
+        if info.is_null() || !(0..unsafe { self.getParameterCount() }).contains(&index) {
+            return kInvalidArgument;
+        }
+        // SAFETY: a live controller and a place to write to.
+        let result = unsafe { self.controller.getParameterInfo(index, info) };
+        // SAFETY: written to just now.
+        let info = unsafe { &mut *info };
+        if result == kResultOk
+            && let Some(index) = index_of_numeric(info.id)
+        {
+            let parameter = &PARAMETERS[index];
+            text::write(parameter.unit, &mut info.units);
+            if matches!(parameter.kind, Kind::Choice { .. }) {
+                info.flags |= ParameterFlags_::kIsList as int32;
+            }
+        }
+        result
+    }
+
+    unsafe fn getParamStringByValue(&self, id: ParamID, value: ParamValue, string: *mut String128) -> tresult {
+        if string.is_null() {
+            return kInvalidArgument;
+        }
+        // SAFETY: a live controller and a place to write to.
+        let result = unsafe { self.controller.getParamStringByValue(id, value, string) };
+        if result == kResultOk
+            && let Some(index) = index_of_numeric(id)
+            && !PARAMETERS[index].unit.is_empty()
+        {
+            // SAFETY: written to just now.
+            let string = unsafe { &mut *string };
+            let whole = text::read(string);
+            // Hosts put the unit behind it themselves.
+            text::write(whole.strip_suffix(PARAMETERS[index].unit).map_or(whole.as_str(), str::trim_end), string);
+        }
+        result
+    }
+
+    unsafe fn getParamValueByString(&self, id: ParamID, string: *mut TChar, value: *mut ParamValue) -> tresult {
+        // SAFETY: a live controller; null is refused there.
+        unsafe { self.controller.getParamValueByString(id, string, value) }
+    }
+
+    unsafe fn normalizedParamToPlain(&self, id: ParamID, value: ParamValue) -> ParamValue {
+        // SAFETY: a live controller.
+        unsafe { self.controller.normalizedParamToPlain(id, value) }
+    }
+
+    unsafe fn plainParamToNormalized(&self, id: ParamID, value: ParamValue) -> ParamValue {
+        // SAFETY: a live controller.
+        unsafe { self.controller.plainParamToNormalized(id, value) }
+    }
+
+    unsafe fn getParamNormalized(&self, id: ParamID) -> ParamValue {
+        let pending = index_of_numeric(id).and_then(|index| self.pending.get(index));
+        // SAFETY: a live controller.
+        pending.unwrap_or_else(|| unsafe { self.controller.getParamNormalized(id) })
+    }
+
+    unsafe fn setParamNormalized(&self, id: ParamID, value: ParamValue) -> tresult {
+        let Some(index) = index_of_numeric(id) else { return kInvalidArgument };
+        if !value.is_finite() {
+            return kInvalidArgument;
+        }
+        if self.is_processing.load(Ordering::SeqCst) {
+            // The engines get it with the next block, at its sample; until then it is what the host reads and saves.
+            self.pending.set(index, value);
+            return kResultOk;
+        }
+        // SAFETY: a live controller.
+        unsafe { self.controller.setParamNormalized(id, value) }
+    }
+
+    unsafe fn setComponentHandler(&self, handler: *mut IComponentHandler) -> tresult {
+        // SAFETY: a live controller; null takes the handler away.
+        unsafe { self.controller.setComponentHandler(handler) }
+    }
+
+    unsafe fn createView(&self, name: FIDString) -> *mut IPlugView {
+        // SAFETY: a live controller, which gives a view and one reference to it, or null.
+        let view = unsafe { ComPtr::from_raw(self.controller.createView(name)) };
+        view.and_then(|view| View::new(view).to_com_ptr::<IPlugView>()).map_or(std::ptr::null_mut(), ComPtr::into_raw)
+    }
+}
+
+impl IUnitInfoTrait for Component {
+    unsafe fn getUnitCount(&self) -> int32 {
+        // The framework leaves the root out.
+        // SAFETY: a live object.
+        1 + unsafe { self.units.getUnitCount() }
+    }
+
+    unsafe fn getUnitInfo(&self, index: int32, info: *mut UnitInfo) -> tresult {
+        // SAFETY: null or a place to write to.
+        let Some(place) = (unsafe { info.as_mut() }) else { return kInvalidArgument };
+        if index == 0 {
+            // SAFETY: all fields are numbers, for which zero is a value.
+            *place = unsafe { std::mem::zeroed() };
+            (place.id, place.parentUnitId, place.programListId) = (kRootUnitId, kNoParentUnitId, kNoProgramListId);
+            text::write("Pyrophone", &mut place.name);
+            return kResultOk;
+        }
+        // SAFETY: a live object.
+        if !(0..unsafe { self.getUnitCount() }).contains(&index) {
+            return kInvalidArgument;
+        }
+        // SAFETY: a live object and a place to write to.
+        unsafe { self.units.getUnitInfo(index - 1, info) }
+    }
+
+    unsafe fn getProgramListCount(&self) -> int32 {
+        0
+    }
+
+    unsafe fn getProgramListInfo(&self, _index: int32, _info: *mut ProgramListInfo) -> tresult {
+        kInvalidArgument
+    }
+
+    unsafe fn getProgramName(&self, _list: ProgramListID, _index: int32, _name: *mut String128) -> tresult {
+        kInvalidArgument
+    }
+
+    unsafe fn getProgramInfo(
+        &self,
+        _list: ProgramListID,
+        _index: int32,
+        _attribute: CString,
+        _value: *mut String128,
+    ) -> tresult {
+        kInvalidArgument
+    }
+
+    unsafe fn hasProgramPitchNames(&self, _list: ProgramListID, _index: int32) -> tresult {
+        kResultFalse
+    }
+
+    unsafe fn getProgramPitchName(
+        &self,
+        _list: ProgramListID,
+        _index: int32,
+        _pitch: int16,
+        _name: *mut String128,
+    ) -> tresult {
+        kInvalidArgument
+    }
+
+    unsafe fn getSelectedUnit(&self) -> UnitID {
+        kRootUnitId
+    }
+
+    unsafe fn selectUnit(&self, _unit: UnitID) -> tresult {
+        kResultFalse
+    }
+
+    unsafe fn getUnitByBus(
+        &self,
+        _kind: MediaType,
+        _direction: BusDirection,
+        _bus: int32,
+        _channel: int32,
+        _unit: *mut UnitID,
+    ) -> tresult {
+        kResultFalse
+    }
+
+    unsafe fn setUnitProgramData(&self, _list_or_unit: int32, _index: int32, _data: *mut IBStream) -> tresult {
+        kNotImplemented
+    }
+}

@@ -1,0 +1,161 @@
+//! The VST3 factory, and what a host finds in the library.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`component`] | the effect as the host holds it |
+//! | [`processor`] | arrangements, set-up, blocks |
+//! | [`controller`] | parameters and their groups |
+//! | [`pending`] | values set on the main thread that no block has carried yet |
+//! | [`view`], [`frame`] | the window and the run loop around it |
+//! | [`stream`], [`text`] | states and texts as VST3 has them |
+
+mod component;
+mod controller;
+mod frame;
+mod pending;
+mod processor;
+mod stream;
+mod text;
+mod view;
+
+use std::ffi::c_void;
+
+use nice_plug::wrapper::setup_logger;
+use nice_plug::wrapper::vst3::PluginInfo;
+use vst3::Steinberg::{
+    FIDString, FUnknown, IPluginFactory, IPluginFactory2, IPluginFactory2Trait, IPluginFactory3, IPluginFactory3Trait,
+    IPluginFactoryTrait, PClassInfo, PClassInfo2, PClassInfoW, PFactoryInfo, TUID, int32, kInvalidArgument,
+    kOutOfMemory, kResultOk, tresult,
+};
+use vst3::{Class, ComWrapper};
+
+use crate::Pyrophone;
+use component::Component;
+
+/// Makes effects.
+struct Factory(PluginInfo);
+
+impl Factory {
+    /// Writes what there is to say of the only class.
+    ///
+    /// # Safety
+    /// `place` is null or valid for a write.
+    unsafe fn describe<T>(&self, index: int32, place: *mut T, info: impl FnOnce(&PluginInfo) -> T) -> tresult {
+        if index != 0 || place.is_null() {
+            return kInvalidArgument;
+        }
+        // SAFETY: by the caller's word.
+        unsafe { place.write(info(&self.0)) };
+        kResultOk
+    }
+}
+
+impl Class for Factory {
+    type Interfaces = (IPluginFactory, IPluginFactory2, IPluginFactory3);
+}
+
+impl IPluginFactoryTrait for Factory {
+    unsafe fn getFactoryInfo(&self, info: *mut PFactoryInfo) -> tresult {
+        // SAFETY: null or a place to write to.
+        unsafe { self.describe(0, info, PluginInfo::create_factory_info) }
+    }
+
+    unsafe fn countClasses(&self) -> int32 {
+        1
+    }
+
+    unsafe fn getClassInfo(&self, index: int32, info: *mut PClassInfo) -> tresult {
+        // SAFETY: null or a place to write to.
+        unsafe { self.describe(index, info, PluginInfo::create_class_info) }
+    }
+
+    unsafe fn createInstance(&self, class: FIDString, interface: FIDString, object: *mut *mut c_void) -> tresult {
+        if class.is_null() || interface.is_null() || object.is_null() {
+            return kInvalidArgument;
+        }
+        // SAFETY: a place to write to.
+        unsafe { object.write(std::ptr::null_mut()) };
+        // SAFETY: ids of classes have sixteen bytes.
+        if unsafe { &*class.cast::<[u8; 16]>() } != self.0.cid {
+            return kInvalidArgument;
+        }
+        let Some(component) = Component::new() else { return kOutOfMemory };
+        let Some(unknown) = component.as_com_ref::<FUnknown>() else { return kOutOfMemory };
+        let unknown = unknown.as_ptr();
+        // SAFETY: a live object, an id of sixteen bytes and a place to write to.
+        unsafe { ((*(*unknown).vtbl).queryInterface)(unknown, interface.cast::<TUID>(), object) }
+    }
+}
+
+impl IPluginFactory2Trait for Factory {
+    unsafe fn getClassInfo2(&self, index: int32, info: *mut PClassInfo2) -> tresult {
+        // SAFETY: null or a place to write to.
+        unsafe { self.describe(index, info, PluginInfo::create_class_info_2) }
+    }
+}
+
+impl IPluginFactory3Trait for Factory {
+    unsafe fn getClassInfoUnicode(&self, index: int32, info: *mut PClassInfoW) -> tresult {
+        // SAFETY: null or a place to write to.
+        unsafe { self.describe(index, info, PluginInfo::create_class_info_unicode) }
+    }
+
+    unsafe fn setHostContext(&self, _context: *mut FUnknown) -> tresult {
+        kResultOk
+    }
+}
+
+/// The factory, with one reference to it.
+#[unsafe(no_mangle)]
+pub extern "system" fn GetPluginFactory() -> *mut c_void {
+    ComWrapper::new(Factory(PluginInfo::for_plugin::<Pyrophone>()))
+        .to_com_ptr::<IPluginFactory>()
+        .map_or(std::ptr::null_mut(), |factory| factory.into_raw().cast())
+}
+
+fn enter() -> bool {
+    setup_logger::<Pyrophone>();
+    true
+}
+
+/// Linux: the library has been loaded.
+#[cfg(all(target_family = "unix", not(target_os = "macos")))]
+#[unsafe(no_mangle)]
+pub extern "C" fn ModuleEntry(_library: *mut c_void) -> bool {
+    enter()
+}
+
+/// Linux: the library is about to be unloaded.
+#[cfg(all(target_family = "unix", not(target_os = "macos")))]
+#[unsafe(no_mangle)]
+pub extern "C" fn ModuleExit() -> bool {
+    true
+}
+
+/// macOS: the bundle has been loaded.
+#[cfg(target_os = "macos")]
+#[unsafe(no_mangle)]
+pub extern "C" fn bundleEntry(_bundle: *mut c_void) -> bool {
+    enter()
+}
+
+/// macOS: the bundle is about to be unloaded.
+#[cfg(target_os = "macos")]
+#[unsafe(no_mangle)]
+pub extern "C" fn bundleExit() -> bool {
+    true
+}
+
+/// Windows: the library has been loaded.
+#[cfg(target_os = "windows")]
+#[unsafe(no_mangle)]
+pub extern "system" fn InitDll() -> bool {
+    enter()
+}
+
+/// Windows: the library is about to be unloaded.
+#[cfg(target_os = "windows")]
+#[unsafe(no_mangle)]
+pub extern "system" fn ExitDll() -> bool {
+    true
+}

@@ -1,0 +1,109 @@
+//! Values that a host has set on its main thread and no block has carried yet.
+//!
+//! While sound runs, a VST3 host tells a change twice: to the controller at once, and to the processor with the next
+//! block. Between the two the engines rightly play the old value, but what the host reads and saves is the new one.
+
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+
+use pyrophone_settings::PARAMETERS;
+
+/// Bits of no normalised value: not a number.
+const NONE: u64 = u64::MAX;
+/// Blocks with changes of a parameter after which the value set on the main thread is the older one, whatever it was.
+const BLOCKS: u8 = 2;
+
+struct Slot {
+    bits: AtomicU64,
+    blocks: AtomicU8,
+}
+
+/// One slot for each parameter.
+pub struct PendingValues(Vec<Slot>);
+
+impl Default for PendingValues {
+    fn default() -> Self {
+        Self(PARAMETERS.iter().map(|_| Slot { bits: AtomicU64::new(NONE), blocks: AtomicU8::new(0) }).collect())
+    }
+}
+
+impl PendingValues {
+    /// Notes a normalised value for the parameter at `index` of the table.
+    pub fn set(&self, index: usize, normalised: f64) {
+        self.0[index].blocks.store(0, Ordering::Relaxed);
+        self.0[index].bits.store(normalised.clamp(0.0, 1.0).to_bits(), Ordering::Release);
+    }
+
+    /// The normalised value that no block has carried yet.
+    pub fn get(&self, index: usize) -> Option<f64> {
+        let bits = self.0[index].bits.load(Ordering::Acquire);
+        (bits != NONE).then(|| f64::from_bits(bits))
+    }
+
+    /// A block carries changes of the parameter, the last of them to `normalised`; real-time safe.
+    pub fn pass(&self, index: usize, normalised: f64) {
+        let slot = &self.0[index];
+        let bits = slot.bits.load(Ordering::Acquire);
+        if bits == NONE {
+            return;
+        }
+        let blocks = slot.blocks.fetch_add(1, Ordering::Relaxed) + 1;
+        // Hosts hand values on as 32-bit floats now and then.
+        let is_it = (f64::from_bits(bits) - normalised).abs() < 1e-6;
+        if is_it || blocks >= BLOCKS {
+            // Where the host has set yet another value meanwhile, that one stays.
+            let _ = slot.bits.compare_exchange(bits, NONE, Ordering::AcqRel, Ordering::Relaxed);
+        }
+    }
+
+    /// Takes all values, by place in the table.
+    pub fn take_all(&self) -> Vec<(usize, f64)> {
+        let take = |(index, slot): (usize, &Slot)| {
+            let bits = slot.bits.swap(NONE, Ordering::AcqRel);
+            (bits != NONE).then(|| (index, f64::from_bits(bits)))
+        };
+        self.0.iter().enumerate().filter_map(take).collect()
+    }
+
+    /// All values as plain ones, by place in the table; they stay.
+    pub fn plain(&self) -> Vec<(usize, f64)> {
+        let plain = |index: usize| Some((index, PARAMETERS[index].from_normalised(self.get(index)?)));
+        (0..self.0.len()).filter_map(plain).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_pending_until_a_block_carries_it() {
+        let pending = PendingValues::default();
+        assert_eq!(pending.get(2), None);
+        pending.set(2, 0.75);
+        assert_eq!(pending.get(2), Some(0.75));
+        pending.pass(3, 0.75);
+        assert_eq!(pending.get(2), Some(0.75), "another parameter's change is no matter");
+        pending.pass(2, f64::from(0.75f32));
+        assert_eq!(pending.get(2), None);
+    }
+
+    #[test]
+    fn automation_over_a_pending_value_wins_in_the_end() {
+        let pending = PendingValues::default();
+        pending.set(2, 0.75);
+        pending.pass(2, 0.1);
+        assert_eq!(pending.get(2), Some(0.75), "that block was on its way already");
+        pending.pass(2, 0.2);
+        assert_eq!(pending.get(2), None);
+    }
+
+    #[test]
+    fn all_are_taken_once() {
+        let pending = PendingValues::default();
+        pending.set(0, 2.0);
+        pending.set(5, 0.5);
+        assert_eq!(pending.plain().len(), 2);
+        assert_eq!(pending.take_all(), [(0, 1.0), (5, 0.5)]);
+        assert!(pending.take_all().is_empty());
+    }
+}
