@@ -1,36 +1,62 @@
-//! Automation from a file: steps of parameters, each at its own sample.
+//! Automation from a file: steps and ramps of parameters, sample-accurate.
 //!
 //! ```csv
-//! time_s,id,value
-//! 0.5,alpha,3.0
-//! 0.5,texture_level,-6 dB
-//! 1.25,dynamic_range,off
+//! time_s,id,value,curve
+//! 0.5,alpha,3.0,step
+//! 0.5,texture_level,-6 dB,linear
+//! 1.25,dynamic_range,off,
+//! 2.0,texture_level,0 dB,
 //! ```
 //!
-//! The first line says whether times are seconds (`time_s`) or samples (`sample`). Rows are
-//! sorted by time; several may share one. Lines that begin with `#` are comments.
+//! The first line says whether times are seconds (`time_s`) or samples (`sample`), and whether there is a column
+//! `curve`. Rows are sorted by time; several may share one. Lines that begin with `#` are comments. Where the first
+//! line is written with semicolons, so are all, and numbers may have a decimal comma.
+//!
+//! A `step` (as is a row without a curve) holds until the parameter's next row. From a `linear` row the value moves
+//! evenly, in the parameter's own unit, to the one of that next row, and holds where there is none. A ramp is a
+//! staircase: its steps are as fine as the parameter's last decimal allows, but at least [`RAMP_STEP_S`] long. They
+//! depend on the file and the sample rate alone, so every host and block size gets the same.
+
+mod ramp;
+mod read;
 
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord, Trim};
+pub use ramp::RAMP_STEP_S;
 
-use crate::{Error, PARAMETERS, index_of};
+use crate::Error;
 
 /// One step of one parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Event {
     /// First sample that has the new value.
     pub sample: u64,
-    /// Place in [`PARAMETERS`].
+    /// Place in [`PARAMETERS`](crate::PARAMETERS).
     pub parameter: usize,
     /// The new plain value.
     pub value: f64,
 }
 
-/// Steps of parameters, sorted by time.
+/// Steps and ramps of parameters, sorted by time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Automation {
-    rows: Vec<(Time, usize, f64)>,
+    rows: Vec<Row>,
+}
+
+/// A line of the file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Row {
+    time: Time,
+    parameter: usize,
+    value: f64,
+    curve: Curve,
+}
+
+/// What a parameter does until its next row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Curve {
+    Step,
+    Linear,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,9 +64,6 @@ enum Time {
     Seconds(f64),
     Sample(u64),
 }
-
-/// The latest time allowed in seconds: a day, so that no row can be beyond the range of samples.
-const LATEST_S: f64 = 86_400.0;
 
 impl Automation {
     /// Reads an automation file.
@@ -51,51 +74,26 @@ impl Automation {
 
     /// Reads an automation's text.
     pub fn from_csv(text: &str) -> Result<Self, Error> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut reader = ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(Trim::All)
-            .has_headers(false)
-            .flexible(true)
-            .from_reader(text.as_bytes());
-        let mut records = reader.records();
-        let header = records.next().and_then(Result::ok).unwrap_or_default();
-        let in_seconds = match header.iter().collect::<Vec<_>>().as_slice() {
-            ["time_s", "id", "value"] => true,
-            ["sample", "id", "value"] => false,
-            found => return Err(Error::AutomationHeader { found: found.join(",") }),
-        };
-        let mut rows: Vec<(Time, usize, f64)> = Vec::new();
-        let mut previous = String::new();
-        for record in records {
-            let record = record.map_err(|error| Error::AutomationRow {
-                line: error.position().map_or(0, csv::Position::line),
-                message: error.to_string(),
-            })?;
-            let line = record.position().map_or(0, csv::Position::line);
-            let row = read_row(&record, in_seconds, line)?;
-            if rows.last().is_some_and(|above| row.0.is_before(above.0)) {
-                return Err(Error::AutomationOrder { line, found: record[0].to_owned(), previous });
-            }
-            previous = record[0].to_owned();
-            rows.push(row);
-        }
-        Ok(Self { rows })
+        Ok(Self { rows: read::rows(text)? })
     }
 
-    /// The steps at a sample rate, sorted; a time in seconds becomes the nearest sample.
+    /// All steps at a sample rate, those of ramps included, sorted; a time in seconds becomes the nearest sample.
     pub fn events(&self, sample_rate_hz: f64) -> Vec<Event> {
-        self.rows
-            .iter()
-            .map(|(time, parameter, value)| Event {
-                sample: match time {
-                    Time::Seconds(seconds) => (seconds * sample_rate_hz).round() as u64,
-                    Time::Sample(sample) => *sample,
-                },
-                parameter: *parameter,
-                value: *value,
-            })
-            .collect()
+        let rows: Vec<(Event, Curve)> = self.rows.iter().map(|row| (row.event(sample_rate_hz), row.curve)).collect();
+        let mut events = Vec::with_capacity(rows.len());
+        // From the last row to the first, so that each knows the next of its parameter.
+        let mut next_of_parameter = [None; crate::COUNT];
+        for (event, curve) in rows.iter().rev() {
+            let next = next_of_parameter[event.parameter].replace(*event);
+            if let (Curve::Linear, Some(next)) = (curve, next) {
+                events.extend(ramp::between(*event, next, sample_rate_hz).rev());
+            }
+            events.push(*event);
+        }
+        events.reverse();
+        // Stable, so that rows of one sample stay in the file's order.
+        events.sort_by_key(|event| event.sample);
+        events
     }
 
     /// Whether there is no step at all.
@@ -104,36 +102,12 @@ impl Automation {
     }
 }
 
-impl Time {
-    fn is_before(self, other: Self) -> bool {
-        match (self, other) {
-            (Self::Seconds(a), Self::Seconds(b)) => a < b,
-            (Self::Sample(a), Self::Sample(b)) => a < b,
-            _ => false,
-        }
+impl Row {
+    fn event(&self, sample_rate_hz: f64) -> Event {
+        let sample = match self.time {
+            Time::Seconds(seconds) => (seconds * sample_rate_hz).round() as u64,
+            Time::Sample(sample) => sample,
+        };
+        Event { sample, parameter: self.parameter, value: self.value }
     }
-}
-
-fn read_row(record: &StringRecord, in_seconds: bool, line: u64) -> Result<(Time, usize, f64), Error> {
-    let fields: Vec<&str> = record.iter().collect();
-    let [time, id, value] = fields[..] else {
-        let message = format!("{} fields, but a row has three: time, id, value", fields.len());
-        return Err(Error::AutomationRow { line, message });
-    };
-    let time = if in_seconds {
-        time.parse().ok().filter(|seconds| (0.0..=LATEST_S).contains(seconds)).map(Time::Seconds)
-    } else {
-        time.parse().ok().map(Time::Sample)
-    }
-    .ok_or_else(|| {
-        let allowed = if in_seconds { "seconds from 0 to 86400" } else { "a whole number of samples from 0" };
-        Error::AutomationRow { line, message: format!("the time is `{time}`, but must be {allowed}") }
-    })?;
-    let in_row = |source| Error::AutomationValue { line, source: Box::new(source) };
-    let parameter = index_of(id).map_err(in_row)?;
-    if !PARAMETERS[parameter].automatable {
-        return Err(in_row(Error::NotAutomatable { id: PARAMETERS[parameter].id }));
-    }
-    let value = PARAMETERS[parameter].parse(value).map_err(in_row)?;
-    Ok((time, parameter, value))
 }

@@ -138,15 +138,15 @@ pub enum Error {
         /// The newest version known.
         newest: u64,
     },
-    /// The automation's header is neither of the two.
+    /// The automation's header is none of those known.
     #[error(
-        "the automation's first line is `{found}`, but must be `time_s,id,value` or `sample,id,value`; add one of these as first line"
+        "the automation's first line is `{found}`, but must be `time_s,id,value` or `sample,id,value`, with `,curve` after it for ramps; add one of these as first line"
     )]
     AutomationHeader {
         /// The line found.
         found: String,
     },
-    /// A row is not three fields of the right kinds.
+    /// A row's fields are too few, too many, or of the wrong kinds.
     #[error("automation, line {line}: {message}")]
     AutomationRow {
         /// Line of the file, from 1.

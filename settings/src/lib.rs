@@ -8,6 +8,7 @@
 pub mod automation;
 pub mod error;
 pub mod library;
+mod names;
 pub mod parameter;
 pub mod preset;
 pub mod recent;

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use crate::names::folded;
 use crate::{Error, Preset};
 
 /// Names the folder, where it is not to be the system's.
@@ -56,8 +57,18 @@ impl Library {
 
     /// The preset of this name, or what is wrong with its file; none where there is no such file.
     pub fn find(&self, name: &str) -> Option<Result<Preset, Error>> {
+        self.find_where(|found| found == name)
+    }
+
+    /// As [`find`](Self::find), without regard to case and Unicode form.
+    pub fn find_folded(&self, name: &str) -> Option<Result<Preset, Error>> {
+        let name = folded(name);
+        self.find_where(|found| folded(found) == name)
+    }
+
+    fn find_where(&self, is_named: impl Fn(&str) -> bool) -> Option<Result<Preset, Error>> {
         let (presets, _) = self.list();
-        if let Some(found) = presets.into_iter().find(|stored| stored.preset.name == name) {
+        if let Some(found) = presets.into_iter().find(|stored| is_named(&stored.preset.name)) {
             return Some(Ok(found.preset));
         }
         // One that cannot be read as a preset may still have a name.
@@ -65,7 +76,7 @@ impl Library {
             let text = check(path).ok().and_then(|()| fs::read_to_string(path).ok());
             let table = text.and_then(|text| text.parse::<toml::Table>().ok()).unwrap_or_default();
             let stated = table.get("name").and_then(|stated| stated.as_str());
-            stated == Some(name) || path.file_stem().is_some_and(|stem| stem == name)
+            stated.is_some_and(&is_named) || path.file_stem().is_some_and(|stem| is_named(&stem.to_string_lossy()))
         };
         let broken = self.paths().ok()?.into_iter().filter(|path| load(path).is_err()).find(is_called_so)?;
         Some(load(&broken))
@@ -204,6 +215,19 @@ mod tests {
         assert!(errors.is_empty());
         let files = fs::read_dir(library.folder()).expect("a folder").count();
         assert_eq!(files, 4, "nothing half-written is left");
+    }
+
+    #[test]
+    fn names_are_found_without_regard_to_case_and_unicode_form() {
+        let (_folder, library) = library();
+        library.save(&preset("Zündholz", 3.0), false).expect("saved");
+        library.save(&preset("ember", 2.0), false).expect("saved");
+        fs::write(library.folder().join("Broken.toml"), "version = 99").expect("written");
+        assert!(library.find("zu\u{308}ndholz").is_none(), "the exact name only");
+        let found = library.find_folded("zu\u{308}NDHOLZ").expect("a file").expect("a preset");
+        assert_eq!(found, preset("Zündholz", 3.0));
+        assert!(library.find_folded("BROKEN").expect("a file").is_err());
+        assert!(library.find_folded("Zundholz").is_none());
     }
 
     #[test]

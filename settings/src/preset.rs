@@ -20,6 +20,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
+use crate::names::folded;
 use crate::{Error, Kind, Library, PARAMETERS, Parameter, Values, index_of};
 
 /// The version that [`Preset::to_toml`] writes.
@@ -90,20 +91,29 @@ struct File {
 }
 
 impl Preset {
-    /// The factory's preset of this name, else the one in the file of this path, else the user's of this name.
+    /// The factory's preset of this name, else the one in the file of this path, else the user's of this name; else the
+    /// factory's or the user's whose name differs in case or Unicode form only.
     pub fn find(name_or_path: &str) -> Result<Self, Error> {
-        if let Some((name, text)) = FACTORY.iter().find(|(name, _)| *name == name_or_path) {
-            return Self::from_toml(text, name);
+        if let Some(found) = Self::find_factory(|name| name == name_or_path) {
+            return found;
         }
         let path = Path::new(name_or_path);
         if path.exists() {
             return Self::load(path);
         }
         let library = Library::of_user();
+        let name = folded(name_or_path);
         library
             .as_ref()
             .and_then(|library| library.find(name_or_path))
+            .or_else(|| Self::find_factory(|found| folded(found) == name))
+            .or_else(|| library.as_ref()?.find_folded(name_or_path))
             .unwrap_or_else(|| Err(unknown(name_or_path, library.as_ref())))
+    }
+
+    fn find_factory(is_named: impl Fn(&str) -> bool) -> Option<Result<Self, Error>> {
+        let (name, text) = FACTORY.iter().find(|(name, _)| is_named(name))?;
+        Some(Self::from_toml(text, name))
     }
 
     /// Reads a preset's file.

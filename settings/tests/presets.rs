@@ -112,6 +112,10 @@ fn bad_files_are_refused() {
         let text = format!("version = {version}\nname = \"x\"");
         assert!(matches!(Preset::from_toml(&text, "x"), Err(Error::PresetVersion { .. })), "{version}");
     }
+    let texture = Preset::find("texture-paper").unwrap();
+    for spelt in ["Texture-Paper", "TEXTURE-PAPER", " texture-paper "] {
+        assert_eq!(Preset::find(spelt).unwrap(), texture, "{spelt}");
+    }
     assert!(matches!(Preset::find("no-such-preset"), Err(Error::UnknownPreset { .. })));
     assert!(matches!(Preset::load(Path::new("/no/such/file")), Err(Error::File { .. })));
 }
