@@ -1,21 +1,24 @@
-//! Broadcast Wave files: sound that knows where on the timeline it belongs (EBU Tech 3285).
+//! Sound that knows where on the timeline it belongs: Broadcast Wave (EBU Tech 3285) and what FLAC has instead.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::Error;
 use crate::error::one_line;
 use crate::write::{check_channels, write_file};
+use crate::{Error, flac_tags, wav};
 
 /// Who is said to have made the file.
 const ORIGINATOR: &str = "Pyrophone";
 
 /// Length of the `bext` chunk in bytes, without a coding history.
-const BEXT_BYTES: u32 = 602;
+pub(crate) const BEXT_BYTES: u32 = 602;
 
-/// Bytes before the samples, from the file's first.
-const HEAD_BYTES: u32 = 12 + (8 + 18) + (8 + 4) + (8 + BEXT_BYTES) + 8;
+/// What a `bext` chunk must have at least to tell its place: all up to the version.
+const LEAST_BEXT_BYTES: usize = 346;
+
+/// Chunks that are looked at before the search is given up.
+const MOST_CHUNKS: usize = 4096;
 
 /// What a Broadcast Wave file says of itself.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -30,6 +33,24 @@ pub struct Broadcast {
     pub time_reference_samples: u64,
 }
 
+impl Broadcast {
+    /// What the file at `path` says of itself; nothing where it says nothing that can be read.
+    pub fn of_file(path: &Path) -> Option<Self> {
+        Self::read(&mut BufReader::new(File::open(path).ok()?))
+    }
+
+    /// What a file's bytes say of it: the `bext` chunk of a WAV file (RIFF, RF64 or BW64), or a FLAC file's comments.
+    pub fn read(file: &mut (impl Read + Seek)) -> Option<Self> {
+        let mut head = [0; 4];
+        file.read_exact(&mut head).ok()?;
+        match &head {
+            b"RIFF" | b"RF64" | b"BW64" => read_wav(file),
+            b"fLaC" => flac_tags::read(file),
+            _ => None,
+        }
+    }
+}
+
 /// Writes 32-bit float WAV as [`write_wav_f32`](crate::write_wav_f32) does, with a `bext` chunk of version 1 before the
 /// sound.
 ///
@@ -40,57 +61,13 @@ pub fn write_broadcast_wav_f32(
     sample_rate_hz: u32,
     broadcast: &Broadcast,
 ) -> Result<(), Error> {
-    let samples = check_channels(path, channels, sample_rate_hz)?;
-    let bytes = 4 * samples as u64 * channels.len() as u64;
-    let data_bytes = u32::try_from(bytes).ok().filter(|bytes| *bytes <= u32::MAX - HEAD_BYTES).ok_or_else(|| {
-        let reason = format!("{bytes} bytes of sound do not fit a WAV file");
-        Error::NotWritten { path: one_line(path), reason }
-    })?;
-    write_file(path, |file| write_all(file, channels, data_bytes, sample_rate_hz, broadcast))
-}
-
-fn write_all(
-    file: &mut File,
-    channels: &[Vec<f32>],
-    data_bytes: u32,
-    sample_rate_hz: u32,
-    broadcast: &Broadcast,
-) -> std::io::Result<()> {
-    let mut file = BufWriter::new(file);
-    let count = channels.len() as u16;
-    let samples = data_bytes / (4 * u32::from(count));
-    file.write_all(b"RIFF")?;
-    file.write_all(&(HEAD_BYTES - 8 + data_bytes).to_le_bytes())?;
-    file.write_all(b"WAVE")?;
-    chunk(&mut file, b"fmt ", 18)?;
-    // Floats of IEEE 754, and no extra bytes of format.
-    file.write_all(&3u16.to_le_bytes())?;
-    file.write_all(&count.to_le_bytes())?;
-    file.write_all(&sample_rate_hz.to_le_bytes())?;
-    file.write_all(&(sample_rate_hz * 4 * u32::from(count)).to_le_bytes())?;
-    file.write_all(&(4 * count).to_le_bytes())?;
-    file.write_all(&32u16.to_le_bytes())?;
-    file.write_all(&0u16.to_le_bytes())?;
-    chunk(&mut file, b"fact", 4)?;
-    file.write_all(&samples.to_le_bytes())?;
-    chunk(&mut file, b"bext", BEXT_BYTES)?;
-    file.write_all(&bext(broadcast))?;
-    chunk(&mut file, b"data", data_bytes)?;
-    for index in 0..samples as usize {
-        for samples in channels {
-            file.write_all(&samples[index].to_le_bytes())?;
-        }
-    }
-    file.flush()
-}
-
-fn chunk(file: &mut impl Write, id: &[u8; 4], bytes: u32) -> std::io::Result<()> {
-    file.write_all(id)?;
-    file.write_all(&bytes.to_le_bytes())
+    check_channels(path, channels, sample_rate_hz)?;
+    wav::data_bytes(channels).map_err(|reason| Error::NotWritten { path: one_line(path), reason })?;
+    write_file(path, |file| wav::write(&mut BufWriter::new(file), channels, sample_rate_hz, Some(broadcast)))
 }
 
 /// The chunk's fixed part; loudness and UMID are not stated.
-fn bext(broadcast: &Broadcast) -> Vec<u8> {
+pub(crate) fn bext(broadcast: &Broadcast) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(BEXT_BYTES as usize);
     let mut text = |text: &str, size: usize| {
         let ascii = text.bytes().filter(|byte| (0x20..0x7f).contains(byte));
@@ -108,4 +85,49 @@ fn bext(broadcast: &Broadcast) -> Vec<u8> {
     bytes.extend(1u16.to_le_bytes());
     bytes.resize(BEXT_BYTES as usize, 0);
     bytes
+}
+
+/// Walks the chunks from behind the first four bytes of the file on.
+fn read_wav(file: &mut (impl Read + Seek)) -> Option<Broadcast> {
+    file.seek(SeekFrom::Start(12)).ok()?;
+    let mut long_data_bytes = None;
+    for _ in 0..MOST_CHUNKS {
+        let mut head = [0; 8];
+        file.read_exact(&mut head).ok()?;
+        let (id, size) = (&head[..4], u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]])));
+        let mut rest = size + size % 2;
+        match id {
+            b"bext" => {
+                let mut body = vec![];
+                file.take(size.min(u64::from(BEXT_BYTES))).read_to_end(&mut body).ok()?;
+                return parse(&body);
+            }
+            // 64-bit files have the length of their sound here.
+            b"ds64" if size >= 16 => {
+                let mut sizes = [0; 16];
+                file.read_exact(&mut sizes).ok()?;
+                long_data_bytes = sizes[8..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes));
+                rest -= 16;
+            }
+            b"data" if size == u64::from(u32::MAX) => rest = long_data_bytes?.checked_next_multiple_of(2)?,
+            _ => {}
+        }
+        file.seek_relative(i64::try_from(rest).ok()?).ok()?;
+    }
+    None
+}
+
+fn parse(body: &[u8]) -> Option<Broadcast> {
+    let body = body.get(..LEAST_BEXT_BYTES)?;
+    let text = |field: &[u8]| {
+        let end = field.iter().position(|byte| *byte == 0).unwrap_or(field.len());
+        String::from_utf8_lossy(&field[..end]).trim().to_owned()
+    };
+    let some_text = |field: &[u8]| Some(text(field)).filter(|text| !text.is_empty());
+    Some(Broadcast {
+        description: text(&body[..256]),
+        date: some_text(&body[320..330]),
+        time: some_text(&body[330..338]),
+        time_reference_samples: u64::from_le_bytes(*body[338..].first_chunk()?),
+    })
 }

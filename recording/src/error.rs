@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::{MAX_CHANNELS, MAX_EMBEDDED_BYTES, MAX_FILE_BYTES, MAX_SAMPLE_RATE_HZ, MAX_SAMPLES};
+use crate::{MAX_FLAC_CHANNELS, MAX_FLAC_RATE_HZ};
 use crate::{MAX_SECONDS, MIN_SAMPLE_RATE_HZ};
 
 /// Why a file could not be read, used or written.
@@ -188,6 +189,18 @@ pub enum Error {
         path: String,
         /// What the system said.
         reason: String,
+    },
+    /// More channels than FLAC has, or a higher rate than its encoder takes.
+    #[error(
+        "{path}: FLAC is written with 1 to {MAX_FLAC_CHANNELS} channels at up to {MAX_FLAC_RATE_HZ} Hz, but these are {channels} at {sample_rate_hz} Hz; write a .wav file"
+    )]
+    NotForFlac {
+        /// The file to be written.
+        path: String,
+        /// Channels found.
+        channels: usize,
+        /// Rate found.
+        sample_rate_hz: u32,
     },
     /// A file to be written is one of those it is made from.
     #[error("{path}: the output would overwrite {source_path}, which it is made from; choose another name")]

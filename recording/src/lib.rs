@@ -2,8 +2,8 @@
 //!
 //! [`read`] and [`decode`] take WAV, AIFF, CAF (linear PCM), FLAC, Ogg Vorbis and MP3 and refuse,
 //! with a one-line reason, whatever cannot serve as a recording. [`Cut`] takes a part of one, [`resample`] brings a recording to
-//! another sample rate, [`write_wav_f32`] and [`write_broadcast_wav_f32`] write float WAV files, and [`embed`] packs a file's
-//! bytes into text, for keeping inside a session.
+//! another sample rate, [`write_wav_f32`] and [`write_broadcast_wav_f32`] write float WAV files, [`write_flac_24`] writes FLAC, and
+//! [`embed`] packs a file's bytes into text, for keeping inside a session.
 
 mod broadcast;
 mod container;
@@ -11,7 +11,11 @@ mod cut;
 mod decode;
 mod embed;
 mod error;
+mod flac;
+mod flac_tags;
 mod resample;
+mod stream;
+mod wav;
 mod write;
 
 pub use broadcast::{Broadcast, write_broadcast_wav_f32};
@@ -19,8 +23,10 @@ pub use cut::{Cut, MAX_GAIN_DB};
 pub use decode::{decode, decode_bytes, read};
 pub use embed::{MAX_EMBEDDED_BYTES, embed, unembed};
 pub use error::Error;
+pub use flac::{MAX_FLAC_CHANNELS, MAX_FLAC_RATE_HZ, check_flac, round_to_24_bit, write_flac_24};
 pub use resample::resample;
-pub use write::{check_finite, check_not_among, write_file, write_wav_f32};
+pub use stream::settle_length;
+pub use write::{check_finite, check_not_among, check_writable, write_file, write_wav_f32, write_wav_f32_to};
 
 /// Most channels a recording may have.
 pub const MAX_CHANNELS: usize = 10;
@@ -73,4 +79,17 @@ impl Recording {
 /// BLAKE3 of `bytes`, 64 hexadecimal digits: the identity of a recording wherever it lies.
 pub fn content_hash(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
+}
+
+/// BLAKE3 of samples, 64 hexadecimal digits: frame by frame and channel by channel, as little-endian 32-bit floats. It
+/// does not depend on the kind of file that they are kept in.
+pub fn samples_hash(channels: &[Vec<f32>]) -> String {
+    let mut hasher = blake3::Hasher::new();
+    let mut frame = Vec::with_capacity(4 * channels.len());
+    for index in 0..channels.iter().map(Vec::len).min().unwrap_or(0) {
+        frame.clear();
+        frame.extend(channels.iter().flat_map(|samples| samples[index].to_le_bytes()));
+        hasher.update(&frame);
+    }
+    hasher.finalize().to_hex().to_string()
 }

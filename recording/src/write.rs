@@ -1,10 +1,10 @@
 //! Files that appear whole or not at all.
 
 use std::io::{BufWriter, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::Error;
 use crate::error::{clean, one_line};
+use crate::{Broadcast, Error, wav};
 
 /// Writes 32-bit float WAV: `channels` of equal length, 1 to [`MAX_CHANNELS`](crate::MAX_CHANNELS),
 /// sample values as they are (no normalising, no dither, no clipping).
@@ -35,23 +35,31 @@ pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) ->
 /// Place of the channel mask in the extensible header that more than two channels have.
 const MASK_AT: u64 = 40;
 
-/// Says which loudspeakers the channels are for: the usual layout of so many (left, right, centre, LFE, rear, side, top).
-/// Without it programs would take them in the order of the mask's bits.
+/// Says which loudspeakers the channels are for.
 fn set_channel_mask(file: &mut std::fs::File, channels: usize) -> std::io::Result<()> {
-    let mask: u32 = match channels {
-        0..=2 => return Ok(()),
-        3 => 0x7,
-        4 => 0x33,
-        5 => 0x37,
-        6 => 0x3f,
-        7 => 0x637,
-        8 => 0x63f,
-        9 => 0x5637,
-        10 => 0x563f,
-        _ => 0,
-    };
+    if channels <= 2 {
+        return Ok(());
+    }
     file.seek(SeekFrom::Start(MASK_AT))?;
-    file.write_all(&mask.to_le_bytes())
+    file.write_all(&wav::channel_mask(channels).to_le_bytes())
+}
+
+/// Writes the same sound to anything that takes bytes, such as a pipe, with a `bext` chunk where `broadcast` is given;
+/// `name` stands in messages.
+///
+/// Fails as [`write_wav_f32`] does; what was written until then is written.
+pub fn write_wav_f32_to(
+    out: &mut impl Write,
+    name: &str,
+    channels: &[Vec<f32>],
+    sample_rate_hz: u32,
+    broadcast: Option<&Broadcast>,
+) -> Result<(), Error> {
+    let failure = |reason: String| Error::NotWritten { path: clean(name), reason: clean(&reason) };
+    check_channels(Path::new(name), channels, sample_rate_hz)?;
+    wav::data_bytes(channels).map_err(failure)?;
+    let written = wav::write(&mut BufWriter::new(out), channels, sample_rate_hz, broadcast);
+    written.map_err(|error| failure(error.kind().to_string()))
 }
 
 /// The channels' length; fails where they are missing, too many or unequal.
@@ -94,16 +102,41 @@ pub fn write_file<E: std::fmt::Display>(
     write: impl FnOnce(&mut std::fs::File) -> Result<(), E>,
 ) -> Result<(), Error> {
     let failure = |reason: String| Error::NotWritten { path: one_line(path), reason: clean(&reason) };
-    // The move would put a file in the place of whatever stands there.
-    let place = match path.metadata() {
-        Ok(there) if there.is_dir() => return Err(failure("a folder of this name exists".into())),
-        Ok(there) if !there.is_file() => return Err(failure("it is a device or a pipe, not a file".into())),
-        Ok(_) => path.canonicalize().map_err(|error| failure(error.kind().to_string()))?,
-        Err(_) if path.is_symlink() => return Err(failure("it is a link to nothing".into())),
-        Err(_) => path.to_path_buf(),
-    };
-    let path = place.as_path();
-    let folder = match path.parent() {
+    let place = place_of(path)?;
+    let mut file = part(&place).map_err(|error| failure(error.kind().to_string()))?;
+    write(file.as_file_mut()).map_err(|error| failure(error.to_string()))?;
+    file.as_file_mut().flush().map_err(|error| failure(error.to_string()))?;
+    file.persist(&place).map_err(|error| failure(error.error.kind().to_string()))?;
+    Ok(())
+}
+
+/// Fails, as [`write_file`] would at the end of the work, where no file could be written to `path`; nothing is left
+/// behind.
+pub fn check_writable(path: &Path) -> Result<(), Error> {
+    let place = place_of(path)?;
+    match part(&place) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Error::NotWritten { path: one_line(path), reason: error.kind().to_string() }),
+    }
+}
+
+/// Where the file itself stands, behind whatever links; fails where the move would put a file in the place of something
+/// else.
+fn place_of(path: &Path) -> Result<PathBuf, Error> {
+    let failure = |reason: String| Error::NotWritten { path: one_line(path), reason };
+    match path.metadata() {
+        Ok(there) if there.is_dir() => Err(failure("a folder of this name exists".into())),
+        Ok(there) if !there.is_file() => Err(failure("it is a device or a pipe, not a file".into())),
+        Ok(_) => path.canonicalize().map_err(|error| failure(error.kind().to_string())),
+        Err(_) if path.is_symlink() => Err(failure("it is a link to nothing".into())),
+        Err(_) => Ok(path.to_path_buf()),
+    }
+}
+
+/// A file under a temporary name in the same folder, which goes away unless it is moved. What the system says of it names
+/// a path that nobody has typed, so only the kind of an error is of use.
+fn part(place: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let folder = match place.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
@@ -113,10 +146,5 @@ pub fn write_file<E: std::fmt::Display>(
     // user's mask allows.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // What the system says of the temporary file names a path that nobody has typed.
-    let mut file = builder.tempfile_in(folder).map_err(|error| failure(error.kind().to_string()))?;
-    write(file.as_file_mut()).map_err(|error| failure(error.to_string()))?;
-    file.as_file_mut().flush().map_err(|error| failure(error.to_string()))?;
-    file.persist(path).map_err(|error| failure(error.error.kind().to_string()))?;
-    Ok(())
+    builder.tempfile_in(folder)
 }

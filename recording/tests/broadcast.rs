@@ -1,7 +1,9 @@
 //! Broadcast Wave files: the chunk's fields where the standard has them, and sound that comes back.
 
+use std::io::Cursor;
+
 use proptest::prelude::*;
-use pyrophone_recording::{Broadcast, Error, decode, no_progress, write_broadcast_wav_f32};
+use pyrophone_recording::{Broadcast, Error, decode, no_progress, write_broadcast_wav_f32, write_wav_f32};
 
 /// Body of a chunk of a RIFF file, its chunks walked from the first.
 fn chunk<'a>(file: &'a [u8], id: &[u8; 4]) -> &'a [u8] {
@@ -51,6 +53,9 @@ proptest! {
         prop_assert_eq!(u64::from(low) | u64::from(high) << 32, time_reference_samples);
         let ascii: Vec<u8> = description.bytes().filter(|byte| (0x20..0x7f).contains(byte)).take(256).collect();
         prop_assert!(bext.starts_with(&ascii) && bext[ascii.len()..256].iter().all(|byte| *byte == 0));
+        let told = Broadcast::of_file(&path).unwrap();
+        prop_assert_eq!(told.time_reference_samples, time_reference_samples);
+        prop_assert_eq!(told.description.as_bytes(), ascii.trim_ascii());
     }
 }
 
@@ -88,4 +93,59 @@ fn what_cannot_be_written_is_refused() {
     assert!(matches!(write(&[]), Err(Error::NoChannels { .. })));
     assert!(matches!(write(&[vec![0.0], vec![]]), Err(Error::UnequalChannels { .. })));
     assert!(!path.exists());
+}
+
+#[test]
+fn broadcast_is_read_back_whole_and_from_behind_the_sound() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.wav");
+    let broadcast = Broadcast {
+        description: "A flame".into(),
+        date: Some("2011-07-25".into()),
+        time: Some("12:34:56".into()),
+        time_reference_samples: 1 << 40,
+    };
+    write_broadcast_wav_f32(&path, &[vec![0.25; 3]], 48_000, &broadcast).unwrap();
+    assert_eq!(Broadcast::of_file(&path), Some(broadcast.clone()));
+    let file = std::fs::read(&path).unwrap();
+    let bext_at = file.windows(4).position(|id| id == b"bext").unwrap();
+    let (bext, data) = (&file[bext_at..bext_at + 610], &file[bext_at + 610..]);
+    let behind = [&file[..bext_at], data, bext].concat();
+    assert_eq!(Broadcast::read(&mut Cursor::new(&behind)), Some(broadcast.clone()));
+    // A 64-bit file says in its first chunk how long the sound is.
+    let mut long = [&b"RF64\xff\xff\xff\xffWAVEds64"[..], &16u32.to_le_bytes(), &0u64.to_le_bytes()].concat();
+    long.extend(12u64.to_le_bytes());
+    long.extend([b"data", &[0xff; 4][..], &[0; 12], bext].concat());
+    assert_eq!(Broadcast::read(&mut Cursor::new(&long)), Some(broadcast));
+}
+
+#[test]
+fn files_without_a_place_tell_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.wav");
+    write_wav_f32(&path, &[vec![0.25; 3]], 48_000).unwrap();
+    assert_eq!(Broadcast::of_file(&path), None);
+    assert_eq!(Broadcast::of_file(&folder.path().join("none.wav")), None);
+    write_broadcast_wav_f32(&path, &[vec![0.25; 3]], 48_000, &Broadcast::default()).unwrap();
+    let file = std::fs::read(&path).unwrap();
+    let bext_at = file.windows(4).position(|id| id == b"bext").unwrap();
+    for length in 0..bext_at + 8 + 346 {
+        assert_eq!(Broadcast::read(&mut Cursor::new(&file[..length])), None, "cut off after {length} bytes");
+    }
+    // A chunk of the size 0, over and over, comes to an end.
+    let endless = [&b"RIFF\0\0\0\0WAVE"[..], &[0; 1 << 20]].concat();
+    assert_eq!(Broadcast::read(&mut Cursor::new(&endless)), None);
+}
+
+#[test]
+fn more_than_two_channels_keep_their_loudspeakers() {
+    let folder = tempfile::tempdir().unwrap();
+    let [plain, broadcast] = ["a.wav", "b.wav"].map(|name| folder.path().join(name));
+    for channels in 3..=10 {
+        let sound = vec![vec![0.25; 3]; channels];
+        write_wav_f32(&plain, &sound, 48_000).unwrap();
+        write_broadcast_wav_f32(&broadcast, &sound, 48_000, &Broadcast::default()).unwrap();
+        let [plain, broadcast] = [&plain, &broadcast].map(|path| std::fs::read(path).unwrap());
+        assert_eq!(chunk(&broadcast, b"fmt "), chunk(&plain, b"fmt "), "{channels} channels");
+    }
 }

@@ -1,0 +1,100 @@
+//! Float WAV to anything that bytes can be written to.
+
+use std::io::Write;
+
+use crate::Broadcast;
+use crate::broadcast::{BEXT_BYTES, bext};
+
+/// IEEE 754 floats, as `WAVEFORMATEX` numbers them.
+const FLOAT: u16 = 3;
+/// `WAVEFORMATEXTENSIBLE`, which more than two channels need to say which loudspeakers they are for.
+const EXTENSIBLE: u16 = 0xfffe;
+/// What follows a format's number in its GUID.
+const GUID_TAIL: [u8; 14] = [0, 0, 0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71];
+
+/// The loudspeakers of so many channels (left, right, centre, LFE, rear, side, top), as bits. Without them programs would
+/// take the channels in the order of the bits.
+pub(crate) fn channel_mask(channels: usize) -> u32 {
+    match channels {
+        3 => 0x7,
+        4 => 0x33,
+        5 => 0x37,
+        6 => 0x3f,
+        7 => 0x637,
+        8 => 0x63f,
+        9 => 0x5637,
+        10 => 0x563f,
+        _ => 0,
+    }
+}
+
+/// The size of the samples in bytes; fails, with the reason, where a WAV file cannot hold them.
+pub(crate) fn data_bytes(channels: &[Vec<f32>]) -> Result<u32, String> {
+    let bytes = 4 * channels.iter().map(|samples| samples.len() as u64).sum::<u64>();
+    let room = u32::MAX - head_bytes(channels.len(), true);
+    let fits = u32::try_from(bytes).ok().filter(|bytes| *bytes <= room);
+    fits.ok_or_else(|| format!("{bytes} bytes of sound do not fit a WAV file"))
+}
+
+/// Writes `channels`, 1 to 10 of equal length that [`data_bytes`] has found to fit.
+pub(crate) fn write(
+    out: &mut impl Write,
+    channels: &[Vec<f32>],
+    sample_rate_hz: u32,
+    broadcast: Option<&Broadcast>,
+) -> std::io::Result<()> {
+    let samples = channels.first().map_or(0, Vec::len);
+    let data_bytes = (4 * samples * channels.len()) as u32;
+    out.write_all(b"RIFF")?;
+    out.write_all(&(head_bytes(channels.len(), broadcast.is_some()) - 8 + data_bytes).to_le_bytes())?;
+    out.write_all(b"WAVE")?;
+    format(out, channels.len() as u16, sample_rate_hz)?;
+    chunk(out, b"fact", 4)?;
+    out.write_all(&(samples as u32).to_le_bytes())?;
+    if let Some(broadcast) = broadcast {
+        chunk(out, b"bext", BEXT_BYTES)?;
+        out.write_all(&bext(broadcast))?;
+    }
+    chunk(out, b"data", data_bytes)?;
+    for index in 0..samples {
+        for samples in channels {
+            out.write_all(&samples[index].to_le_bytes())?;
+        }
+    }
+    out.flush()
+}
+
+/// Bytes before the samples, from the file's first.
+fn head_bytes(channels: usize, has_broadcast: bool) -> u32 {
+    let broadcast = if has_broadcast { 8 + BEXT_BYTES } else { 0 };
+    12 + (8 + format_bytes(channels)) + (8 + 4) + broadcast + 8
+}
+
+fn format_bytes(channels: usize) -> u32 {
+    if channels > 2 { 40 } else { 18 }
+}
+
+fn format(out: &mut impl Write, channels: u16, sample_rate_hz: u32) -> std::io::Result<()> {
+    let bytes = format_bytes(usize::from(channels));
+    let extra_bytes = bytes as u16 - 18;
+    chunk(out, b"fmt ", bytes)?;
+    out.write_all(&(if extra_bytes > 0 { EXTENSIBLE } else { FLOAT }).to_le_bytes())?;
+    out.write_all(&channels.to_le_bytes())?;
+    out.write_all(&sample_rate_hz.to_le_bytes())?;
+    out.write_all(&(sample_rate_hz * 4 * u32::from(channels)).to_le_bytes())?;
+    out.write_all(&(4 * channels).to_le_bytes())?;
+    out.write_all(&32u16.to_le_bytes())?;
+    out.write_all(&extra_bytes.to_le_bytes())?;
+    if extra_bytes > 0 {
+        out.write_all(&32u16.to_le_bytes())?;
+        out.write_all(&channel_mask(usize::from(channels)).to_le_bytes())?;
+        out.write_all(&FLOAT.to_le_bytes())?;
+        out.write_all(&GUID_TAIL)?;
+    }
+    Ok(())
+}
+
+fn chunk(out: &mut impl Write, id: &[u8; 4], bytes: u32) -> std::io::Result<()> {
+    out.write_all(id)?;
+    out.write_all(&bytes.to_le_bytes())
+}
