@@ -9,15 +9,28 @@ use pyrophone_settings::Id;
 
 /// Turns a low-frequency flame signal into full-band fire.
 ///
-/// Sounds are read from WAV, AIFF, CAF, FLAC, Ogg Vorbis or MP3 files. The output is a 32-bit float
-/// WAV file at the input's rate and of its length, neither normalised nor dithered.
+/// Sounds are read from WAV, AIFF, CAF, FLAC, Ogg Vorbis or MP3 files, or as WAV from standard input (`-`). The output is
+/// a 32-bit float WAV file at the input's rate and of its length, neither normalised nor dithered; 24-bit FLAC where its
+/// name ends in .flac; WAV to standard output where it is `-`.
 #[derive(Debug, Parser)]
-#[command(name = "pyrophone", version, subcommand_required = true, arg_required_else_help = false)]
+#[command(name = "pyrophone", version = env!("PYROPHONE_VERSION"), subcommand_required = true, arg_required_else_help = false)]
+#[command(after_help = EXIT_CODES)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// Tell what was done as JSON on standard output; on standard error where the sound goes to standard output
+    #[arg(long, global = true, display_order = 900)]
+    pub json: bool,
+    /// Show neither progress nor notes, only errors
+    #[arg(long, short, global = true, display_order = 901)]
+    pub quiet: bool,
 }
+
+/// How scripts learn of the outcome.
+const EXIT_CODES: &str = "Exit codes: 0: the output was written. 1: refused or failed; one line on standard error says \
+    why, and nothing half-written is left. 2: the command line was not understood. Ctrl-C (130), SIGTERM (143) and SIGHUP \
+    (129) stop the work; the process cleans up and dies of the signal, so that loops in a shell end.";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
@@ -36,6 +49,30 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Vortex-sound texture: what a small turbulent region radiates, for a range of flow speeds
     VortexTexture(VortexTextureArgs),
+    /// List the presets: those that come with Pyrophone, and yours
+    Presets,
+    /// List the parameters of presets, automation and --set, with their ranges
+    Parameters,
+    /// Write a shell's completions to standard output
+    Completions(CompletionsArgs),
+    /// Write manual pages, one for each command
+    Man(ManArgs),
+}
+
+/// Options of `pyrophone completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// Which shell
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Options of `pyrophone man`.
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Folder to write them into, made where there is none
+    #[arg(long, value_name = "DIR")]
+    pub output: PathBuf,
 }
 
 /// Options of `pyrophone texture`.
@@ -45,7 +82,7 @@ pub struct TextureArgs {
     #[arg(long, value_name = "IN.wav")]
     pub input: PathBuf,
     /// Fire recording to draw from, resampled where its rate differs; the output has its channels
-    #[arg(long, value_name = "T.wav")]
+    #[arg(long, visible_alias = "recording", value_name = "T.wav")]
     pub training: PathBuf,
     /// File to write
     #[arg(long, value_name = "OUT.wav")]
@@ -120,28 +157,41 @@ pub struct ExtendArgs {
 /// Options of `pyrophone render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Name of a factory preset (default, extend, texture, texture-paper, flame, campfire, flamethrower, explosion,
+    /// Name of a factory preset in any case (default, extend, texture, texture-paper, flame, campfire, flamethrower, explosion,
     /// swinging-torch, paper-candle, paper-torch, paper-dragon, paper-burning-brick, paper-flame-jet) or of one of
     /// yours, or a preset's file
     #[arg(long, value_name = "FILE|NAME")]
     pub preset: String,
     /// Main input
-    #[arg(long, value_name = "IN.wav")]
-    pub input: PathBuf,
+    #[arg(long, value_name = "IN.wav", required_unless_present = "seconds")]
+    pub input: Option<PathBuf>,
+    /// Length of the output instead of an input, for presets that need none, 0.01-3600
+    #[arg(long, value_name = "S", conflicts_with = "input", allow_negative_numbers = true)]
+    pub seconds: Option<f64>,
+    /// Sample rate of an output without an input
+    #[arg(long, value_name = "HZ", default_value_t = 48_000, requires = "seconds", conflicts_with = "input")]
+    pub sample_rate: u32,
     /// Sound whose envelope drives the engines where drive_mode is envelope
     #[arg(long, value_name = "S.wav")]
     pub sidechain: Option<PathBuf>,
     /// Fire recording that texture draws from
-    #[arg(long, value_name = "T.wav")]
+    #[arg(long, visible_alias = "recording", value_name = "T.wav")]
     pub training: Option<PathBuf>,
     /// Learn from this part of the recording only, in seconds
-    #[arg(long, value_name = "START-END", requires = "training", value_parser = region)]
+    #[arg(long, alias = "recording-region", value_name = "START-END", requires = "training", value_parser = region)]
     pub training_region: Option<[f64; 2]>,
     /// Gain of the recording in dB
-    #[arg(long, value_name = "DB", default_value_t = 0.0, requires = "training", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        alias = "recording-gain",
+        value_name = "DB",
+        default_value_t = 0.0,
+        requires = "training",
+        allow_negative_numbers = true
+    )]
     pub training_gain: f64,
     /// Bring that part of the recording to a peak of full scale first
-    #[arg(long, requires = "training")]
+    #[arg(long, alias = "recording-normalise", requires = "training")]
     pub training_normalise: bool,
     /// Where the input's loudness distribution comes from, instead of the preset's choice
     #[arg(long, value_enum)]
@@ -149,7 +199,7 @@ pub struct RenderArgs {
     /// Learn that distribution from this file instead of a first pass over the input
     #[arg(long, value_name = "FILE.wav")]
     pub learn: Option<PathBuf>,
-    /// Steps of parameters: time_s,id,value or sample,id,value
+    /// Steps and ramps of parameters: time_s,id,value or sample,id,value, and ,curve (step or linear)
     #[arg(long, value_name = "FILE.csv")]
     pub automation: Option<PathBuf>,
     /// Speed field for vortex sound, as simulate and flux write it; heard where vortex_flow is field
@@ -161,7 +211,7 @@ pub struct RenderArgs {
     /// Set a parameter after the preset; may be repeated
     #[arg(long = "set", value_name = "id=value")]
     pub settings: Vec<String>,
-    /// Channels of the output [default: as many as the input's]
+    /// Channels of the output [default: as many as the input's; without one 2]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub channels: Option<usize>,
 }

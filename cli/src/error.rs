@@ -51,12 +51,12 @@ pub enum Error {
     /// An option contradicts another, or a file.
     #[error("{0}")]
     Conflict(String),
-    /// Stopped by Ctrl-C.
+    /// Stopped by a signal, such as Ctrl-C's.
     #[error("cancelled; nothing was written")]
     Cancelled,
-    /// Ctrl-C cannot be caught.
+    /// Signals cannot be caught.
     #[error("the system does not let Ctrl-C be caught ({0}); run from an ordinary terminal")]
-    Signal(#[from] ctrlc::Error),
+    Signal(#[from] std::io::Error),
 }
 
 impl Error {

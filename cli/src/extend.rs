@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use pyrophone_recording::{check_finite, check_not_among, write_file, write_wav_f32};
+use pyrophone_recording::{check_finite, check_not_among, write_file};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::beta::Fit;
@@ -11,7 +11,9 @@ use pyrophone_synthesis::extend::{Extend, reference};
 use crate::args::ExtendArgs;
 use crate::error::Error;
 use crate::input::{self, in_range};
+use crate::output;
 use crate::progress::Work;
+use crate::summary::Done;
 
 /// The paper's cutoff (§4) in Hz.
 const CUTOFF_HZ: f64 = 180.0;
@@ -23,13 +25,16 @@ struct Extended {
     channels: Vec<Vec<f32>>,
     betas: Vec<f64>,
     hop_samples: usize,
+    /// Of the engine; the published program has none.
+    latency_samples: Option<usize>,
 }
 
 /// Writes `input` with its spectrum extended, and its betas where asked for.
-pub fn run(args: &ExtendArgs, work: &Work) -> Result<(), Error> {
+pub fn run(args: &ExtendArgs, work: &Work) -> Result<Done, Error> {
     check(args)?;
-    let signal = input::load(&args.input, work)?;
+    let (signal, broadcast) = input::load_with_place(&args.input, work)?;
     input::check_rate(&signal, &args.input)?;
+    output::check_format(&args.output, signal.channels.len(), signal.sample_rate_hz)?;
     let rate_hz = f64::from(signal.sample_rate_hz);
     let drive = input::mean(&signal);
     let extended = if args.reference {
@@ -42,25 +47,27 @@ pub fn run(args: &ExtendArgs, work: &Work) -> Result<(), Error> {
     if let Some(path) = &args.betas {
         write_file(path, |file| write_betas(file, &extended, rate_hz))?;
     }
-    let written = write_wav_f32(&args.output, &extended.channels, signal.sample_rate_hz);
+    let written = output::write(&args.output, extended.channels, signal.sample_rate_hz, broadcast.as_ref());
     if let (Err(_), Some(path)) = (&written, &args.betas) {
         // Half of what was asked for is nothing; that the sound failed is what is reported.
         let _ = std::fs::remove_file(path);
     }
-    Ok(written?)
+    let files = args.betas.iter().cloned().collect();
+    let done = Done::with_sound(&args.output, written?);
+    Ok(Done { files, latency_samples: extended.latency_samples, ..done })
 }
 
 /// Options out of range are refused before any file is read.
 fn check(args: &ExtendArgs) -> Result<(), Error> {
-    let mut sources = vec![args.input.as_path()];
-    sources.extend(args.betas.as_deref().filter(|betas| *betas == args.output));
-    if sources.len() > 1 {
-        let message = format!("{}: --output and --betas name the same file; choose two", args.output.display());
-        return Err(Error::Conflict(message));
+    if let Some(betas) = &args.betas {
+        if *betas == args.output {
+            let message = format!("{}: --output and --betas name the same file; choose two", args.output.display());
+            return Err(Error::Conflict(message));
+        }
+        check_not_among(betas, &[&args.input])?;
+        output::check_file(betas)?;
     }
-    for output in [Some(args.output.as_path()), args.betas.as_deref()].into_iter().flatten() {
-        check_not_among(output, &sources)?;
-    }
+    output::check(&args.output, &[&args.input])?;
     if args.reference {
         // No input has a higher rate than this; its own is checked with the signal.
         return reference_settings(args, 384_000.0).validate().map_err(Error::Option);
@@ -146,7 +153,8 @@ fn as_published(
     let extended =
         reference::extend(drive, &settings, &mut |done| stage.at(done as f32)).map_err(Error::of_file(&args.input))?;
     let samples: Vec<f32> = extended.samples.iter().map(|sample| *sample as f32).collect();
-    Ok(Extended { channels: vec![samples; channels], betas: extended.betas, hop_samples: args.half_width })
+    let channels = vec![samples; channels];
+    Ok(Extended { channels, betas: extended.betas, hop_samples: args.half_width, latency_samples: None })
 }
 
 /// The plugin's engine, its latency cut off; independent noise per channel.
@@ -186,7 +194,7 @@ fn streaming(args: &ExtendArgs, drive: &[f64], rate_hz: f64, channels: usize, wo
         }
     }
     let betas = betas_of(&fits, drive.len().div_ceil(hop) + 1);
-    Ok(Extended { channels: outputs, betas, hop_samples: hop })
+    Ok(Extended { channels: outputs, betas, hop_samples: hop, latency_samples: Some(latency) })
 }
 
 /// The factors of windows 0, 1, ... from the fits after blocks 0, 1, ... of one window each. A

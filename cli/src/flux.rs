@@ -5,7 +5,7 @@ mod measuring;
 pub mod motion;
 pub mod sound;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use pyrophone_flame::flux::{Flux, Partial, Steps};
 use pyrophone_flame::import::{Series, Timing};
@@ -19,6 +19,7 @@ use crate::error::Error;
 use crate::input;
 use crate::progress::Work;
 use crate::report::{self, Picture};
+use crate::summary::Done;
 
 pub use self::measuring::make_folder;
 
@@ -32,7 +33,7 @@ const TABLES: [&str; 3] = ["csv", "txt", "npy"];
 const SOUNDS: [&str; 9] = ["wav", "wave", "aif", "aiff", "aifc", "caf", "flac", "ogg", "mp3"];
 
 /// Measures the frames of `input`, or takes its series, and writes what was asked for.
-pub fn run(args: &FluxArgs, work: &Work) -> Result<(), Error> {
+pub fn run(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     let others: Vec<&Path> = args.partial.iter().chain(&args.speed_field).map(|path| path.as_path()).collect();
     sound::check(&args.sound, args.timeline.rate, &others)?;
     pyrophone_flame::Front::new(args.iso.unwrap_or(0.0), args.refine)?;
@@ -46,7 +47,7 @@ pub fn run(args: &FluxArgs, work: &Work) -> Result<(), Error> {
 }
 
 /// A series goes straight to pressure.
-fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<(), Error> {
+fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
     let given = [
         ("--iso", args.iso.is_some()),
         ("--frames", args.frames.is_some()),
@@ -84,7 +85,7 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<(), Error> {
     sound::write(&args.sound, &signal.on_timeline(args.timeline.start_frame), None, facts, vec![], work)
 }
 
-fn simulation(args: &FluxArgs, work: &Work) -> Result<(), Error> {
+fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     let plan = Plan::new(args, work)?;
     if let (Some(start), Some(first)) = (args.timeline.start_frame, plan.first_frame()) {
         sound::frames_since(start, first)?;
@@ -96,26 +97,27 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<(), Error> {
     for output in &outputs {
         check_not_among(output, &inputs)?;
     }
-    let Some(beside) = outputs.first().copied().or(args.sound.report.as_deref()) else { return Ok(()) };
+    let Some(beside) = outputs.first().copied().or(args.sound.report.as_deref()) else { return Ok(Done::default()) };
     let (steps, kept) = plan.measure(beside, work)?;
     match write(args, &plan, steps, work) {
-        Ok(()) => {
+        Ok(done) => {
             kept.remove();
-            Ok(())
+            Ok(done)
         }
         Err(error) => Err(kept.unfinished(error)),
     }
 }
 
 /// Everything that was asked for, from the steps.
-fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<(), Error> {
+fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<Done, Error> {
+    let files: Vec<PathBuf> = args.partial.iter().chain(&args.speed_field).cloned().collect();
     if let Some(path) = &args.partial {
         let part = Partial { settings: plan.settings.clone(), steps: steps.clone() };
         write_file(path, |file| part.write(file))?;
     }
     let is_sound = args.sound.report.is_some() || sound::files(&args.sound).next().is_some();
     if !is_sound && args.speed_field.is_none() {
-        return Ok(());
+        return Ok(Done { files, ..Done::default() });
     }
     let flux = Flux::from_steps(&steps)?;
     sound::note_interpolated(&flux.interpolated);
@@ -125,7 +127,7 @@ fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<(), 
         motion::write_of_frames(path, plan, args.up, signal.rate_hz, start_s, work)?;
     }
     if !is_sound {
-        return Ok(());
+        return Ok(Done { files, ..Done::default() });
     }
     let surfaces = if args.sound.report.is_some() { surfaces(plan, signal.rate_hz, work)? } else { vec![] };
     let facts = vec![
@@ -133,7 +135,8 @@ fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<(), 
         ("Measured with".into(), plan.settings.clone()),
         ("Interpolated".into(), format!("{} of {} frames", flux.interpolated.len(), flux.rows.len())),
     ];
-    sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work)
+    let done = sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work)?;
+    Ok(done.with_files(files))
 }
 
 /// Pictures of the front at even distances, in one view.

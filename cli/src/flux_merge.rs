@@ -8,9 +8,10 @@ use crate::error::Error;
 use crate::flux::sound::{self, Signal};
 use crate::input::text;
 use crate::progress::Work;
+use crate::summary::Done;
 
 /// Writes what one run over all frames would have written, bit for bit.
-pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<(), Error> {
+pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Done, Error> {
     sound::check(&args.sound, args.timeline.rate, &[])?;
     let shards: Vec<_> = args.shards.iter().map(|path| path.as_path()).collect();
     for output in sound::files(&args.sound) {

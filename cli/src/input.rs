@@ -1,10 +1,14 @@
-//! Reading and checking of inputs, and of where outputs go.
+//! Reading and checking of inputs.
 
+mod standard;
+
+use std::io::Cursor;
 use std::path::Path;
 
-use pyrophone_recording::{Recording, decode, resample};
+use pyrophone_recording::{Broadcast, Recording, decode, decode_bytes, resample};
 
 use crate::error::Error;
+use crate::output::is_standard;
 use crate::progress::{Work, note};
 
 /// Below this share of the channels' mean power, the power of their mean says that they cancel.
@@ -12,8 +16,20 @@ const CANCELLING_SHARE: f64 = 0.01;
 
 /// Reads a sound file, whatever its rate.
 pub fn load(path: &Path, work: &Work) -> Result<Recording, Error> {
+    load_with_place(path, work).map(|(recording, _)| recording)
+}
+
+/// Reads a sound file, and what it says of its place on the timeline.
+pub fn load_with_place(path: &Path, work: &Work) -> Result<(Recording, Option<Broadcast>), Error> {
+    if is_standard(path) {
+        let bytes = standard::read(work)?;
+        let stage = work.stage("reading");
+        let recording = stop(decode_bytes(&bytes, standard::NAME, &|done| stage.at(done)))?;
+        return Ok((recording, Broadcast::read(&mut Cursor::new(&bytes))));
+    }
     let stage = work.stage("reading");
-    stop(decode(path, &|done| stage.at(done)))
+    let recording = stop(decode(path, &|done| stage.at(done)))?;
+    Ok((recording, Broadcast::of_file(path)))
 }
 
 /// Reads a sound file and brings it to `rate_hz`.
@@ -80,17 +96,4 @@ pub fn in_range(option: &'static str, found: f64, low: f64, high: f64) -> Result
         return Ok(());
     }
     Err(Error::Option(pyrophone_synthesis::Error::OutOfRange { what: option, found, low, high }))
-}
-
-/// Refuses an output that could not be written, before any work is done for it.
-pub fn check_output(output: &Path) -> Result<(), Error> {
-    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
-    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-        let message = format!("{}: there is no folder {}; make it first", output.display(), folder.display());
-        return Err(Error::Conflict(message));
-    }
-    if output.is_dir() {
-        return Err(Error::Conflict(format!("{}: this is a folder; name a file in it", output.display())));
-    }
-    Ok(())
 }

@@ -1,7 +1,8 @@
 //! `pyrophone`: fire from a low-frequency flame signal, file in, file out.
 //!
 //! Exit code 0: the output was written. 1: refused or failed, with one line on standard error that
-//! says why and what to do; no output was left behind. 2: the command line was not understood.
+//! says why and what to do; no output was left behind. 2: the command line was not understood. A signal stops the work,
+//! and once nothing half-done is left the process dies of it: 128 + its number, as shells tell it.
 
 mod args;
 mod error;
@@ -9,46 +10,98 @@ mod extend;
 mod flux;
 mod flux_merge;
 mod input;
+mod level;
+mod notes;
+mod output;
+mod parameters;
+mod presets;
 mod progress;
 mod render;
 mod report;
+mod shell;
 mod simulate;
+mod stop;
+mod summary;
 mod texture;
 mod vortex_texture;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command};
 use crate::error::Error;
 use crate::progress::Work;
+use crate::stop::Stop;
+use crate::summary::Done;
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
-        Ok(cli) => cli,
+    let (cli, name) = match parse() {
+        Ok(parsed) => parsed,
         Err(error) => return usage(&error),
     };
-    match run(&cli.command) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
+    if cli.quiet {
+        notes::be_quiet();
+    }
+    let stop = match Stop::listen() {
+        Ok(stop) => stop,
+        Err(error) => return fail(&error),
+    };
+    let code = match run(&cli, &Work::new(stop.clone())) {
+        Ok(done) => {
+            if let Some(done) = done.filter(|_| cli.json) {
+                tell(&done, &name);
+            }
+            ExitCode::SUCCESS
         }
+        Err(error) => fail(&error),
+    };
+    stop.die_of_signal().unwrap_or(code)
+}
+
+/// The arguments, and the name of the command as it is typed.
+fn parse() -> Result<(Cli, String), clap::Error> {
+    let matches = Cli::command().try_get_matches()?;
+    let name = matches.subcommand_name().unwrap_or_default().to_owned();
+    Ok((Cli::from_arg_matches(&matches)?, name))
+}
+
+/// What was written, for the commands that write files.
+fn run(cli: &Cli, work: &Work) -> Result<Option<Done>, Error> {
+    match &cli.command {
+        Command::Texture(args) => texture::run(args, work).map(Some),
+        Command::Extend(args) => extend::run(args, work).map(Some),
+        Command::Render(args) => render::run(args, work).map(Some),
+        Command::Flux(args) => flux::run(args, work).map(Some),
+        Command::Simulate(args) => simulate::run(args, work).map(Some),
+        Command::FluxMerge(args) => flux_merge::run(args, work).map(Some),
+        Command::VortexTexture(args) => vortex_texture::run(args, work).map(Some),
+        Command::Presets => presets::run(cli.json).map(|()| None),
+        Command::Parameters => {
+            parameters::run(cli.json);
+            Ok(None)
+        }
+        Command::Completions(args) => {
+            shell::completions(args);
+            Ok(None)
+        }
+        Command::Man(args) => shell::man(args).map(Some),
     }
 }
 
-fn run(command: &Command) -> Result<(), Error> {
-    let work = Work::start()?;
-    match command {
-        Command::Texture(args) => texture::run(args, &work),
-        Command::Extend(args) => extend::run(args, &work),
-        Command::Render(args) => render::run(args, &work),
-        Command::Flux(args) => flux::run(args, &work),
-        Command::Simulate(args) => simulate::run(args, &work),
-        Command::FluxMerge(args) => flux_merge::run(args, &work),
-        Command::VortexTexture(args) => vortex_texture::run(args, &work),
+/// The summary goes where the sound does not.
+fn tell(done: &Done, command: &str) {
+    let summary = done.to_json(command, &notes::take());
+    if done.output.as_deref().is_some_and(output::is_standard) {
+        eprint!("{summary}");
+    } else {
+        summary::print(&summary);
     }
+}
+
+fn fail(error: &Error) -> ExitCode {
+    eprintln!("error: {error}");
+    ExitCode::FAILURE
 }
 
 /// Help and version as they are; an error in one line.

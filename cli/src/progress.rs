@@ -1,67 +1,85 @@
-//! Progress on a terminal, and Ctrl-C.
+//! Progress: a bar on a terminal, now and then a line elsewhere, nothing with `--quiet`.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+mod lines;
+
+use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use self::lines::Lines;
 use crate::error::Error;
+use crate::notes::is_quiet;
+use crate::stop::Stop;
+
+pub use crate::notes::note;
 
 /// Steps of a bar.
 const STEPS: u64 = 1000;
 
 /// The running command, as its user sees and stops it.
 pub struct Work {
-    stopped: Arc<AtomicBool>,
+    stop: Stop,
 }
 
 impl Work {
-    /// Begins to listen for Ctrl-C; from now on it stops the work at the next step instead of
-    /// killing the process, so that no half-written file is left.
-    pub fn start() -> Result<Self, Error> {
-        let stopped = Arc::new(AtomicBool::new(false));
-        let flag = Arc::clone(&stopped);
-        ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
-        Ok(Self { stopped })
+    /// Work that ends once `stop` has a signal.
+    pub fn new(stop: Stop) -> Self {
+        Self { stop }
     }
 
-    /// A named part of the work. Shows a bar where standard error is a terminal, nothing elsewhere.
+    /// A named part of the work.
     pub fn stage(&self, name: &'static str) -> Stage<'_> {
-        let bar = ProgressBar::new(STEPS);
-        if let Ok(style) = ProgressStyle::with_template("{msg:>12} {wide_bar} {percent:>3} % {eta:>4}") {
-            bar.set_style(style);
-        }
-        bar.set_message(name);
-        Stage { bar, work: self }
+        let shown = match (is_quiet(), std::io::stderr().is_terminal()) {
+            (true, _) => Shown::Nothing,
+            (false, true) => Shown::Bar(bar(name)),
+            (false, false) => Shown::Lines(Lines::new(name)),
+        };
+        Stage { shown, work: self }
     }
 
-    /// Fails where Ctrl-C was pressed.
+    /// Fails where the user or the system has stopped the work.
     pub fn check(&self) -> Result<(), Error> {
-        if self.stopped.load(Ordering::Relaxed) { Err(Error::Cancelled) } else { Ok(()) }
+        if self.stop.has_come() { Err(Error::Cancelled) } else { Ok(()) }
     }
 }
 
-/// One bar; it goes away with its part of the work.
+fn bar(name: &'static str) -> ProgressBar {
+    let bar = ProgressBar::new(STEPS);
+    if let Ok(style) = ProgressStyle::with_template("{msg:>12} {wide_bar} {percent:>3} % {eta:>4}") {
+        bar.set_style(style);
+    }
+    bar.set_message(name);
+    bar
+}
+
+/// A part of the work; its bar goes away with it.
 pub struct Stage<'a> {
-    bar: ProgressBar,
+    shown: Shown,
     work: &'a Work,
+}
+
+enum Shown {
+    Bar(ProgressBar),
+    Lines(Lines),
+    Nothing,
 }
 
 impl Stage<'_> {
     /// Shows how much is done (0-1); answers whether to go on.
     pub fn at(&self, done: f32) -> bool {
-        self.bar.set_position((f64::from(done.clamp(0.0, 1.0)) * STEPS as f64) as u64);
+        match &self.shown {
+            Shown::Bar(bar) => bar.set_position((f64::from(done.clamp(0.0, 1.0)) * STEPS as f64) as u64),
+            Shown::Lines(lines) => lines.at(done),
+            Shown::Nothing => {}
+        }
         self.work.check().is_ok()
     }
 }
 
 impl Drop for Stage<'_> {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        if let Shown::Bar(bar) = &self.shown {
+            bar.finish_and_clear();
+        }
     }
-}
-
-/// Says something that the user should know but that does not end the work.
-pub fn note(message: &str) {
-    eprintln!("note: {message}");
 }

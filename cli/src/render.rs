@@ -1,28 +1,31 @@
 //! `pyrophone render`: the plugin's whole chain.
 
+mod play;
+mod source;
+
 use std::path::Path;
 use std::sync::Arc;
 
 use pyrophone_flame::live::{Inline, LiveFlow};
-use pyrophone_recording::{Cut, MAX_CHANNELS, Recording, check_finite, check_not_among, write_wav_f32};
+use pyrophone_recording::{Cut, MAX_CHANNELS, Recording};
 use pyrophone_settings::automation::Event;
 use pyrophone_settings::table::{DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
-use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
+use pyrophone_synthesis::chain::{Chain, Channels, learn};
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Distribution, Shape};
 use pyrophone_synthesis::vortex::{Simulator, SpeedField};
 
+use self::play::{BLOCK_SAMPLES, Score, play};
+use self::source::Source;
 use crate::args::RenderArgs;
 use crate::error::Error;
 use crate::progress::{Work, note};
-use crate::{input, texture};
-
-/// Samples per call of the chain, but for cuts at automation.
-const BLOCK_SAMPLES: usize = 4096;
+use crate::summary::Done;
+use crate::{input, output, texture};
 
 /// Writes what the plugin makes of `input`, played from position 0, its latency cut off.
-pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
+pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     let values = values(args)?;
     let automation = match &args.automation {
         Some(path) => Automation::load(path)?,
@@ -32,24 +35,21 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
         let message = "--learn contradicts --dynamic-range off and running; leave one of the two out";
         return Err(Error::Conflict(message.into()));
     }
-    let sources = [&args.sidechain, &args.training, &args.learn, &args.speed_field].map(Option::as_ref);
-    let sources = sources.into_iter().chain([Some(&args.input)]);
-    let mut paths: Vec<&Path> = sources.flatten().map(|path| path.as_path()).collect();
-    paths.extend([Some(Path::new(&args.preset)), args.automation.as_deref()].into_iter().flatten());
-    check_not_among(&args.output, &paths)?;
+    check_output(args)?;
 
-    let main = input::load(&args.input, work)?;
-    input::check_rate(&main, &args.input)?;
+    let source = Source::load(args, &values, &automation, work)?;
+    let main = &source.recording;
     let rate_hz = f64::from(main.sample_rate_hz);
-    let outputs = output_channels(args, &main)?;
+    let outputs = output_channels(args, main)?;
+    output::check_format(&args.output, outputs, main.sample_rate_hz)?;
     let events = automation.events(rate_hz);
     let field = args.speed_field.as_deref().map(speed_field).transpose()?;
     check_sound(args, &values, &events)?;
 
-    let sidechain = sidechain(args, &main, work)?;
+    let sidechain = sidechain(args, main, work)?;
     let structure = values.structure();
     let channels = Channels { input: main.channels.len(), sidechain: sidechain.len(), output: outputs };
-    let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&args.input))?;
+    let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&source.name))?;
     if let Some(path) = &args.training {
         let cut =
             Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
@@ -65,13 +65,27 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<(), Error> {
         drop(chain.swap_field(Some(Arc::new(field))));
     }
     if needs_learning(&values, &events) {
-        let distribution = learned(args, &values, &main, &sidechain, work)?;
+        let distribution = learned(args, &values, &source, &sidechain, work)?;
         drop(chain.swap_distribution(Some(Arc::new(distribution))));
     }
-    let rendered = render(&mut chain, &main.channels, &sidechain, outputs, values, &events, work)?;
-    check_finite(&args.output, &rendered)?;
-    write_wav_f32(&args.output, &rendered, main.sample_rate_hz)?;
-    Ok(())
+    let score = Score { main: &main.channels, sidechain: &sidechain, outputs, values, events: &events };
+    let rendered = {
+        let stage = work.stage("rendering");
+        play(&mut chain, &score, BLOCK_SAMPLES, &|done| stage.at(done))?
+    };
+    if chain.take_meters().cancels {
+        note("the input's channels cancel in their mean, which drives the engines");
+    }
+    let sound = output::write(&args.output, rendered, main.sample_rate_hz, source.broadcast.as_ref())?;
+    Ok(Done { latency_samples: Some(chain.latency_samples()), ..Done::with_sound(&args.output, sound) })
+}
+
+/// Refuses an output that could not be written, or is one of the files that it is made from.
+fn check_output(args: &RenderArgs) -> Result<(), Error> {
+    let sources = [&args.input, &args.sidechain, &args.training, &args.learn, &args.speed_field, &args.automation];
+    let sources = sources.into_iter().flatten().map(|path| path.as_path());
+    let sources: Vec<&Path> = sources.chain([Path::new(&args.preset)]).collect();
+    output::check(&args.output, &sources)
 }
 
 /// Refuses a part that the recording has not, and says so where it has not all of it.
@@ -176,64 +190,17 @@ fn needs_learning(values: &Values, events: &[Event]) -> bool {
 fn learned(
     args: &RenderArgs,
     values: &Values,
-    main: &Recording,
+    source: &Source,
     sidechain: &[Vec<f32>],
     work: &Work,
 ) -> Result<Distribution, Error> {
+    let main = &source.recording;
     let rate_hz = f64::from(main.sample_rate_hz);
     let learn = |path: &Path, sound: &[Vec<f32>], sidechain: &[Vec<f32>]| {
         learn(rate_hz, &values.structure(), &values.controls(), sound, sidechain).map_err(Error::of_file(path))
     };
     match &args.learn {
         Some(path) => learn(path, &input::load_at(path, main.sample_rate_hz, work)?.channels, &[]),
-        None => learn(&args.input, &main.channels, sidechain),
+        None => learn(&source.name, &main.channels, sidechain),
     }
-}
-
-/// Plays the whole input through the chain and its latency after it.
-fn render(
-    chain: &mut Chain,
-    main: &[Vec<f32>],
-    sidechain: &[Vec<f32>],
-    outputs: usize,
-    mut values: Values,
-    events: &[Event],
-    work: &Work,
-) -> Result<Vec<Vec<f32>>, Error> {
-    let stage = work.stage("rendering");
-    let samples = main.first().map_or(0, Vec::len);
-    let latency = chain.latency_samples();
-    let total = samples + latency;
-    let padded = |channel: &[f32]| {
-        let mut padded = channel.to_vec();
-        padded.resize(total, 0.0);
-        padded
-    };
-    let mut played: Vec<Vec<f32>> = main.iter().map(|channel| padded(channel)).collect();
-    played.resize(outputs, vec![0.0; total]);
-    let sidechain: Vec<Vec<f32>> = sidechain.iter().map(|channel| padded(channel)).collect();
-    let mut events = events.iter().peekable();
-    let mut at = 0;
-    while at < total {
-        while let Some(event) = events.next_if(|event| event.sample <= at as u64) {
-            values.set(event.parameter, event.value)?;
-        }
-        let next_event = events.peek().map_or(total, |event| usize::try_from(event.sample).unwrap_or(total));
-        let end = total.min(at + BLOCK_SAMPLES).min(next_event);
-        let mut block: Vec<&mut [f32]> = played.iter_mut().map(|channel| &mut channel[at..end]).collect();
-        let side: Vec<&[f32]> = sidechain.iter().map(|channel| &channel[at..end]).collect();
-        let transport = Transport { playing: true, position: Some(at as i64) };
-        chain.process(&mut block, &side, &values.controls(), transport);
-        at = end;
-        if !stage.at(at as f32 / total as f32) {
-            return Err(Error::Cancelled);
-        }
-    }
-    for channel in &mut played {
-        channel.drain(..latency);
-    }
-    if chain.take_meters().cancels {
-        note("the input's channels cancel in their mean, which drives the engines");
-    }
-    Ok(played)
 }

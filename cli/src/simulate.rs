@@ -20,6 +20,7 @@ use crate::flux::{make_folder, motion, sound};
 use crate::input::in_range;
 use crate::progress::{Stage, Work, note};
 use crate::report::View;
+use crate::summary::Done;
 
 /// Value of the burning field at the flame front.
 const ISO: f64 = 0.5;
@@ -31,12 +32,12 @@ const PICTURES: u64 = 12;
 const KEEP_STEPS: u64 = 360;
 
 /// Simulates a scene and writes what was asked for.
-pub fn run(args: &SimulateArgs, work: &Work) -> Result<(), Error> {
+pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
     let field: Vec<&Path> = args.speed_field.iter().map(|path| path.as_path()).collect();
     sound::check(&args.sound, None, &field)?;
     let plan = Plan::new(args)?;
     let outputs = sound::files(&args.sound).chain(args.speed_field.as_deref()).chain(args.sound.report.as_deref());
-    let Some(beside) = outputs.into_iter().next() else { return Ok(()) };
+    let Some(beside) = outputs.into_iter().next() else { return Ok(Done::default()) };
     let mut kept = Kept::open(beside, plan.settings(), plan.regions.as_ref().map_or(0, Regions::len));
     let Simulated { steps, meshes, flow } = match plan.simulate(&mut kept, work) {
         Ok(simulated) => simulated,
@@ -56,9 +57,9 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<(), Error> {
     let surfaces = meshes.iter().map(|(frame, mesh)| (label(*frame), view.draw(mesh))).collect();
     let facts = vec![("Scene".into(), plan.options_text()), ("Box".into(), plan.box_text()?)];
     match sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work) {
-        Ok(()) => {
+        Ok(done) => {
             kept.remove();
-            Ok(())
+            Ok(done.with_files(args.speed_field.iter().cloned().collect()))
         }
         Err(error) => Err(kept.unfinished(error)),
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pyrophone_recording::{Recording, check_finite, check_not_among, write_wav_f32};
+use pyrophone_recording::Recording;
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::offline::{Options, synthesize};
@@ -11,30 +11,31 @@ use pyrophone_synthesis::texture::{Dictionary, Shape};
 
 use crate::args::TextureArgs;
 use crate::error::Error;
-use crate::input;
 use crate::progress::Work;
+use crate::summary::Done;
+use crate::{input, output};
 
 /// Writes the fire of `training` that follows `input`.
-pub fn run(args: &TextureArgs, work: &Work) -> Result<(), Error> {
+pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
     let shape = Shape { levels: args.levels, window: args.window, feature: args.feature, falloff: args.falloff };
     let options = Options { dynamic_range: !args.no_dynamic_range, scaling_alpha: args.scaling_alpha, eps: args.eps };
     check(args)?;
-    check_not_among(&args.output, &[&args.input, &args.training])?;
+    output::check(&args.output, &[&args.input, &args.training])?;
 
-    let signal = input::load(&args.input, work)?;
+    let (signal, broadcast) = input::load_with_place(&args.input, work)?;
     let training = input::load_at(&args.training, signal.sample_rate_hz, work)?;
+    output::check_format(&args.output, training.channels.len(), signal.sample_rate_hz)?;
     let dictionary = index(&training, &args.training, &shape, Dynamics::Paper, work)?;
     let drive = input::mean(&signal);
-    let output = {
+    let fire = {
         let stage = work.stage("texture");
         synthesize(&drive, &dictionary, &options, &|done| stage.at(done)).map_err(Error::of_file(&args.input))?
     };
-    let output: Vec<Vec<f32>> =
-        output.into_iter().map(|samples| samples.into_iter().map(|sample| sample as f32).collect()).collect();
+    let fire: Vec<Vec<f32>> =
+        fire.into_iter().map(|samples| samples.into_iter().map(|sample| sample as f32).collect()).collect();
     work.check()?;
-    check_finite(&args.output, &output)?;
-    write_wav_f32(&args.output, &output, signal.sample_rate_hz)?;
-    Ok(())
+    let sound = output::write(&args.output, fire, signal.sample_rate_hz, broadcast.as_ref())?;
+    Ok(Done::with_sound(&args.output, sound))
 }
 
 /// The dictionary of a training sound at its rate; fails where not one window of it has all that a

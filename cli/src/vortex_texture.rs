@@ -13,16 +13,17 @@ use rayon::prelude::*;
 use self::kept::Kept;
 use crate::args::{FlowKind, VortexTextureArgs};
 use crate::error::Error;
-use crate::input::check_output;
+use crate::output::check_file;
 use crate::progress::{Stage, Work, note};
+use crate::summary::Done;
 
 /// Part of a row's work that is taken to be done when it is settled.
 const SETTLING: f64 = 0.3;
 
 /// Records a texture and writes it.
-pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<(), Error> {
+pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<Done, Error> {
     let plan = Plan::new(args)?;
-    check_output(&args.output)?;
+    check_file(&args.output)?;
     let mut kept = Kept::open(&args.output, plan.settings());
     kept.restore();
     let kept = Mutex::new(kept);
@@ -36,7 +37,7 @@ pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<(), Error> {
     match written {
         Ok(()) => {
             kept.remove();
-            Ok(())
+            Ok(Done { output: Some(args.output.clone()), ..Done::default() })
         }
         Err(error) => Err(kept.unfinished(error)),
     }

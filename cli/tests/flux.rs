@@ -104,7 +104,7 @@ fn shards_make_what_one_run_makes() {
     refuses(at, "flux-merge a.csv other.csv c.csv --output x.wav", 1, &["a.csv", "other.csv", "iso 0.5", "iso 0.6"]);
     refuses(at, "flux-merge one.csv --output x.wav", 1, &["one.csv", "line 1", "not a part"]);
     refuses(at, "flux-merge a.csv none.csv --output x.wav", 1, &["none.csv", "no such file"]);
-    refuses(at, "flux-merge a.csv --output a.csv", 1, &["a.csv", "overwrite"]);
+    refuses(at, "flux-merge a.csv --output x.wav --flux-csv a.csv", 1, &["a.csv", "overwrite"]);
     refuses(at, "flux-merge one.wav --output x.wav", 1, &["one.wav", "text"]);
     refuses(at, "flux-merge --output x.wav", 2, &["SHARD"]);
 }
@@ -217,7 +217,8 @@ fn a_series_goes_straight_to_pressure() {
             &["dense.wav", name, "leave it out"],
         );
     }
-    refuses(at, "flux --input flux.csv --output flux.csv", 1, &["flux.csv", "overwrite"]);
+    refuses(at, "flux --input dense.wav --output dense.wav", 1, &["dense.wav", "overwrite"]);
+    refuses(at, "flux --input flux.csv --output flux.csv", 1, &["flux.csv", "no .csv files are written"]);
     std::fs::write(at.join("bad.csv"), "frame,flux\n1,2\n2,x\n").unwrap();
     refuses(at, "flux --input bad.csv --output x.wav", 1, &["bad.csv", "line 3"]);
     std::fs::write(at.join("still.csv"), "1.5\n".repeat(100)).unwrap();
@@ -281,10 +282,11 @@ fn bad_options_are_refused() {
         ("--output x.wav --start-frame 4", &["--start-frame is 4", "first frame is 3"]),
         ("--output x.wav --flux-csv x.wav", &["x.wav", "two outputs"]),
         ("--partial x.csv --flux-csv x.csv", &["x.csv", "two outputs"]),
-        ("--output flame/flame_0004.npz", &["flame_0004.npz", "overwrite"]),
+        ("--flux-csv flame/flame_0004.npz", &["flame_0004.npz", "overwrite"]),
+        ("--output flame/flame_0004.npz", &["flame_0004.npz", "no .npz files are written"]),
         ("--output no/folder/x.wav", &["no folder no/folder"]),
         ("--output flame", &["flame", "a folder"]),
-        ("--frames 3-5 --output flame/flame_0009.npz", &["flame_0009.npz", "overwrite"]),
+        ("--frames 3-5 --flux-csv flame/flame_0009.npz", &["flame_0009.npz", "overwrite"]),
         ("", &["nothing to write", "--output"]),
     ] {
         refuses(at, &format!("flux --input flame {options}"), 1, says);

@@ -4,7 +4,19 @@ mod common;
 
 #[test]
 fn flags() {
-    for command in ["texture", "extend", "render", "flux", "flux-merge", "simulate", "vortex-texture"] {
+    for command in [
+        "texture",
+        "extend",
+        "render",
+        "flux",
+        "flux-merge",
+        "simulate",
+        "vortex-texture",
+        "presets",
+        "parameters",
+        "completions",
+        "man",
+    ] {
         let output = common::pyrophone(std::path::Path::new("."), &format!("{command} --help"));
         assert!(output.status.success());
         let text: Vec<String> =

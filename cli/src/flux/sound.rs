@@ -4,13 +4,14 @@ use std::path::Path;
 
 use pyrophone_flame::flux::Flux;
 use pyrophone_flame::pressure::{self, Advice, Options};
-use pyrophone_recording::{Broadcast, check_finite, write_broadcast_wav_f32, write_file};
+use pyrophone_recording::{Broadcast, write_file};
 
 use crate::args::{Kind, SoundArgs};
 use crate::error::Error;
-use crate::input::check_output;
+use crate::output;
 use crate::progress::{Work, note};
 use crate::report::{self, Picture, Report};
+use crate::summary::Done;
 
 /// Steps per second where nothing says otherwise: the paper's.
 const RATE_HZ: f64 = 360.0;
@@ -74,8 +75,14 @@ pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result
     if outputs.is_empty() && args.report.is_none() {
         return Err(Error::Conflict("there is nothing to write; add --output OUT.wav".into()));
     }
+    if let Some(sound) = &args.output {
+        output::check(sound, &[])?;
+        output::check_format(sound, 1, args.sample_rate)?;
+    }
     for (index, output) in outputs.iter().enumerate() {
-        check_output(output)?;
+        if Some(*output) != args.output.as_deref() {
+            output::check_file(output)?;
+        }
         if outputs[..index].contains(output) {
             let message = format!("{}: two outputs have this name; choose another for one of them", output.display());
             return Err(Error::Conflict(message));
@@ -127,7 +134,7 @@ pub fn write(
     mut facts: Vec<(String, String)>,
     surfaces: Vec<(String, Picture)>,
     work: &Work,
-) -> Result<(), Error> {
+) -> Result<Done, Error> {
     let advice = Advice::on(signal.rate_hz);
     if advice != Advice::Full && args.kind == Kind::Pressure {
         let option = if matches!(advice, Advice::EnvelopeOnly { .. }) { " (--as envelope)" } else { "" };
@@ -163,23 +170,25 @@ pub fn write(
         };
         report::write(folder, &report).inspect_err(|_| remove(&written))?;
     }
+    let mut done = Done::default().with_files(written.iter().map(|path| path.to_path_buf()).collect());
+    done.files.extend(args.report.iter().map(|folder| folder.join("index.html")));
     if let Some(path) = &args.output {
-        let channels = [sound.samples];
+        let is_silent = sound.samples.iter().all(|sample| *sample == 0.0);
         let broadcast = Broadcast {
             description: format!("Flame signal, {} steps per second", signal.rate_hz),
             time_reference_samples: time_reference(args, signal).inspect_err(|_| remove(&written))?,
             ..Broadcast::default()
         };
-        let result = check_finite(path, &channels)
-            .and_then(|()| write_broadcast_wav_f32(path, &channels, args.sample_rate, &broadcast));
-        result.inspect_err(|_| remove(&written))?;
-        if channels[0].iter().all(|sample| *sample == 0.0) {
+        let result = output::write_signal(path, vec![sound.samples], args.sample_rate, Some(&broadcast));
+        let heard = result.inspect_err(|_| remove(&written))?;
+        if is_silent {
             note("the output is silent: the flux does not change; is there a flame front at this iso value?");
         } else {
             note(&format!("scaled by {:.6e} to a peak of {} dB", sound.scale, args.peak_db));
         }
+        done = Done { files: done.files, ..Done::with_sound(path, heard) };
     }
-    Ok(())
+    Ok(done)
 }
 
 /// Half of what was asked for is nothing; that the rest failed is what is reported.

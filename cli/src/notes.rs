@@ -1,0 +1,32 @@
+//! What the user should know but what does not end the work.
+//!
+//! A process is one command, so there is one list of notes: they arise anywhere, and `--json` tells them all at the end.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on nothing but errors is told on standard error.
+pub fn be_quiet() {
+    IS_QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether nothing but errors is told.
+pub fn is_quiet() -> bool {
+    IS_QUIET.load(Ordering::Relaxed)
+}
+
+/// Says something that the user should know but that does not end the work.
+pub fn note(message: &str) {
+    if !is_quiet() {
+        eprintln!("note: {message}");
+    }
+    NOTES.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
+}
+
+/// All notes so far, which are then forgotten.
+pub fn take() -> Vec<String> {
+    std::mem::take(&mut *NOTES.lock().unwrap_or_else(PoisonError::into_inner))
+}

@@ -1,0 +1,132 @@
+//! Where sound goes: a WAV or FLAC file, or standard output.
+
+use std::io::IsTerminal;
+use std::path::Path;
+
+use pyrophone_recording::{
+    Broadcast, check_finite, check_flac, check_not_among, check_writable, round_to_24_bit, samples_hash,
+    write_broadcast_wav_f32, write_flac_24, write_wav_f32, write_wav_f32_to,
+};
+
+use crate::error::Error;
+use crate::level::Level;
+use crate::notes::note;
+use crate::summary::Sound;
+
+/// What stands for standard input and output.
+pub const STANDARD: &str = "-";
+
+/// Extensions of WAV files; a name without one is a WAV file too.
+const WAV: [&str; 3] = ["", "wav", "wave"];
+
+/// The kinds of outputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Wav,
+    Flac,
+    /// WAV, to standard output.
+    Standard,
+}
+
+/// Whether `path` stands for standard input or output.
+pub fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == STANDARD
+}
+
+/// Refuses, before any work is done for it, a sound file that is made from itself, is of no kind that is written, or
+/// could not be written; and inputs that are all to come from standard input.
+pub fn check(output: &Path, sources: &[&Path]) -> Result<(), Error> {
+    if sources.iter().filter(|source| is_standard(source)).count() > 1 {
+        return Err(Error::Conflict("two inputs are -, but standard input has one sound; name a file for one".into()));
+    }
+    if is_standard(output) {
+        if std::io::stdout().is_terminal() {
+            let message = "--output is -, but standard output is a terminal; send it to a file or a pipe";
+            return Err(Error::Conflict(message.into()));
+        }
+        return Ok(());
+    }
+    check_not_among(output, sources)?;
+    kind(output)?;
+    check_file(output)
+}
+
+/// Refuses any other file that could not be written.
+pub fn check_file(output: &Path) -> Result<(), Error> {
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        let message = format!("{}: there is no folder {}; make it first", output.display(), folder.display());
+        return Err(Error::Conflict(message));
+    }
+    Ok(check_writable(output)?)
+}
+
+/// Refuses, once they are known, channels and a rate that the kind of file cannot have.
+pub fn check_format(output: &Path, channels: usize, sample_rate_hz: u32) -> Result<(), Error> {
+    match kind(output)? {
+        Kind::Flac => Ok(check_flac(output, channels, sample_rate_hz)?),
+        Kind::Wav | Kind::Standard => Ok(()),
+    }
+}
+
+/// Writes a sound that is to be heard: says so where it is too loud or too quiet.
+pub fn write(
+    output: &Path,
+    channels: Vec<Vec<f32>>,
+    sample_rate_hz: u32,
+    broadcast: Option<&Broadcast>,
+) -> Result<Sound, Error> {
+    let sound = write_signal(output, channels, sample_rate_hz, broadcast)?;
+    sound.level.note_extremes();
+    Ok(sound)
+}
+
+/// Writes a signal, which may be of any level.
+pub fn write_signal(
+    output: &Path,
+    mut channels: Vec<Vec<f32>>,
+    sample_rate_hz: u32,
+    broadcast: Option<&Broadcast>,
+) -> Result<Sound, Error> {
+    check_finite(output, &channels)?;
+    let level = Level::of(&channels, sample_rate_hz);
+    match (kind(output)?, broadcast) {
+        (Kind::Standard, _) => {
+            write_wav_f32_to(&mut std::io::stdout().lock(), "standard output", &channels, sample_rate_hz, broadcast)?;
+        }
+        (Kind::Flac, _) => {
+            let clipped = round_to_24_bit(&mut channels);
+            write_flac_24(output, &channels, sample_rate_hz, broadcast)?;
+            if clipped > 0 {
+                note(&format!(
+                    "{clipped} samples beyond full scale are clipped, since FLAC has none; WAV would keep them"
+                ));
+            }
+        }
+        (Kind::Wav, Some(broadcast)) => write_broadcast_wav_f32(output, &channels, sample_rate_hz, broadcast)?,
+        (Kind::Wav, None) => write_wav_f32(output, &channels, sample_rate_hz)?,
+    }
+    Ok(Sound {
+        samples: channels.first().map_or(0, Vec::len),
+        sample_rate_hz,
+        channels: channels.len(),
+        level,
+        hash: samples_hash(&channels),
+    })
+}
+
+fn kind(output: &Path) -> Result<Kind, Error> {
+    if is_standard(output) {
+        return Ok(Kind::Standard);
+    }
+    let extension = output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match extension.as_str() {
+        "flac" => Ok(Kind::Flac),
+        known if WAV.contains(&known) => Ok(Kind::Wav),
+        other => Err(Error::Conflict(format!(
+            "{}: no .{} files are written; name the output .wav (32-bit float) or .flac (24 bit)",
+            output.display(),
+            other.replace(['\n', '\r'], " ")
+        ))),
+    }
+}

@@ -1,0 +1,89 @@
+//! `pyrophone parameters`: what presets, automation and `--set` may say.
+
+use pyrophone_settings::{Kind, PARAMETERS, Parameter};
+use serde::Serialize;
+
+use crate::summary::{json, print};
+
+/// A parameter as `--json` tells it; values are those that presets and automation take.
+#[derive(Serialize)]
+struct Listed {
+    id: &'static str,
+    name: &'static str,
+    group: &'static str,
+    unit: &'static str,
+    /// `float`, `int`, `choice` or `toggle`.
+    kind: &'static str,
+    low: f64,
+    high: f64,
+    /// Whether the lowest value means "off".
+    off_at_low: bool,
+    default: String,
+    /// Names of the values of a choice.
+    choices: &'static [&'static str],
+    automatable: bool,
+    /// The published value, where there is one.
+    paper: Option<String>,
+    help: &'static str,
+}
+
+#[derive(Serialize)]
+struct List {
+    command: &'static str,
+    parameters: Vec<Listed>,
+}
+
+/// Lists all parameters on standard output.
+pub fn run(as_json: bool) {
+    if as_json {
+        let parameters = PARAMETERS.iter().map(Listed::new).collect();
+        print(&json(&List { command: "parameters", parameters }));
+        return;
+    }
+    let widest = PARAMETERS.iter().map(|parameter| parameter.id.len()).max().unwrap_or(0);
+    let lines = |parameter: &Parameter| {
+        let fixed = if parameter.automatable { "" } else { " Cannot be automated." };
+        let Parameter { id, help, .. } = parameter;
+        format!("{id:widest$}  {}\n{:widest$}  {help}{fixed}\n", range(parameter), "")
+    };
+    print(&PARAMETERS.iter().map(lines).collect::<String>());
+}
+
+/// The values allowed, and the default.
+fn range(parameter: &Parameter) -> String {
+    let default = parameter.to_text(parameter.default_value());
+    let allowed = match parameter.kind {
+        Kind::Choice { names, .. } => names.join(", "),
+        Kind::Toggle { .. } => "off, on".to_owned(),
+        Kind::Float { .. } | Kind::Int { .. } => {
+            format!("{} to {}", parameter.to_text(parameter.low()), parameter.to_text(parameter.high()))
+        }
+    };
+    format!("{allowed} [default: {default}]")
+}
+
+impl Listed {
+    fn new(parameter: &Parameter) -> Self {
+        let (kind, choices, off_at_low): (_, &[&str], _) = match parameter.kind {
+            Kind::Float { off_at_low, .. } => ("float", &[], off_at_low),
+            Kind::Int { .. } => ("int", &[], false),
+            Kind::Choice { names, .. } => ("choice", names, false),
+            Kind::Toggle { .. } => ("toggle", &[], false),
+        };
+        Self {
+            id: parameter.id,
+            name: parameter.name,
+            group: parameter.group,
+            unit: parameter.unit,
+            kind,
+            low: parameter.low(),
+            high: parameter.high(),
+            off_at_low,
+            default: parameter.to_text(parameter.default_value()),
+            choices,
+            automatable: parameter.automatable,
+            paper: parameter.paper.map(|plain| parameter.to_text(plain)),
+            help: parameter.help,
+        }
+    }
+}

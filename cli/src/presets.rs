@@ -1,0 +1,63 @@
+//! `pyrophone presets`: those that come with Pyrophone, and the user's.
+
+use pyrophone_settings::{Id, Library, Preset};
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::notes::{note, take};
+use crate::summary::{json, print};
+
+/// A preset as `--json` tells it.
+#[derive(Serialize)]
+struct Listed {
+    name: String,
+    /// `factory` or `user`.
+    origin: &'static str,
+    /// Its file, where it is the user's.
+    path: Option<String>,
+    description: String,
+    tags: Vec<String>,
+    /// What it feeds on; `flame` needs no input.
+    drive_mode: String,
+}
+
+#[derive(Serialize)]
+struct List {
+    command: &'static str,
+    presets: Vec<Listed>,
+    notes: Vec<String>,
+}
+
+/// Lists all presets on standard output.
+pub fn run(as_json: bool) -> Result<(), Error> {
+    let mut presets: Vec<Listed> =
+        Preset::factory()?.into_iter().map(|preset| Listed::new(preset, "factory", None)).collect();
+    if let Some(library) = Library::of_user() {
+        let (stored, errors) = library.list();
+        presets.extend(stored.into_iter().map(|stored| {
+            let path = stored.path.display().to_string();
+            Listed::new(stored.preset, "user", Some(path))
+        }));
+        errors.iter().for_each(|error| note(&error.to_string().replace(['\n', '\r'], " ")));
+    }
+    if as_json {
+        print(&json(&List { command: "presets", presets, notes: take() }));
+        return Ok(());
+    }
+    let widest = presets.iter().map(|preset| preset.name.chars().count()).max().unwrap_or(0);
+    let line = |preset: &Listed| {
+        let mark = if preset.path.is_some() { "yours: " } else { "" };
+        let description = preset.description.replace(['\n', '\r'], " ");
+        format!("{:widest$}  {mark}{description}\n", preset.name)
+    };
+    print(&presets.iter().map(line).collect::<String>());
+    Ok(())
+}
+
+impl Listed {
+    fn new(preset: Preset, origin: &'static str, path: Option<String>) -> Self {
+        let drive_mode = Id::DriveMode.parameter().to_text(preset.values.get(Id::DriveMode));
+        let Preset { name, description, tags, .. } = preset;
+        Self { name, origin, path, description, tags, drive_mode }
+    }
+}

@@ -1,0 +1,70 @@
+//! Signals that stop the work.
+//!
+//! A signal only leaves its number here, so that the work ends at its next step and no half-written file is left. Then
+//! the process dies of that signal after all: a shell that runs it in a loop ends the loop only where its child was
+//! killed, and not where it exited.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::error::Error;
+
+/// What Ctrl-C sends.
+#[cfg(not(unix))]
+const INTERRUPT: usize = 2;
+
+/// The signal that has arrived, if one has.
+#[derive(Clone)]
+pub struct Stop {
+    /// Its number; 0 for none.
+    signal: Arc<AtomicUsize>,
+}
+
+impl Stop {
+    /// Begins to listen: for Ctrl-C, for what `kill` and a batch system send, and for a terminal that goes away.
+    pub fn listen() -> Result<Self, Error> {
+        let signal = Arc::new(AtomicUsize::new(0));
+        #[cfg(unix)]
+        {
+            use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+            let hang_up = Some(SIGHUP).filter(|_| !is_ignored(SIGHUP));
+            for number in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
+                signal_hook::flag::register_usize(number, Arc::clone(&signal), number as usize)?;
+            }
+        }
+        #[cfg(not(unix))]
+        {
+            let signal = Arc::clone(&signal);
+            ctrlc::set_handler(move || signal.store(INTERRUPT, Ordering::Relaxed)).map_err(std::io::Error::other)?;
+        }
+        Ok(Self { signal })
+    }
+
+    /// Whether a signal has arrived.
+    pub fn has_come(&self) -> bool {
+        self.number() != 0
+    }
+
+    /// Ends the process as the signal would have, where one has arrived; else does nothing.
+    pub fn die_of_signal(&self) -> Option<ExitCode> {
+        let number = u8::try_from(self.number()).ok().filter(|number| *number != 0)?;
+        #[cfg(unix)]
+        let _ = signal_hook::low_level::emulate_default_handler(i32::from(number));
+        // Systems without signals have the number alone, as shells tell it.
+        Some(ExitCode::from(128 + number))
+    }
+
+    fn number(&self) -> usize {
+        self.signal.load(Ordering::Relaxed)
+    }
+}
+
+/// Whether the program was started with a signal ignored, as `nohup` has it for work that is to outlive its terminal. Only
+/// Linux tells.
+#[cfg(unix)]
+fn is_ignored(number: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (number - 1) & 1 == 1)
+}
