@@ -1,6 +1,6 @@
 //! The part of a recording that is used, and its level.
 
-use crate::{Error, Recording};
+use crate::{Error, Recording, subsonic};
 
 /// Most gain of a [`Cut`], up or down, in dB.
 pub const MAX_GAIN_DB: f64 = 60.0;
@@ -36,68 +36,105 @@ impl Cut {
     ///
     /// Fails as [`span`](Self::span), and where the gain is not within ±[`MAX_GAIN_DB`].
     pub fn gain(&self, recording: &Recording) -> Result<f64, Error> {
-        if !(-MAX_GAIN_DB..=MAX_GAIN_DB).contains(&self.gain_db) {
-            return Err(Error::Gain { found_db: self.gain_db, most_db: MAX_GAIN_DB });
-        }
+        self.check_gain()?;
         let span = self.span(recording)?;
-        let samples = recording.channels.iter().flat_map(|channel| &channel[span.clone()]);
-        let peak = if self.normalise { samples.fold(0.0f32, |peak, sample| peak.max(sample.abs())) } else { 0.0 };
-        let full = if peak > 0.0 { 1.0 / f64::from(peak) } else { 1.0 };
-        Ok(full * 10f64.powf(self.gain_db / 20.0))
+        Ok(if self.normalise { self.gain_on(&audible(recording, span)) } else { self.gain_on(&[]) })
     }
 
-    /// The part of `recording`, at its level. Name and hash stay: they name the file.
+    fn check_gain(&self) -> Result<(), Error> {
+        if (-MAX_GAIN_DB..=MAX_GAIN_DB).contains(&self.gain_db) {
+            return Ok(());
+        }
+        Err(Error::Gain { found_db: self.gain_db, most_db: MAX_GAIN_DB })
+    }
+
+    /// The factor for the part's own samples.
+    fn gain_on(&self, channels: &[Vec<f32>]) -> f64 {
+        let samples = channels.iter().flatten();
+        let peak = if self.normalise { samples.fold(0.0f32, |peak, sample| peak.max(sample.abs())) } else { 0.0 };
+        let full = if peak > 0.0 { 1.0 / f64::from(peak) } else { 1.0 };
+        full * 10f64.powf(self.gain_db / 20.0)
+    }
+
+    /// The part of `recording`, at its level, without what lies below hearing: an offset and whatever moves slower than
+    /// 10 Hz would take part in its peak and in every match. Name and hash stay: they name the file.
     ///
     /// Fails as [`gain`](Self::gain).
     pub fn of(&self, recording: &Recording) -> Result<Recording, Error> {
-        let span = self.span(recording)?;
-        let mut channels: Vec<Vec<f32>> =
-            recording.channels.iter().map(|channel| channel[span.clone()].to_vec()).collect();
-        let gain = self.gain(recording)?;
+        self.check_gain()?;
+        let mut channels = audible(recording, self.span(recording)?);
+        let gain = self.gain_on(&channels);
         if gain != 1.0 {
             channels.iter_mut().flatten().for_each(|sample| *sample = (f64::from(*sample) * gain) as f32);
         }
         let (name, content_hash) = (recording.name.clone(), recording.content_hash.clone());
-        Ok(Recording { channels, sample_rate_hz: recording.sample_rate_hz, name, content_hash })
+        let (sample_rate_hz, notes) = (recording.sample_rate_hz, recording.notes.clone());
+        Ok(Recording { channels, sample_rate_hz, name, content_hash, notes })
     }
+}
+
+/// A part of all channels, without what lies below hearing.
+fn audible(recording: &Recording, span: std::ops::Range<usize>) -> Vec<Vec<f32>> {
+    let mut channels: Vec<Vec<f32>> = recording.channels.iter().map(|channel| channel[span.clone()].to_vec()).collect();
+    subsonic::remove(&mut channels, recording.sample_rate_hz);
+    channels
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn ramp() -> Recording {
-        let channel = |sign: f32| (0..1000).map(|n| sign * n as f32 / 2000.0).collect();
+    /// A tone that swells, at 8 kHz.
+    fn tone() -> Recording {
+        let channel = |sign: f32| {
+            let sample =
+                |n: usize| sign * (n / 8 + 1) as f32 / 8000.0 * [0.0, 0.7, 1.0, 0.7, 0.0, -0.7, -1.0, -0.7][n % 8];
+            (0..32_000).map(sample).collect()
+        };
         Recording {
             channels: vec![channel(1.0), channel(-0.5)],
-            sample_rate_hz: 1000,
-            name: "ramp".into(),
+            sample_rate_hz: 8000,
+            name: "tone".into(),
             content_hash: "00".into(),
+            notes: vec![],
         }
     }
 
     #[test]
     fn the_part_is_cut_and_levelled() {
-        let whole = ramp();
+        let whole = tone();
         assert_eq!(Cut::default().of(&whole).unwrap(), whole, "bit for bit");
-        let part = Cut { region_s: Some([0.25, 0.75]), ..Cut::default() }.of(&whole).unwrap();
-        assert_eq!(part.channels[0], whole.channels[0][250..750]);
-        assert_eq!((part.name.as_str(), part.content_hash.as_str()), ("ramp", "00"));
-        let loud = Cut { region_s: Some([0.25, 0.75]), normalise: true, gain_db: -20.0 }.of(&whole).unwrap();
-        assert!((loud.channels[0][499] - 0.1).abs() < 1e-6, "the part's own peak counts: {}", loud.channels[0][499]);
-        assert!((loud.channels[1][499] + 0.05).abs() < 1e-6, "channels keep their balance");
-        let silent = Recording { channels: vec![vec![0.0; 10]], ..ramp() };
+        let part = Cut { region_s: Some([1.0, 3.0]), ..Cut::default() }.of(&whole).unwrap();
+        assert_eq!(part.channels[0], whole.channels[0][8000..24_000]);
+        assert_eq!((part.name.as_str(), part.content_hash.as_str()), ("tone", "00"));
+        let loud = Cut { region_s: Some([1.0, 3.0]), normalise: true, gain_db: -20.0 }.of(&whole).unwrap();
+        let peak = |channel: usize| loud.channels[channel].iter().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
+        assert!((peak(0) - 0.1).abs() < 1e-6, "the part's own peak counts: {}", peak(0));
+        assert!((peak(1) - 0.05).abs() < 1e-6, "channels keep their balance");
+        let silent = Recording { channels: vec![vec![0.0; 10]], ..tone() };
         assert_eq!(Cut { normalise: true, ..Cut::default() }.of(&silent).unwrap(), silent);
     }
 
     #[test]
+    fn an_offset_takes_no_part_in_normalising() {
+        let normal = Cut { normalise: true, ..Cut::default() };
+        let mut offset = tone();
+        offset.channels.iter_mut().flatten().for_each(|sample| *sample += 0.3);
+        let (plain, offset_gain) = (normal.gain(&tone()).unwrap(), normal.gain(&offset).unwrap());
+        assert!((offset_gain / plain - 1.0).abs() < 0.01, "{offset_gain} instead of {plain}");
+        let part = normal.of(&offset).unwrap();
+        let mean = part.channels[0].iter().sum::<f32>() / 32_000.0;
+        assert!(mean.abs() < 1e-4, "an offset of {mean}");
+    }
+
+    #[test]
     fn what_lies_beyond_the_ends_is_left_out_and_nonsense_refused() {
-        let whole = ramp();
+        let whole = tone();
         let span = |start_s, end_s| Cut { region_s: Some([start_s, end_s]), ..Cut::default() }.span(&whole);
-        assert_eq!(span(-5.0, 0.5).unwrap(), 0..500);
-        assert_eq!(span(0.5, 1e9).unwrap(), 500..1000);
-        assert_eq!(span(7.0, 8.0).unwrap(), 999..1000, "never empty");
-        assert_eq!(span(0.2, 0.2 + 1e-9).unwrap(), 200..201);
+        assert_eq!(span(-5.0, 0.5).unwrap(), 0..4000);
+        assert_eq!(span(0.5, 1e9).unwrap(), 4000..32_000);
+        assert_eq!(span(7.0, 8.0).unwrap(), 31_999..32_000, "never empty");
+        assert_eq!(span(0.2, 0.2 + 1e-9).unwrap(), 1600..1601);
         for (start_s, end_s) in [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
             assert!(matches!(span(start_s, end_s), Err(Error::Region { .. })), "{start_s}-{end_s}");
         }

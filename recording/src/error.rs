@@ -71,7 +71,7 @@ pub enum Error {
         found_bytes: u64,
     },
     /// The bytes are of no sound format known.
-    #[error("{name}: not a sound file ({found}); use WAV, AIFF, CAF, FLAC, Ogg Vorbis or MP3")]
+    #[error("{name}: not a sound file ({found}); use WAV, RF64, Wave64, AIFF, CAF, FLAC, Ogg Vorbis or MP3")]
     NotAudio {
         /// The file.
         name: String,
@@ -105,6 +105,36 @@ pub enum Error {
         declared: u64,
         /// What is counted: `bytes of sound` or `samples`.
         unit: &'static str,
+    },
+    /// What must be the same throughout changes in the middle of the sound.
+    #[error(
+        "{name}: its {what} changes from {from} to {to} after {at_s:.3} s, but must stay the same; split the file there, or convert it"
+    )]
+    Changes {
+        /// The file.
+        name: String,
+        /// What changes.
+        what: &'static str,
+        /// Its first value.
+        from: u32,
+        /// Its next value.
+        to: u32,
+        /// Seconds of sound before.
+        at_s: f64,
+    },
+    /// What must be the same throughout differs between the streams that a file is joined from.
+    #[error(
+        "{name}: its {what} changes from {from} to {to} between two of its streams, but must stay the same; split the file there, or convert it"
+    )]
+    ChangesBetween {
+        /// The file.
+        name: String,
+        /// What changes.
+        what: &'static str,
+        /// Its value in the first stream.
+        from: u32,
+        /// Its next value.
+        to: u32,
     },
     /// A sample is NaN or infinite.
     #[error(

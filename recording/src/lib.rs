@@ -1,20 +1,26 @@
 //! Sound files in and out: what is read is checked, what is written is whole.
 //!
-//! [`read`] and [`decode`] take WAV, AIFF, CAF (linear PCM), FLAC, Ogg Vorbis and MP3 and refuse,
-//! with a one-line reason, whatever cannot serve as a recording. [`Cut`] takes a part of one, [`resample`] brings a recording to
-//! another sample rate, [`write_wav_f32`] and [`write_broadcast_wav_f32`] write float WAV files, [`write_flac_24`] writes FLAC, and
-//! [`embed`] packs a file's bytes into text, for keeping inside a session.
+//! [`read`] and [`decode`] take WAV (also RF64, BW64 and Wave64), AIFF, CAF, FLAC, Ogg Vorbis and MP3 and refuse,
+//! with a one-line reason, whatever cannot serve as a recording; what the user should know of one that can stands in its
+//! [`Note`]s. [`Cut`] takes a part of one, [`resample`] brings a recording to another sample rate, [`write_wav_f32`] and
+//! [`write_broadcast_wav_f32`] write float WAV files, [`write_flac_24`] writes FLAC, and [`embed`] packs a file's bytes
+//! into text, for keeping inside a session.
 
 mod broadcast;
-mod container;
 mod cut;
 mod decode;
 mod embed;
 mod error;
 mod flac;
 mod flac_tags;
+mod format;
+mod g711;
+mod note;
+mod packets;
+mod pcm;
 mod resample;
 mod stream;
+mod subsonic;
 mod wav;
 mod write;
 
@@ -24,6 +30,7 @@ pub use decode::{decode, decode_bytes, read};
 pub use embed::{MAX_EMBEDDED_BYTES, embed, unembed};
 pub use error::Error;
 pub use flac::{MAX_FLAC_CHANNELS, MAX_FLAC_RATE_HZ, check_flac, round_to_24_bit, write_flac_24};
+pub use note::Note;
 pub use resample::resample;
 pub use stream::settle_length;
 pub use write::{check_finite, check_not_among, check_writable, write_file, write_wav_f32, write_wav_f32_to};
@@ -62,6 +69,8 @@ pub struct Recording {
     pub name: String,
     /// BLAKE3 of the file's bytes, 64 hexadecimal digits.
     pub content_hash: String,
+    /// What the user should know of it.
+    pub notes: Vec<Note>,
 }
 
 impl Recording {

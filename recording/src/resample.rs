@@ -3,7 +3,7 @@
 use audioadapter_buffers::direct::SequentialSlice;
 use rubato::{Fft, FixedSync, Indexing, Resampler, WindowFunction};
 
-use crate::{Error, MAX_SAMPLES, Progress, Recording, container};
+use crate::{Error, MAX_SAMPLES, Progress, Recording, format};
 
 /// Least taps of the sinc, counted at the lower of the two rates. With the squared Blackman-Harris
 /// window it passes up to 0.97 of the lower Nyquist frequency.
@@ -15,8 +15,8 @@ const LEAST_SINC_TAPS: usize = 1024;
 /// Fails at a rate outside the limits of this crate, where the result would be too large, and where
 /// `progress` calls it off.
 pub fn resample(recording: &Recording, rate_hz: u32, progress: Progress) -> Result<Recording, Error> {
-    container::check_layout(recording.channels.len(), Some(rate_hz), &recording.name)?;
-    container::check_layout(recording.channels.len(), Some(recording.sample_rate_hz), &recording.name)?;
+    format::check_layout(recording.channels.len(), Some(rate_hz), &recording.name)?;
+    format::check_layout(recording.channels.len(), Some(recording.sample_rate_hz), &recording.name)?;
     if rate_hz == recording.sample_rate_hz {
         return Ok(recording.clone());
     }

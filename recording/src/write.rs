@@ -64,7 +64,7 @@ pub fn write_wav_f32_to(
 
 /// The channels' length; fails where they are missing, too many or unequal.
 pub(crate) fn check_channels(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<usize, Error> {
-    crate::container::check_layout(channels.len(), Some(sample_rate_hz), &one_line(path))?;
+    crate::format::check_layout(channels.len(), Some(sample_rate_hz), &one_line(path))?;
     let expected = channels[0].len();
     if let Some((channel, samples)) = channels.iter().enumerate().find(|(_, samples)| samples.len() != expected) {
         return Err(Error::UnequalChannels { path: one_line(path), channel, found: samples.len(), expected });

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use pyrophone_recording::{Error, Recording, no_progress, resample};
 
 fn recording(channels: Vec<Vec<f32>>, sample_rate_hz: u32) -> Recording {
-    Recording { channels, sample_rate_hz, name: "test.wav".into(), content_hash: "abc".into() }
+    Recording { channels, sample_rate_hz, name: "test.wav".into(), content_hash: "abc".into(), notes: vec![] }
 }
 
 fn sine(frequency_hz: f64, rate_hz: u32, samples: usize) -> Vec<f32> {

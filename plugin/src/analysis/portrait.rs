@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     fn recording(channels: Vec<Vec<f32>>) -> Recording {
-        Recording { channels, sample_rate_hz: 44_100, name: "test".into(), content_hash: String::new() }
+        Recording { channels, sample_rate_hz: 44_100, name: "test".into(), content_hash: String::new(), notes: vec![] }
     }
 
     #[test]

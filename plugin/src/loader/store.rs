@@ -1,0 +1,208 @@
+//! Dictionaries on disk, so that a session that is opened again has its recording at once.
+//!
+//! A dictionary is kept under what it is made of and the build that has made it. A file begins with its magic and a
+//! checksum; one that does not fit is deleted and made again. Files are written beside their place and moved there,
+//! so that a reader never sees half of one, and the oldest are deleted when all of them grow beyond a limit.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use pyrophone_synthesis::BUILD;
+use pyrophone_synthesis::texture::Dictionary;
+
+use super::cache::DictionaryKey;
+
+/// Names another folder; where it is empty, nothing is kept.
+pub const FOLDER_VARIABLE: &str = "PYROPHONE_CACHE";
+
+/// What a file begins with.
+const MAGIC: &[u8; 8] = b"PYRODIC1";
+/// Bytes before the dictionary: magic and checksum.
+const HEADER: usize = 8 + 32;
+/// Ending of files that are whole.
+const EXTENSION: &str = "dictionary";
+/// Most bytes of all files together: some ten recordings of two minutes, or a hundred of ten seconds.
+const MOST_BYTES: u64 = 2 << 30;
+
+/// A folder of dictionaries.
+#[derive(Debug, Clone)]
+pub struct Store {
+    folder: PathBuf,
+    most_bytes: u64,
+}
+
+impl Store {
+    /// The user's: the folder that `PYROPHONE_CACHE` names, else `Pyrophone/dictionaries` where the system keeps what can be
+    /// made again. None where that is empty or the user has no home.
+    pub fn of_user() -> Option<Self> {
+        let folder = match std::env::var_os(FOLDER_VARIABLE) {
+            Some(named) if named.is_empty() => return None,
+            Some(named) => PathBuf::from(named),
+            None => dirs::cache_dir()?.join("Pyrophone").join("dictionaries"),
+        };
+        Some(Self::new(folder, MOST_BYTES))
+    }
+
+    /// Dictionaries in `folder`, which need not exist yet, of at most `most_bytes` together.
+    pub fn new(folder: PathBuf, most_bytes: u64) -> Self {
+        Self { folder, most_bytes }
+    }
+
+    fn path(&self, key: &DictionaryKey) -> PathBuf {
+        let name = blake3::hash(format!("{BUILD} {}", key.text()).as_bytes()).to_hex();
+        self.folder.join(format!("{name}.{EXTENSION}"))
+    }
+
+    /// The dictionary of this key, if it is kept and whole. It counts as used now.
+    pub fn read(&self, key: &DictionaryKey) -> Option<Dictionary> {
+        let path = self.path(key);
+        let bytes = fs::read(&path).ok()?;
+        let dictionary = unpack(&bytes);
+        match &dictionary {
+            Some(_) => {
+                // Where the time cannot be set, the file merely counts as older than it is.
+                let _ = File::options().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
+            }
+            None => {
+                let _ = fs::remove_file(&path);
+            }
+        }
+        dictionary
+    }
+
+    /// Keeps a dictionary, and deletes the oldest where they would be too many; what cannot be written is not kept.
+    ///
+    /// # Errors
+    /// Where the folder or the file cannot be written.
+    pub fn write(&self, key: &DictionaryKey, dictionary: &Dictionary) -> std::io::Result<()> {
+        let body = dictionary.to_bytes();
+        let size = (HEADER + body.len()) as u64;
+        if size > self.most_bytes {
+            return Ok(());
+        }
+        fs::create_dir_all(&self.folder)?;
+        self.make_room(size);
+        let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
+        file.write_all(MAGIC)?;
+        file.write_all(blake3::hash(&body).as_bytes())?;
+        file.write_all(&body)?;
+        file.persist(self.path(key)).map_err(|error| error.error)?;
+        Ok(())
+    }
+
+    /// Deletes the oldest files until `wanted` more bytes fit.
+    fn make_room(&self, wanted: u64) {
+        let mut files = files(&self.folder);
+        files.sort_by_key(|(used, ..)| *used);
+        let mut total: u64 = files.iter().map(|(_, size, _)| size).sum();
+        for (_, size, path) in files {
+            if total + wanted <= self.most_bytes {
+                return;
+            }
+            if fs::remove_file(path).is_ok() {
+                total -= size;
+            }
+        }
+    }
+}
+
+/// When each kept file was last used, its size, its path.
+fn files(folder: &Path) -> Vec<(SystemTime, u64, PathBuf)> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let described = entries.filter_map(|entry| {
+        let (path, about) = (entry.path(), entry.metadata().ok()?);
+        let is_ours = path.extension().is_some_and(|extension| extension == EXTENSION);
+        is_ours.then(|| Some((about.modified().ok()?, about.len(), path)))?
+    });
+    described.collect()
+}
+
+fn unpack(bytes: &[u8]) -> Option<Dictionary> {
+    let body = bytes.get(HEADER..)?;
+    let is_whole = bytes[..8] == *MAGIC && bytes[8..HEADER] == *blake3::hash(body).as_bytes();
+    is_whole.then(|| Dictionary::from_bytes(body).ok()).flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use pyrophone_recording::Cut;
+    use pyrophone_synthesis::Structure;
+    use pyrophone_synthesis::structure::Dynamics;
+    use pyrophone_synthesis::texture::Shape;
+
+    use super::*;
+
+    fn key(hash: &str) -> DictionaryKey {
+        DictionaryKey::new(hash, &Cut::default(), 44_100.0, &Structure::default())
+    }
+
+    fn dictionary(seed: u32) -> Dictionary {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state as i32) / f64::from(i32::MAX)
+        };
+        let channels: Vec<Vec<f64>> = (0..2).map(|_| (0..30_000).map(|_| next()).collect()).collect();
+        let shape = Shape::at_rate(&Structure::default(), 44_100.0);
+        Dictionary::for_dynamics(Dynamics::Companded, &channels, 44_100.0, &shape, &|_| true).unwrap()
+    }
+
+    #[test]
+    fn what_is_kept_is_what_was_made() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path().join("not yet there"), MOST_BYTES);
+        let made = dictionary(1);
+        assert!(store.read(&key("a")).is_none());
+        store.write(&key("a"), &made).unwrap();
+        let read = store.read(&key("a")).expect("it was kept");
+        assert_eq!(read.to_bytes(), made.to_bytes());
+        assert_eq!(format!("{:?}", read.profile()), format!("{:?}", made.profile()));
+        assert!(store.read(&key("b")).is_none(), "another recording's is not taken for it");
+    }
+
+    #[test]
+    fn a_damaged_file_is_deleted_wherever_the_damage_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::new(folder.path().to_owned(), MOST_BYTES);
+        store.write(&key("a"), &dictionary(1)).unwrap();
+        let path = store.path(&key("a"));
+        let good = fs::read(&path).unwrap();
+        let flipped = |at: usize| {
+            let mut bytes = good.clone();
+            bytes[at] ^= 1;
+            bytes
+        };
+        let bad =
+            [flipped(0), flipped(20), flipped(good.len() / 2), good[..good.len() - 1].to_vec(), vec![], vec![7; 20]];
+        for bytes in bad {
+            fs::write(&path, &bytes).unwrap();
+            assert!(store.read(&key("a")).is_none(), "{} bytes", bytes.len());
+            assert!(!path.exists(), "it is made again");
+        }
+    }
+
+    #[test]
+    fn the_oldest_make_room() {
+        let folder = tempfile::tempdir().unwrap();
+        let made = dictionary(2);
+        let size = (HEADER + made.to_bytes().len()) as u64;
+        let store = Store::new(folder.path().to_owned(), 2 * size + size / 2);
+        let old = |name: &str, hours: u64| {
+            let file = File::options().append(true).open(store.path(&key(name))).unwrap();
+            file.set_modified(SystemTime::now() - std::time::Duration::from_secs(3600 * hours)).unwrap();
+        };
+        store.write(&key("a"), &made).unwrap();
+        old("a", 2);
+        store.write(&key("b"), &made).unwrap();
+        old("b", 1);
+        assert!(store.read(&key("a")).is_some(), "which makes it the one used last");
+        store.write(&key("c"), &made).unwrap();
+        let kept = ["a", "b", "c"].map(|name| store.path(&key(name)).exists());
+        assert_eq!(kept, [true, false, true]);
+        let tiny = Store::new(folder.path().join("tiny"), size - 1);
+        tiny.write(&key("a"), &made).unwrap();
+        assert!(!tiny.path(&key("a")).exists(), "what does not fit at all is not kept");
+    }
+}

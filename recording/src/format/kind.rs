@@ -1,0 +1,73 @@
+//! Which format a file is of, by its first bytes; names of files are not believed.
+
+use super::{damaged, mpeg, unsupported, w64};
+use crate::Error;
+
+/// Formats that are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Wav,
+    Wave64,
+    Aiff,
+    Caf,
+    Flac,
+    Ogg,
+    Mp3,
+}
+
+/// First bytes of sound that is not read.
+const UNSUPPORTED: &[(&[u8], &str)] = &[
+    (b"RIFX", "big-endian WAV (RIFX)"),
+    (b"\x1aE\xdf\xa3", "Matroska or WebM (most often Opus)"),
+    (b"0&\xb2u\x8e\x66\xcf\x11", "Windows Media (WMA)"),
+    (b".snd", "Sun audio (AU)"),
+    (b"wvpk", "WavPack"),
+    (b"MAC ", "Monkey's Audio"),
+    (b"#!AMR", "AMR"),
+    (b"DSD ", "DSD"),
+    (b"FRM8", "DSD"),
+];
+
+/// First bytes of what is no sound at all.
+const NOT_AUDIO: &[(&[u8], &str)] = &[
+    (b"\x89PNG", "it is a PNG picture"),
+    (b"\xff\xd8\xff", "it is a JPEG picture"),
+    (b"%PDF", "it is a PDF document"),
+    (b"PK\x03\x04", "it is a ZIP archive"),
+];
+
+/// The format; fails, with what the bytes seem to be instead, where it is none that is read.
+pub(super) fn of(bytes: &[u8], name: &str) -> Result<Kind, Error> {
+    match (bytes.get(..4), bytes.get(8..12)) {
+        (Some(b"RIFF" | b"RF64" | b"BW64"), Some(b"WAVE")) => return Ok(Kind::Wav),
+        (Some(b"RIFF" | b"RF64" | b"BW64" | b"FORM"), None) => return Err(damaged(name, "the header breaks off")),
+        (Some(b"FORM"), Some(b"AIFF" | b"AIFC")) => return Ok(Kind::Aiff),
+        (Some(b"caff"), _) => return Ok(Kind::Caf),
+        (Some(b"fLaC"), _) => return Ok(Kind::Flac),
+        (Some(b"OggS"), _) => return Ok(Kind::Ogg),
+        _ if bytes.starts_with(w64::MARK) => return Ok(Kind::Wave64),
+        _ => {}
+    }
+    let starts_with = |(mark, _): &&(&[u8], &'static str)| bytes.starts_with(mark);
+    if let Some((_, found)) = UNSUPPORTED.iter().find(starts_with) {
+        return Err(unsupported(name, *found));
+    }
+    if bytes.get(4..8) == Some(b"ftyp") {
+        return Err(unsupported(name, "MP4 or M4A"));
+    }
+    if let Some((_, found)) = NOT_AUDIO.iter().find(starts_with) {
+        return Err(Error::NotAudio { name: name.into(), found: (*found).into() });
+    }
+    if mpeg::is_adts(bytes) {
+        return Err(unsupported(name, "AAC"));
+    }
+    if mpeg::first(bytes).is_some() {
+        return Ok(Kind::Mp3);
+    }
+    let is_text = bytes.iter().take(512).all(|byte| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0x80..));
+    let found = match is_text {
+        true => "it looks like text".into(),
+        false => format!("{} bytes of no known sound format", bytes.len()),
+    };
+    Err(Error::NotAudio { name: name.into(), found })
+}

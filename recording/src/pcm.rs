@@ -1,0 +1,142 @@
+//! Samples that stand in a file one after the other, each on its own.
+
+use crate::format::Described;
+use crate::g711::{from_a_law, from_mu_law};
+use crate::{Error, Progress};
+
+/// How one sample is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Coding {
+    /// Eight bits about 128.
+    Unsigned8,
+    /// Two's complement of 1 to 4 bytes, of which `bits` make up full scale.
+    Integer {
+        /// Bytes of one sample.
+        bytes: usize,
+        /// Bits below and with the sign.
+        bits: u32,
+    },
+    Float32,
+    Float64,
+    MuLaw,
+    ALaw,
+}
+
+impl Coding {
+    /// Bytes of one sample.
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::Unsigned8 | Self::MuLaw | Self::ALaw => 1,
+            Self::Integer { bytes, .. } => bytes,
+            Self::Float32 => 4,
+            Self::Float64 => 8,
+        }
+    }
+
+    /// Integers of `bits` that fill the upper bits of as few bytes as hold them: WAV's and AIFF's usual form.
+    pub fn integer(bits: usize) -> Self {
+        let bytes = bits.div_ceil(8);
+        Self::Integer { bytes, bits: 8 * bytes as u32 }
+    }
+}
+
+/// Plain samples, channels interleaved.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Pcm<'a> {
+    pub coding: Coding,
+    pub is_big_endian: bool,
+    /// Whole frames only count.
+    pub data: &'a [u8],
+}
+
+/// Frames between two reports of progress.
+const BLOCK_FRAMES: usize = 8192;
+
+impl Pcm<'_> {
+    /// Whole frames of `channels`.
+    pub fn frames(&self, channels: usize) -> usize {
+        self.data.len() / (self.coding.bytes() * channels.max(1))
+    }
+
+    /// The samples of every channel.
+    pub fn decode(&self, of: &Described, name: &str, progress: Progress) -> Result<Vec<Vec<f32>>, Error> {
+        let frames = self.frames(of.channels);
+        if frames == 0 {
+            return Err(Error::NoSamples { name: name.into() });
+        }
+        of.check_length(frames as u64, name)?;
+        let sample_bytes = self.coding.bytes();
+        let mut channels = vec![Vec::with_capacity(frames); of.channels];
+        let data = &self.data[..frames * sample_bytes * of.channels];
+        for block in data.chunks(BLOCK_FRAMES * sample_bytes * of.channels) {
+            for (index, samples) in channels.iter_mut().enumerate() {
+                let own = block.chunks_exact(sample_bytes).skip(index).step_by(of.channels);
+                samples.extend(own.map(|bytes| self.sample(bytes)));
+            }
+            if !progress(channels[0].len() as f32 / frames as f32) {
+                return Err(Error::Cancelled);
+            }
+        }
+        Ok(channels)
+    }
+
+    fn sample(&self, bytes: &[u8]) -> f32 {
+        match self.coding {
+            Coding::Unsigned8 => (f32::from(bytes[0]) - 128.0) / 128.0,
+            Coding::MuLaw => from_mu_law(bytes[0]),
+            Coding::ALaw => from_a_law(bytes[0]),
+            Coding::Float32 => f32::from_bits(self.word(bytes) as u32),
+            Coding::Float64 => f64::from_bits(self.word(bytes)) as f32,
+            Coding::Integer { bytes: count, bits } => {
+                // The sign bit at the top of a word, and back: that extends it.
+                let shift = 64 - 8 * count as u32;
+                let value = (self.word(bytes) << shift) as i64 >> shift;
+                (value as f64 / 2f64.powi(bits as i32 - 1)) as f32
+            }
+        }
+    }
+
+    fn word(&self, bytes: &[u8]) -> u64 {
+        let join = |word: u64, byte: &u8| word << 8 | u64::from(*byte);
+        if self.is_big_endian { bytes.iter().fold(0, join) } else { bytes.iter().rev().fold(0, join) }
+    }
+}
+
+/// Integers of `bits` in wider containers than they need, as some editors write 24 bits into 4 bytes.
+///
+/// Where the format leaves open whether they fill the upper or the lower bits, the samples tell: those in the lower
+/// bits never leave them, and a whole recording 48 dB below full scale is the less likely reading.
+pub(crate) fn padded(bits: usize, bytes: usize, is_big_endian: bool, data: &[u8]) -> Coding {
+    let wide = Pcm { coding: Coding::Integer { bytes, bits: 8 * bytes as u32 }, is_big_endian, data };
+    let most = 2f32.powi(bits as i32 - 8 * bytes as i32);
+    let is_low = data.chunks_exact(bytes).all(|sample| (-most..=most).contains(&wide.sample(sample)));
+    Coding::Integer { bytes, bits: if is_low { bits as u32 } else { 8 * bytes as u32 } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(coding: Coding, is_big_endian: bool, data: &[u8]) -> Vec<f32> {
+        let of = Described { channels: 1, sample_rate_hz: 48_000, notes: vec![] };
+        Pcm { coding, is_big_endian, data }.decode(&of, "test", &|_| true).unwrap()[0].clone()
+    }
+
+    #[test]
+    fn both_byte_orders_give_the_same_samples() {
+        let little = [0x00, 0x40, 0x00, 0xc0];
+        let big = [0x40, 0x00, 0xc0, 0x00];
+        assert_eq!(samples(Coding::integer(16), false, &little), [0.5, -0.5]);
+        assert_eq!(samples(Coding::integer(16), true, &big), [0.5, -0.5]);
+        assert_eq!(samples(Coding::Float64, true, &0.75f64.to_be_bytes()), [0.75]);
+    }
+
+    #[test]
+    fn twenty_four_bits_in_four_bytes_are_found_at_either_end() {
+        let low: Vec<u8> = [0x40_0000i32, -0x20_0000].iter().flat_map(|sample| sample.to_le_bytes()).collect();
+        let high: Vec<u8> = [0x4000_0000i32, -0x2000_0000].iter().flat_map(|sample| sample.to_le_bytes()).collect();
+        for data in [low, high] {
+            assert_eq!(samples(padded(24, 4, false, &data), false, &data), [0.5, -0.25]);
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! A fingerprint of the engines' source, by which what an earlier build has kept on disk is told from what this one makes.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+
+fn main() {
+    println!("cargo:rerun-if-changed=src");
+    let mut files = BTreeSet::new();
+    collect(Path::new("src"), &mut files);
+    assert!(!files.is_empty(), "there is no source below src");
+    let mut hasher = DefaultHasher::new();
+    for file in &files {
+        // The text alone decides: where a checkout lies does not matter.
+        file.hash(&mut hasher);
+        fs::read(file).unwrap_or_default().hash(&mut hasher);
+    }
+    println!("cargo:rustc-env=PYROPHONE_BUILD_FINGERPRINT={:016x}", hasher.finish());
+}
+
+fn collect(folder: &Path, files: &mut BTreeSet<PathBuf>) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else {
+            files.insert(path);
+        }
+    }
+}
