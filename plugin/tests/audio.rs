@@ -79,12 +79,18 @@ fn a_sidechain_of_another_length_is_silent() {
 }
 
 #[test]
-fn without_engines_there_is_silence() {
+fn without_engines_the_input_passes_through() {
     let (_loader, _, link) = Loader::start(RepaintNotifier::new(), None);
     let mut audio = Audio::new(link, probe::pair().0);
-    let mut channel = noise(100, 1);
-    audio.process(&mut [&mut channel], &[], &Values::default(), PLAYING);
-    assert!(channel.iter().all(|sample| *sample == 0.0));
+    let (input, values) = (noise(100, 1), Values::default());
+    for inputs in [1, 2] {
+        audio.set_chain(None, Channels { input: inputs, sidechain: 0, output: 2 }, 64, &values);
+        let (mut left, mut right) = (input.clone(), vec![0.0; 100]);
+        audio.process(&mut [&mut left, &mut right], &[], &values, PLAYING);
+        assert_eq!(left, input);
+        // One channel is heard on both sides; of two, the second was silent.
+        assert_eq!(right, if inputs == 1 { input.clone() } else { vec![0.0; 100] });
+    }
     assert_eq!((audio.tail(), audio.latency_samples()), (Tail::Over, None));
 }
 

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use pyrophone::parameters::{EffectParams, sanitize};
 use pyrophone::persist::SessionStore;
 use pyrophone_settings::session::plugin_state;
-use pyrophone_settings::{COUNT, Kind, PARAMETERS, Session, Values};
+use pyrophone_settings::{COUNT, Kind, PARAMETERS, Session, Values, host_order};
 use pyrophone_synthesis::structure::Dynamics;
 
 fn params() -> EffectParams {
@@ -38,7 +38,8 @@ fn ids_names_groups_ranges_defaults_and_texts_are_the_tables() {
     let params = params();
     let map = params.param_map();
     assert_eq!(map.len(), COUNT);
-    for ((id, pointer, group), parameter) in map.iter().zip(PARAMETERS) {
+    for ((id, pointer, group), index) in map.iter().zip(host_order()) {
+        let parameter = &PARAMETERS[index];
         assert_eq!((id.as_str(), group.as_str()), (parameter.id, parameter.group));
         // SAFETY: `params` is alive.
         unsafe {
@@ -75,7 +76,7 @@ proptest! {
         let parameter = &PARAMETERS[index];
         let plain = parameter.snap(parameter.low() + share * (parameter.high() - parameter.low()));
         let params = params();
-        let (_, pointer, _) = params.param_map()[index].clone();
+        let (_, pointer, _) = params.param_map().into_iter().find(|(id, ..)| id == parameter.id).expect("every parameter");
         // SAFETY: `params` is alive.
         unsafe { pointer._internal_set_normalized_value(parameter.to_normalised(plain) as f32) };
         prop_assert_eq!(params.values().as_slice()[index].to_bits(), plain.to_bits());

@@ -20,8 +20,8 @@ use common::Context;
 use nice_plug::prelude::*;
 use pyrophone::Pyrophone;
 use pyrophone::probe::Listen;
+use pyrophone_settings::COUNT;
 use pyrophone_settings::session::{FIELD, FieldReference, RecordingReference, Session};
-use pyrophone_settings::{COUNT, PARAMETERS};
 use pyrophone_synthesis::vortex::{End, SpeedField};
 
 const RATE_HZ: f32 = 48_000.0;
@@ -109,7 +109,7 @@ fn run(sidechain_channels: usize) {
     let rounds = if std::env::var("PYROPHONE_SOAK").as_deref() == Ok("1") { 3200 } else { 360usize };
     for round in 0..rounds {
         let index = round % COUNT;
-        if PARAMETERS[index].id != "bypass" {
+        if map[index].0 != "bypass" {
             // SAFETY: the parameters are alive.
             unsafe { map[index].1._internal_set_normalized_value((round as f32 * 0.618).fract()) };
         }

@@ -36,3 +36,6 @@ pub mod vortex;
 pub use controls::Controls;
 pub use error::Error;
 pub use structure::Structure;
+
+/// A fingerprint of this build's source: what was kept by a build with another one is made again.
+pub const BUILD: &str = env!("PYROPHONE_BUILD_FINGERPRINT");

@@ -194,6 +194,8 @@ fn structure_out_of_range_is_brought_into_range() {
             for (id, expected) in [("levels", levels), ("window", window), ("half_width", half_width)] {
                 let id = numeric_id(id);
                 let value = plugin.value(id).expect("a value");
+                // VST3 hosts put the unit behind it themselves.
+                let expected = if format == Format::Vst3 { expected.trim_end_matches(" samples") } else { expected };
                 assert_eq!(plugin.text(id, value).expect("a text"), expected, "{format}");
             }
             let output = play(plugin.as_mut(), &flame(43, 1, 60_000), &BounceOptions::new(RATE_HZ, MONO));

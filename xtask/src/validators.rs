@@ -7,7 +7,10 @@ use std::process::Command;
 use anyhow::{Result, ensure};
 
 use crate::test::Tally;
-use crate::{bundle, setup};
+use crate::{bundle, project, setup};
+
+/// Names the folder that the plug-in keeps things in.
+const CACHE: &str = "PYROPHONE_CACHE";
 
 /// A validator: its program, what it is, how to obtain it, and its arguments before and behind the bundle.
 struct Validator {
@@ -53,7 +56,9 @@ pub fn run(tally: &mut Tally) -> Result<()> {
 }
 
 fn validate(validator: &Validator, bundle: &Path) -> Result<()> {
-    let status = Command::new(validator.program).args(validator.before).arg(bundle).status()?;
+    // Presets and dictionaries that the plug-in keeps are of this build and not the user's.
+    let cache = project::target_dir().join("validators");
+    let status = Command::new(validator.program).args(validator.before).arg(bundle).env(CACHE, cache).status()?;
     ensure!(status.success(), "{} has found something; see above", validator.program);
     Ok(())
 }

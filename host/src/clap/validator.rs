@@ -549,16 +549,28 @@ fn plain_whole_numbers(bundle: &Path) -> Result<(), String> {
     Ok(())
 }
 
+/// A preset: its name, the kind and path of its place, and its key there.
+type Found = (String, u32, Option<CString>, Option<CString>);
+
 #[derive(Default)]
 struct Discovered {
     locations: RefCell<Vec<(u32, Option<CString>)>>,
     filetypes: Cell<usize>,
-    presets: RefCell<Vec<(String, Option<CString>)>>,
+    /// Where the presets that are told of now are.
+    at: RefCell<(u32, Option<CString>)>,
+    presets: RefCell<Vec<Found>>,
     plugins: Cell<usize>,
     errors: RefCell<Vec<String>>,
 }
 
-/// Asks the bundle's provider for all presets inside it.
+/// Paths of the preset files in a folder.
+fn files_in(folder: &CStr) -> Vec<CString> {
+    let entries = std::fs::read_dir(folder.to_string_lossy().as_ref()).into_iter().flatten().flatten();
+    let paths = entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|end| end == "toml"));
+    paths.filter_map(|path| CString::new(path.into_os_string().into_encoded_bytes()).ok()).collect()
+}
+
+/// Asks the bundle's provider for all presets that it knows.
 fn discover(raw: &Raw) -> Result<Discovered, String> {
     unsafe extern "C" fn filetype(
         indexer: *const clap_preset_discovery_indexer,
@@ -602,7 +614,9 @@ fn discover(raw: &Raw) -> Result<Discovered, String> {
         unsafe {
             let found = &*(*receiver).receiver_data.cast::<Discovered>();
             let key = (!key.is_null()).then(|| CStr::from_ptr(key).to_owned());
-            found.presets.borrow_mut().push((CStr::from_ptr(name).to_string_lossy().into_owned(), key));
+            let name = CStr::from_ptr(name).to_string_lossy().into_owned();
+            let (kind, path) = found.at.borrow().clone();
+            found.presets.borrow_mut().push((name, kind, path, key));
         }
         true
     }
@@ -650,11 +664,19 @@ fn discover(raw: &Raw) -> Result<Discovered, String> {
         let provider = (factory.create.ok_or("no create")?)(factory, &indexer, id);
         let provider_ref = provider.as_ref().ok_or("it makes no provider")?;
         ensure((provider_ref.init.ok_or("no init")?)(provider), || "the provider does not initialise".to_owned())?;
+        let get = provider_ref.get_metadata.ok_or("no metadata")?;
         let locations = found.locations.borrow().clone();
-        for (kind, path) in locations.iter().filter(|(kind, _)| *kind == CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN) {
-            let path = path.as_ref().map_or(std::ptr::null(), |path| path.as_ptr());
-            let is_told = (provider_ref.get_metadata.ok_or("no metadata")?)(provider, *kind, path, &receiver);
-            ensure(is_told, || "the provider tells nothing of its own presets".to_owned())?;
+        for (kind, path) in locations {
+            // A folder is gone through file by file, as hosts do.
+            let paths: Vec<Option<CString>> = match &path {
+                Some(folder) => files_in(folder).into_iter().map(Some).collect(),
+                None => vec![None],
+            };
+            for path in paths {
+                let location = path.as_ref().map_or(std::ptr::null(), |path| path.as_ptr());
+                found.at.replace((kind, path.clone()));
+                ensure(get(provider, kind, location, &receiver), || format!("nothing is told of {path:?}"))?;
+            }
         }
         (provider_ref.destroy.ok_or("no destroy")?)(provider);
     }
@@ -673,11 +695,10 @@ fn presets(bundle: &Path) -> Result<(), String> {
     let load: &clap_plugin_preset_load = unsafe { raw.extension(CLAP_EXT_PRESET_LOAD)? };
     let load = load.from_location.ok_or("no from_location")?;
     let mut states = BTreeSet::new();
-    for (name, key) in presets.iter() {
-        let key = key.as_ref().ok_or_else(|| format!("{name} has no key"))?;
-        // SAFETY: a live plug-in and a live text.
-        let is_loaded =
-            unsafe { load(raw.plugin, CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN, std::ptr::null(), key.as_ptr()) };
+    for (name, kind, path, key) in presets.iter() {
+        let text = |text: &Option<CString>| text.as_ref().map_or(std::ptr::null(), |text| text.as_ptr());
+        // SAFETY: a live plug-in and live texts.
+        let is_loaded = unsafe { load(raw.plugin, *kind, text(path), text(key)) };
         ensure(is_loaded, || format!("{name} is not loaded"))?;
         states.insert(raw.save()?);
     }
@@ -782,6 +803,16 @@ fn ports(bundle: &Path) -> Result<(), String> {
             let mut found = [0u8; 8];
             let count = (surround.get_channel_map.ok_or("no map")?)(raw.plugin, false, 0, found.as_mut_ptr(), 8);
             ensure(&found[..count as usize] == map, || format!("the loudspeakers of {output} are {found:?}"))?;
+        }
+        // Loudspeakers in another order, or other ones, are not what it has.
+        for (map, is_ours) in [([0u8, 1, 2, 3, 9, 10], true), ([0, 1, 2, 3, 4, 5], false), ([0, 2, 1, 9, 10, 3], false)]
+        {
+            let asked = clap_audio_port_configuration_request {
+                port_type: clap_sys::ext::surround::CLAP_PORT_SURROUND.as_ptr(),
+                port_details: map.as_ptr().cast(),
+                ..request(false, 6)
+            };
+            ensure(can(raw.plugin, &asked, 1) == is_ours, || format!("loudspeakers {map:?}"))?;
         }
         let absurd = [request(true, 77)];
         ensure(!can(raw.plugin, absurd.as_ptr(), 1), || "77 channels are taken".to_owned())?;

@@ -33,6 +33,11 @@ pub struct DictionaryKey {
 }
 
 impl DictionaryKey {
+    /// All that it is, as text: equal keys have equal texts, and different ones different texts.
+    pub fn text(&self) -> String {
+        format!("{self:?}")
+    }
+
     /// The key of a part of a recording at a sample rate, for engines of a structure.
     pub fn new(content_hash: &str, cut: &Cut, sample_rate_hz: f64, structure: &Structure) -> Self {
         let shape = Shape::at_rate(structure, sample_rate_hz);

@@ -33,16 +33,20 @@ pub struct Store {
     most_bytes: u64,
 }
 
+/// The user's folder for what can be made again: that which `PYROPHONE_CACHE` names, else `Pyrophone` where the system keeps
+/// such things. None where the variable is empty or the user has no home.
+pub fn user_folder() -> Option<PathBuf> {
+    match std::env::var_os(FOLDER_VARIABLE) {
+        Some(named) if named.is_empty() => None,
+        Some(named) => Some(PathBuf::from(named)),
+        None => Some(dirs::cache_dir()?.join("Pyrophone")),
+    }
+}
+
 impl Store {
-    /// The user's: the folder that `PYROPHONE_CACHE` names, else `Pyrophone/dictionaries` where the system keeps what can be
-    /// made again. None where that is empty or the user has no home.
+    /// The user's, in `dictionaries` of [`user_folder`].
     pub fn of_user() -> Option<Self> {
-        let folder = match std::env::var_os(FOLDER_VARIABLE) {
-            Some(named) if named.is_empty() => return None,
-            Some(named) => PathBuf::from(named),
-            None => dirs::cache_dir()?.join("Pyrophone").join("dictionaries"),
-        };
-        Some(Self::new(folder, MOST_BYTES))
+        Some(Self::new(user_folder()?.join("dictionaries"), MOST_BYTES))
     }
 
     /// Dictionaries in `folder`, which need not exist yet, of at most `most_bytes` together.

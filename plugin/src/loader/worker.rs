@@ -4,6 +4,7 @@
 //! structure that the parameters say. After each order, and twenty times a second, the worker
 //! does what is missing.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -24,6 +25,7 @@ use super::mailbox::{Mailbox, Order};
 use super::motion::Motion;
 use super::source::{self, Failure, Found};
 use super::status::Status;
+use super::store::Store;
 use super::tape::Tape;
 use crate::analysis::Portrait;
 use crate::parameters::EffectParams;
@@ -84,6 +86,10 @@ pub struct Worker {
     recording: Option<Arc<Recording>>,
     engine: Option<Engine>,
     dictionary: Option<(DictionaryKey, Arc<Dictionary>)>,
+    /// Where dictionaries are kept from one session to the next.
+    store: Option<Store>,
+    /// Whether the dictionary was made here and is not kept yet.
+    is_unkept: Cell<bool>,
     /// What could not be indexed, so that it is not tried again.
     failed: Option<DictionaryKey>,
     dictionary_is_sent: bool,
@@ -120,6 +126,8 @@ impl Worker {
             recording: None,
             engine: None,
             dictionary: None,
+            store: Store::of_user(),
+            is_unkept: Cell::new(false),
             failed: None,
             dictionary_is_sent: true,
             prepared: None,
@@ -163,6 +171,7 @@ impl Worker {
             self.send();
             if is_done.is_ok() {
                 self.mailbox.settle(batch.ticket);
+                self.keep();
             }
         }
     }
@@ -507,9 +516,27 @@ impl Worker {
             })
         };
         let is_called_off = || !job.goes_on_indexing("Waiting for another instance", 0.4);
-        match DICTIONARIES.get_or_make(&key, is_called_off, make) {
+        let kept = || self.store.as_ref().and_then(|store| store.read(&key));
+        let read_or_make = || match kept() {
+            Some(dictionary) => Ok(dictionary),
+            None => {
+                let made = make()?;
+                self.is_unkept.set(true);
+                Ok(made)
+            }
+        };
+        match DICTIONARIES.get_or_make(&key, is_called_off, read_or_make) {
             Some(made) => Ok(Some((key, made?))),
             None => Err(Failure::CalledOff),
+        }
+    }
+
+    /// Keeps the dictionary for the next session, now that nobody waits any longer.
+    fn keep(&self) {
+        if let (true, Some(store), Some((key, dictionary))) = (self.is_unkept.take(), &self.store, &self.dictionary)
+            && let Err(error) = store.write(key, dictionary)
+        {
+            nice_plug::prelude::nice_warn!("the dictionary cannot be kept for the next session: {error}");
         }
     }
 

@@ -5,6 +5,7 @@ use super::frames::frame_samples;
 use super::{MATCH_EXPONENT, MATCHED_HZ};
 use crate::filter::{Section, section_gain};
 use crate::texture::dictionary::mean_of;
+use bitcode::{Decode, Encode};
 
 /// Corner in Hz of the loudness that is taken out.
 const LOUDNESS_HZ: f64 = 8.0;
@@ -15,7 +16,7 @@ const LOW_STEP_HZ: f64 = 20.0;
 const LOW_STEPS: usize = 20;
 
 /// What is known of a recording besides its flat form.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Encode, Decode)]
 pub struct Profile {
     /// Its loudness by frames, relative to the whole's.
     relative: Vec<f64>,

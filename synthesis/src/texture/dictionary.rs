@@ -1,6 +1,7 @@
 //! A recording, ready to be searched: its pyramid, the windows of every level, and an index over
 //! them (§5.1-5.2).
 
+use bitcode::{Decode, Encode};
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use crate::structure::Dynamics;
 pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
 
 /// The part of an array that is needed.
-#[derive(Debug)]
+#[derive(Debug, Encode, Decode)]
 struct Kept {
     samples: Vec<f64>,
     first: usize,
@@ -39,7 +40,7 @@ impl Kept {
 }
 
 /// A recording's windows on all levels below the top, and the index that finds the nearest.
-#[derive(Debug)]
+#[derive(Debug, Encode, Decode)]
 pub struct Dictionary {
     shape: Shape,
     sample_rate_hz: f64,
@@ -150,6 +151,20 @@ impl Dictionary {
         dictionary.indices = indices.collect::<Result<_, Error>>()?;
         go_on(1.0)?;
         Ok(dictionary)
+    }
+
+    /// The dictionary as bytes, to be kept and read back by [`from_bytes`](Self::from_bytes) of the same
+    /// [build](crate::BUILD): it is a copy of what is in memory, not a file format.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        bitcode::encode(self)
+    }
+
+    /// The dictionary in bytes that [`to_bytes`](Self::to_bytes) has made; whoever keeps them checks that they are whole.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`] where they are no dictionary.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
+        bitcode::decode(bytes).map_err(|error| Error::Damaged { what: "a kept dictionary", reason: error.to_string() })
     }
 
     /// The shape it was made for.

@@ -3,6 +3,7 @@
 
 use crate::Error;
 use crate::companding::level::level_of;
+use bitcode::{Decode, Encode};
 
 /// Up to this many magnitudes a distribution is exact.
 const EXACT_LIMIT: usize = 65_536;
@@ -10,7 +11,7 @@ const EXACT_LIMIT: usize = 65_536;
 const QUANTILES: usize = 4_096;
 
 /// Sorted magnitudes of a pyramid's top level.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
 pub struct Distribution {
     quantiles: Vec<f64>,
     /// The level of a drive whose loudnesses these are.
@@ -101,7 +102,7 @@ const LOWEST_DB: f64 = -90.0;
 const BINS: usize = 440;
 
 /// A histogram of magnitudes in decibels, -90 to +20 dBFS, quarter of a decibel wide.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Encode, Decode)]
 pub struct Histogram {
     weights: Vec<f64>,
     total: f64,

@@ -2,9 +2,10 @@
 
 use crate::Structure;
 use crate::error::{Error, in_range};
+use bitcode::{Decode, Encode};
 
 /// The sizes that a dictionary and an engine must share.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
 pub struct Shape {
     /// Pyramid levels L, 2-13; level 0 is the sound, level L-1 the top (coarsest).
     pub levels: usize,

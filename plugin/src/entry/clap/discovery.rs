@@ -1,7 +1,8 @@
-//! Presets for a host's browser: the factory's inside the library, the user's in their folder.
+//! Presets for a host's browser: the factory's and the user's.
 
 use std::ffi::{CStr, CString, c_char, c_void};
-use std::path::Path;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use clap_sys::factory::preset_discovery::{
     CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT, CLAP_PRESET_DISCOVERY_IS_USER_CONTENT,
@@ -12,10 +13,13 @@ use clap_sys::factory::preset_discovery::{
 };
 use clap_sys::universal_plugin_id::clap_universal_plugin_id;
 use clap_sys::version::CLAP_VERSION;
+use pyrophone_settings::preset::FACTORY;
 use pyrophone_settings::{Library, Preset};
 
+use crate::loader::store;
+
 /// Makes the only provider.
-pub static FACTORY: clap_preset_discovery_factory =
+pub static PROVIDERS: clap_preset_discovery_factory =
     clap_preset_discovery_factory { count: Some(count), get_descriptor: Some(descriptor_at), create: Some(create) };
 
 static DESCRIPTOR: clap_preset_discovery_provider_descriptor = clap_preset_discovery_provider_descriptor {
@@ -72,29 +76,46 @@ unsafe extern "C" fn init(provider: *const clap_preset_discovery_provider) -> bo
         description: c"Readable settings of Pyrophone".as_ptr(),
         file_extension: EXTENSION.as_ptr(),
     };
-    let factory = clap_preset_discovery_location {
-        flags: CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT,
-        name: c"Pyrophone factory presets".as_ptr(),
-        kind: CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN,
-        location: std::ptr::null(),
-    };
     // SAFETY: a live indexer, which copies what it is told.
-    if !unsafe { declare_filetype(indexer, &filetype) && declare_location(indexer, &factory) } {
+    if !unsafe { declare_filetype(indexer, &filetype) } {
+        return false;
+    }
+    let declare = |flags, name: &CStr, folder: Option<PathBuf>| {
+        let folder = folder.and_then(|folder| CString::new(folder.into_os_string().into_encoded_bytes()).ok());
+        let (kind, location) = match &folder {
+            Some(folder) => (CLAP_PRESET_DISCOVERY_LOCATION_FILE, folder.as_ptr()),
+            None => (CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN, std::ptr::null()),
+        };
+        let place = clap_preset_discovery_location { flags, name: name.as_ptr(), kind, location };
+        // SAFETY: a live indexer, which copies what it is told.
+        unsafe { declare_location(indexer, &place) }
+    };
+    if !declare(CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT, c"Pyrophone factory presets", factory_folder()) {
         return false;
     }
     // Hosts refuse folders that are not there, and there is none until something was saved.
-    let folder = Library::of_user().map(|library| library.folder().to_owned()).filter(|folder| folder.is_dir());
-    let Some(folder) = folder.and_then(|folder| CString::new(folder.into_os_string().into_encoded_bytes()).ok()) else {
-        return true;
-    };
-    let user = clap_preset_discovery_location {
-        flags: CLAP_PRESET_DISCOVERY_IS_USER_CONTENT,
-        name: c"Pyrophone user presets".as_ptr(),
-        kind: CLAP_PRESET_DISCOVERY_LOCATION_FILE,
-        location: folder.as_ptr(),
-    };
-    // SAFETY: a live indexer, which copies what it is told.
-    unsafe { declare_location(indexer, &user) }
+    match Library::of_user().map(|library| library.folder().to_owned()).filter(|folder| folder.is_dir()) {
+        Some(folder) => declare(CLAP_PRESET_DISCOVERY_IS_USER_CONTENT, c"Pyrophone user presets", Some(folder)),
+        None => true,
+    }
+}
+
+/// The factory's presets as files, one each, where the system keeps what can be made again: hosts and validators know files
+/// better than many presets behind one address. None where they cannot be written; the library then offers them itself.
+fn factory_folder() -> Option<PathBuf> {
+    let folder = store::user_folder()?.join("factory-presets");
+    std::fs::create_dir_all(&folder).ok()?;
+    for (name, text) in FACTORY {
+        let path = folder.join(format!("{name}.toml"));
+        if std::fs::read_to_string(&path).is_ok_and(|found| found == *text) {
+            continue;
+        }
+        // Another host may be reading it.
+        let mut file = tempfile::NamedTempFile::new_in(&folder).ok()?;
+        file.write_all(text.as_bytes()).ok()?;
+        file.persist(&path).ok()?;
+    }
+    Some(folder)
 }
 
 unsafe extern "C" fn destroy(provider: *const clap_preset_discovery_provider) {
@@ -178,8 +199,17 @@ unsafe extern "C" fn metadata(
             // SAFETY: a text of the host's.
             let path = unsafe { CStr::from_ptr(location) }.to_string_lossy();
             match Preset::load(Path::new(&*path)) {
-                // SAFETY: a live receiver.
-                Ok(preset) => unsafe { tell(receiver, &preset, None, CLAP_PRESET_DISCOVERY_IS_USER_CONTENT) },
+                Ok(preset) => {
+                    let is_factory = FACTORY.iter().any(|(name, _)| *name == preset.name)
+                        && Path::new(&*path).parent().is_some_and(|folder| folder.ends_with("factory-presets"));
+                    let flags = if is_factory {
+                        CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT
+                    } else {
+                        CLAP_PRESET_DISCOVERY_IS_USER_CONTENT
+                    };
+                    // SAFETY: a live receiver.
+                    unsafe { tell(receiver, &preset, None, flags) }
+                }
                 Err(error) => failed(error.to_string()),
             }
         }

@@ -70,7 +70,7 @@ unsafe extern "C" fn get_factory(id: *const c_char) -> *const c_void {
         return std::ptr::from_ref(&FACTORY).cast();
     }
     if id == CLAP_PRESET_DISCOVERY_FACTORY_ID || id == CLAP_PRESET_DISCOVERY_FACTORY_ID_COMPAT {
-        return std::ptr::from_ref(&discovery::FACTORY).cast();
+        return std::ptr::from_ref(&discovery::PROVIDERS).cast();
     }
     std::ptr::null()
 }

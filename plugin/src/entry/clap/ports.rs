@@ -143,6 +143,28 @@ fn widths(layout: &AudioIOLayout) -> Widths {
     [count(layout.main_input_channels), sidechain, count(layout.main_output_channels)]
 }
 
+/// Whether a request's type is that of its number of channels, and its loudspeakers, where it names them, are ours.
+///
+/// # Safety
+/// Its type is null or a text, and the details of a surround port are null or a loudspeaker for each channel.
+unsafe fn is_form_known(request: &clap_audio_port_configuration_request) -> bool {
+    let own = port_type(request.channel_count);
+    if request.port_type.is_null() || own.is_null() {
+        return request.port_type.is_null();
+    }
+    // SAFETY: by the caller's word, and a text of CLAP's own.
+    let (asked, own) = unsafe { (CStr::from_ptr(request.port_type), CStr::from_ptr(own)) };
+    if asked != own {
+        return false;
+    }
+    if asked != CLAP_PORT_SURROUND || request.port_details.is_null() {
+        return true;
+    }
+    // SAFETY: by the caller's word.
+    let map = unsafe { std::slice::from_raw_parts(request.port_details.cast::<u8>(), request.channel_count as usize) };
+    map.iter().map(|loudspeaker| u32::from(*loudspeaker)).eq(loudspeakers(request.channel_count).iter().copied())
+}
+
 /// The layout that the requests lead to from the present one, by its place in the list.
 ///
 /// # Safety
@@ -160,12 +182,8 @@ unsafe fn wanted(guard: &Guard, requests: *const clap_audio_port_configuration_r
             (false, 0) => 2,
             _ => return None,
         };
-        let is_type_known = request.port_type.is_null()
-            // SAFETY: a text of the host's, and one of CLAP's own.
-            || port_type(request.channel_count).is_null() || unsafe {
-                CStr::from_ptr(request.port_type) == CStr::from_ptr(port_type(request.channel_count))
-            };
-        if !is_type_known {
+        // SAFETY: a request of the host's.
+        if !unsafe { is_form_known(request) } {
             return None;
         }
         wanted[place] = request.channel_count;

@@ -1,5 +1,6 @@
 //! Principal axes of a level's features.
 
+use bitcode::{Decode, Encode};
 use std::ops::Range;
 
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -19,7 +20,7 @@ const GROUP: usize = 16;
 const LEFT_OUT: f64 = 2e-2;
 
 /// An orthonormal frame of the directions in which features vary most.
-#[derive(Debug)]
+#[derive(Debug, Encode, Decode)]
 pub struct Axes {
     mean: Vec<f64>,
     /// For each group of axes, for each dimension of a feature, its part in those axes; 0 beyond the last.

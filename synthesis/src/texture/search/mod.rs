@@ -18,6 +18,7 @@ mod lanes;
 mod query;
 mod tree;
 
+use bitcode::{Decode, Encode};
 use std::ops::Range;
 
 pub use query::{Answer, Budget, COMPARISON_COST, Searcher};
@@ -36,7 +37,7 @@ const AXES_MAX: usize = 32;
 pub type Step<'a> = &'a (dyn Fn(f32) -> Result<(), Error> + Sync);
 
 /// An index over the windows of one level.
-#[derive(Debug)]
+#[derive(Debug, Encode, Decode)]
 pub struct Index {
     axes: Axes,
     tree: Tree,

@@ -1,5 +1,6 @@
 //! A tree of bounding boxes over points, sixteen children wide.
 
+use bitcode::{Decode, Encode};
 use rayon::prelude::*;
 
 use super::block::{Frame, frame_of, nearest_code, value};
@@ -8,7 +9,7 @@ use super::{LANES, Step};
 use crate::Error;
 
 /// A node, or a leaf.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Encode, Decode)]
 pub struct Child(u32);
 
 const LEAF_BIT: u32 = 1 << 31;
@@ -53,7 +54,7 @@ impl Child {
 }
 
 /// Nodes and leaves, in flat arrays: a block's coordinates lie together.
-#[derive(Debug)]
+#[derive(Debug, Encode, Decode)]
 pub struct Tree {
     axes: usize,
     leaves: Blocks,
@@ -66,7 +67,7 @@ pub struct Tree {
 }
 
 /// Points of the leaves: for each leaf a frame, and codes for each axis.
-#[derive(Debug)]
+#[derive(Debug, Encode, Decode)]
 struct Blocks {
     frames: Vec<f32>,
     codes: Vec<[u8; LANES]>,
