@@ -37,9 +37,9 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// The CLAP and the VST3 folder of the present user.
-fn user_folders() -> Result<[PathBuf; 2]> {
+pub fn user_folders() -> Result<[PathBuf; 2]> {
     let variable = if cfg!(windows) { "LOCALAPPDATA" } else { "HOME" };
-    let home = PathBuf::from(var_os(variable).with_context(|| format!("{variable} is not set; use --to DIR"))?);
+    let home = PathBuf::from(var_os(variable).with_context(|| format!("{variable} is not set; name the folder"))?);
     Ok(if cfg!(windows) {
         ["CLAP", "VST3"].map(|format| home.join("Programs/Common").join(format))
     } else if cfg!(target_os = "macos") {
@@ -50,7 +50,7 @@ fn user_folders() -> Result<[PathBuf; 2]> {
 }
 
 /// The CLAP and the VST3 folder of all users.
-fn system_folders() -> [PathBuf; 2] {
+pub fn system_folders() -> [PathBuf; 2] {
     if cfg!(windows) {
         let common = var_os("CommonProgramFiles").unwrap_or_else(|| r"C:\Program Files\Common Files".into());
         ["CLAP", "VST3"].map(|format| PathBuf::from(&common).join(format))

@@ -10,6 +10,7 @@ mod install;
 mod project;
 mod setup;
 mod test;
+mod uninstall;
 mod validators;
 
 use std::ffi::OsString;
@@ -36,6 +37,8 @@ enum Command {
     },
     /// Build the release bundles and copy them to where hosts look for plugins
     Install(install::Args),
+    /// Remove what `install` has put there
+    Uninstall(uninstall::Args),
     /// Play a file through the built plugin in a headless host; see `bounce --help`
     #[command(disable_help_flag = true)]
     Bounce(Forwarded),
@@ -92,6 +95,7 @@ fn run(command: Command) -> Result<ExitCode> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Install(args) => install::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Uninstall(args) => uninstall::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Bounce(forwarded) => with_bundles("bounce", &forwarded),
         Command::Demo(forwarded) => {
             if !forwarded.asks_for_help() {

@@ -9,8 +9,8 @@ use std::str::FromStr;
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
-use pyrophone_host::Format;
 use pyrophone_host::bounce::BlockSize;
+use pyrophone_host::{Format, Layout};
 use pyrophone_recording::{Recording, check_finite, check_not_among, decode, no_progress, resample, write_wav_f32};
 use pyrophone_settings::session::{Learned, RecordingReference};
 use pyrophone_settings::table::DYNAMIC_RANGES;
@@ -26,14 +26,14 @@ pub struct Args {
     /// The bundle to load: clap or vst3
     #[arg(long)]
     format: Format,
-    /// Main input, mono or stereo
+    /// Main input: mono, stereo, 5.0 or 5.1
     #[arg(long, value_name = "IN.wav")]
     input: PathBuf,
     /// Sound for the sidechain, cut or followed by silence to the input's length
     #[arg(long, value_name = "S.wav")]
     sidechain: Option<PathBuf>,
     /// Fire recording that texture draws from
-    #[arg(long, value_name = "T.wav")]
+    #[arg(long, visible_alias = "recording", value_name = "T.wav")]
     training: Option<PathBuf>,
     /// Name of a factory preset or a preset's file
     #[arg(long, value_name = "NAME|FILE", default_value = "default")]
@@ -44,7 +44,7 @@ pub struct Args {
     /// Learn that distribution from this file instead of a first pass over the input
     #[arg(long, value_name = "FILE.wav")]
     learn: Option<PathBuf>,
-    /// Steps of parameters: time_s,id,value or sample,id,value
+    /// Steps and ramps of parameters: time_s,id,value or sample,id,value, and ,curve (step or linear)
     #[arg(long, value_name = "FILE.csv")]
     automation: Option<PathBuf>,
     /// Set a parameter after the preset; may be repeated
@@ -62,7 +62,7 @@ pub struct Args {
     /// Resample the input to this rate first
     #[arg(long, value_name = "HZ")]
     sample_rate: Option<u32>,
-    /// Channels of the output, 1 or 2 [default: as many as the input's]
+    /// Channels of the output: 1, 2, 5 (5.0) or 6 (5.1) [default: as many as the input's]
     #[arg(long, value_name = "N")]
     channels: Option<usize>,
     /// File to write: 32-bit float, as long as the input
@@ -227,8 +227,44 @@ fn fitted(mut channels: Vec<Vec<f32>>, samples: usize) -> Vec<Vec<f32>> {
     channels
 }
 
-/// Channels of a bus, which the plugin has one or two of.
+/// Channels that a bus of the plugin may have: mono, stereo, 5.0 and 5.1.
+const BUSES: [usize; 4] = [1, 2, 5, 6];
+
+/// Channels of a bus; a sidechain may have none. Which go together is the plugin's to say.
 fn bus(what: &str, channels: usize) -> Result<u32> {
-    ensure!(channels <= 2, "the {what} has {channels} channels, but the plugin takes one or two; mix it down first");
+    ensure!(
+        BUSES.contains(&channels) || what == SIDECHAIN && channels == 0,
+        "the {what} has {channels} channels, but the plugin takes 1, 2, 5 (5.0) or 6 (5.1); mix it to one of these"
+    );
     Ok(channels as u32)
+}
+
+/// How the bus is called that may be left away.
+const SIDECHAIN: &str = "sidechain";
+
+/// The plugin's buses for a request; whether it has such a layout is seen when it is activated.
+fn layout(request: &Request<'_>) -> Result<Layout> {
+    Ok(Layout {
+        input: bus("input", request.main.channels.len())?,
+        sidechain: bus(SIDECHAIN, request.sidechain.len())?,
+        output: bus("output", request.output_channels)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_layout_of_the_plugin_is_taken() {
+        for channels in BUSES {
+            assert_eq!(bus("input", channels).unwrap(), channels as u32);
+            assert_eq!(bus(SIDECHAIN, channels).unwrap(), channels as u32);
+        }
+        assert_eq!(bus(SIDECHAIN, 0).unwrap(), 0);
+        for channels in [0, 3, 4, 7, 8] {
+            let error = bus("output", channels).unwrap_err().to_string();
+            assert!(error.contains(&format!("{channels} channels")) && error.contains("5.1"), "{error}");
+        }
+    }
 }

@@ -12,7 +12,7 @@ use pyrophone_settings::{Automation, PARAMETERS, Session, Values};
 use pyrophone_synthesis::texture::Shape;
 use pyrophone_synthesis::texture::shape::Padding;
 
-use super::bus;
+use super::layout;
 use crate::project;
 
 /// What to play, and how.
@@ -58,16 +58,13 @@ pub fn play(request: &Request<'_>) -> Result<Played> {
     let name = format!("Pyrophone.{}", request.format.extension());
     let bundle = project::target_dir().join("bundled").join(name);
     let mut plugin = load(&bundle, request.format)?;
-    let layout = Layout {
-        input: bus("input", request.main.channels.len())?,
-        sidechain: bus("sidechain", request.sidechain.len())?,
-        output: bus("output", request.output_channels)?,
-    };
+    let layout = layout(request)?;
     let sample_rate = f64::from(request.main.sample_rate_hz);
     set_session(plugin.as_mut(), request)?;
     set_values(plugin.as_mut(), request.values)?;
     let began = Instant::now();
-    wait_for_recording(plugin.as_mut(), sample_rate, layout)?;
+    wait_for_recording(plugin.as_mut(), sample_rate, layout)
+        .with_context(|| format!("with {layout}: try another --channels, or another sidechain"))?;
     let loading = began.elapsed();
 
     let mut options = BounceOptions::new(sample_rate, layout);
