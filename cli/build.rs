@@ -23,11 +23,9 @@ fn commit() -> Option<String> {
     if top.canonicalize().ok()? != workspace.canonicalize().ok()? {
         return None;
     }
-    // HEAD names a branch, whose own file is what a commit changes.
-    let branch = git(&["symbolic-ref", "--quiet", "HEAD"]);
-    for name in ["HEAD"].into_iter().chain(branch.as_deref()) {
-        let path = git(&["rev-parse", "--git-path", name])?;
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    // HEAD may name a branch, which moves without it; its log is written to whenever it leads elsewhere.
+    for name in ["HEAD", "logs/HEAD"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(git(&["rev-parse", "--git-path", name])?);
         if path.is_file() {
             println!("cargo:rerun-if-changed={}", path.display());
         }

@@ -81,8 +81,8 @@ fn flac_outputs_are_24_bit_and_other_extensions_are_refused() {
     }
     for name in ["a.mp3", "a.aiff", "a.wav.txt", "a.ogg"] {
         let extension = name.rsplit('.').next().unwrap();
-        let says = [&format!("no .{extension} files are written"), ".wav", ".flac"];
-        refuses(folder.path(), &format!("extend --input hum.wav --output {name}"), 1, &says.map(|text| &text[..]));
+        let refusal = format!("no .{extension} files are written");
+        refuses(folder.path(), &format!("extend --input hum.wav --output {name}"), 1, &[&refusal, ".wav", ".flac"]);
     }
     write(folder.path(), "fast.wav", &[rumble(24_000, 192_000)], 192_000);
     refuses(folder.path(), "extend --input fast.wav --output b.flac", 1, &["b.flac", "96000 Hz", "192000 Hz", ".wav"]);
