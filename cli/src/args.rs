@@ -272,8 +272,8 @@ pub struct FluxArgs {
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     pub refine: usize,
     /// Only these frames, the last included
-    #[arg(long, value_name = "A-B", value_parser = frame_range)]
-    pub frames: Option<(u64, u64)>,
+    #[arg(long, value_name = "A-B", value_parser = frame_range, allow_hyphen_values = true)]
+    pub frames: Option<(i64, i64)>,
     /// Write the frames' flux as a part for flux-merge
     #[arg(long, value_name = "FILE.csv")]
     pub partial: Option<PathBuf>,
@@ -375,10 +375,12 @@ pub enum Kind {
     Envelope,
 }
 
-/// `A-B` or `A`.
-fn frame_range(text: &str) -> Result<(u64, u64), String> {
-    let (first, last) = text.split_once('-').unwrap_or((text, text));
-    let number = |text: &str| text.trim().parse::<u64>().map_err(|_| format!("'{text}' is not a frame's number"));
+/// `A-B` or `A`; numbers may be below zero: `-5--1`.
+fn frame_range(text: &str) -> Result<(i64, i64), String> {
+    // The first minus parts the numbers unless it stands before the first one.
+    let parting = text.char_indices().skip(1).find(|(_, c)| *c == '-');
+    let (first, last) = parting.map_or((text, text), |(at, _)| (&text[..at], &text[at + 1..]));
+    let number = |text: &str| text.trim().parse::<i64>().map_err(|_| format!("'{text}' is not a frame's number"));
     match (number(first)?, number(last)?) {
         (first, last) if first <= last => Ok((first, last)),
         _ => Err("the first frame must not come after the last".into()),
@@ -388,12 +390,12 @@ fn frame_range(text: &str) -> Result<(u64, u64), String> {
 /// When the steps of a flux are.
 #[derive(Debug, Args)]
 pub struct TimelineArgs {
-    /// Frames per second of simulated time [default: 360, or what a series says]
+    /// Frames per second of simulated time [default: what the frames or the series say]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
     /// Number of the frame at which the timeline starts, instead of --time-reference
     #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
-    pub start_frame: Option<u64>,
+    pub start_frame: Option<i64>,
 }
 
 /// Values of `--mesh-kind`.

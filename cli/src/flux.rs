@@ -27,10 +27,11 @@ pub use self::measuring::make_folder;
 const PICTURES: usize = 12;
 
 /// Tables of flux; other files are sounds or simulations.
-const TABLES: [&str; 3] = ["csv", "txt", "npy"];
+const TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "npy"];
 
 /// Sounds whose samples are flux.
-const SOUNDS: [&str; 9] = ["wav", "wave", "aif", "aiff", "aifc", "caf", "flac", "ogg", "mp3"];
+const SOUNDS: [&str; 13] =
+    ["wav", "wave", "bwf", "rf64", "w64", "aif", "aiff", "aifc", "caf", "flac", "ogg", "oga", "mp3"];
 
 /// Measures the frames of `input`, or takes its series, and writes what was asked for.
 pub fn run(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
@@ -68,18 +69,19 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
     }
     let signal = if is_sound {
         let recording = input::load(&args.input, work)?;
-        Signal::of_series(input::mean(&recording), 0, Some(f64::from(recording.sample_rate_hz)))
+        Signal::of_series(input::mean(&recording), 0, f64::from(recording.sample_rate_hz))
     } else {
         let series = Series::read(&args.input)?;
         let first = match series.timing {
-            Timing::Frames(first) => u64::try_from(first).unwrap_or(0),
+            Timing::Frames(first) => first,
             Timing::Times(_) if series.rate_hz.is_none() => {
                 let message = format!("{shown}: its times are uneven, but steps must be even; resample the series");
                 return Err(Error::Conflict(message));
             }
             Timing::Times(_) => 0,
         };
-        Signal::of_series(series.values, first, args.timeline.rate.or(series.rate_hz))
+        let rate_hz = args.timeline.rate.or(series.rate_hz).ok_or_else(|| sound::no_rate(&args.input))?;
+        Signal::of_series(series.values, first, rate_hz)
     };
     let facts = vec![("Series".into(), shown.to_string())];
     sound::write(&args.sound, &signal.on_timeline(args.timeline.start_frame), None, facts, vec![], work)
@@ -98,8 +100,14 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
         check_not_among(output, &inputs)?;
     }
     let Some(beside) = outputs.first().copied().or(args.sound.report.as_deref()) else { return Ok(Done::default()) };
+    // Before the long work, not behind it.
+    let rate_hz = plan.rate_hz(args.timeline.rate)?;
+    let rate_hz = match (rate_hz, &args.speed_field) {
+        (None, Some(_)) => return Err(sound::no_rate(&args.input)),
+        (rate_hz, _) => sound::known_rate(&args.sound, rate_hz, &args.input)?,
+    };
     let (steps, kept) = plan.measure(beside, work)?;
-    match write(args, &plan, steps, work) {
+    match write(args, &plan, rate_hz, steps, work) {
         Ok(done) => {
             kept.remove();
             Ok(done)
@@ -109,7 +117,7 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
 }
 
 /// Everything that was asked for, from the steps.
-fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<Done, Error> {
+fn write(args: &FluxArgs, plan: &Plan, rate_hz: f64, steps: Steps, work: &Work) -> Result<Done, Error> {
     let files: Vec<PathBuf> = args.partial.iter().chain(&args.speed_field).cloned().collect();
     if let Some(path) = &args.partial {
         let part = Partial { settings: plan.settings.clone(), steps: steps.clone() };
@@ -121,7 +129,7 @@ fn write(args: &FluxArgs, plan: &Plan, steps: Steps, work: &Work) -> Result<Done
     }
     let flux = Flux::from_steps(&steps)?;
     sound::note_interpolated(&flux.interpolated);
-    let signal = Signal::of_flux(&flux, args.timeline.rate).on_timeline(args.timeline.start_frame);
+    let signal = Signal::of_flux(&flux, rate_hz).on_timeline(args.timeline.start_frame);
     if let Some(path) = &args.speed_field {
         let start_s = sound::time_reference(&args.sound, &signal)? as f64 / f64::from(args.sound.sample_rate);
         motion::write_of_frames(path, plan, args.up, signal.rate_hz, start_s, work)?;
@@ -158,6 +166,6 @@ fn surfaces(plan: &Plan, rate_hz: f64, work: &Work) -> Result<Vec<(String, Pictu
     let drawn: Vec<_> = drawn?.into_iter().flatten().collect();
     stage.at(0.5);
     let view = report::View::of(drawn.iter().map(|(_, mesh)| mesh));
-    let label = |number: u64| format!("frame {number} · {:.3} s", number.saturating_sub(first) as f64 / rate_hz);
+    let label = |number: i64| format!("frame {number} · {:.3} s", number.saturating_sub(first) as f64 / rate_hz);
     Ok(drawn.par_iter().map(|(number, mesh)| (label(*number), view.draw(mesh))).collect())
 }

@@ -26,8 +26,14 @@ pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Done, Error> {
     let merged = Partial::merge(&parts)?;
     let flux = Flux::from_steps(&merged.steps)?;
     sound::note_interpolated(&flux.interpolated);
-    let signal = Signal::of_flux(&flux, args.timeline.rate).on_timeline(args.timeline.start_frame);
+    let rate_hz = sound::known_rate(&args.sound, args.timeline.rate, shards_name(&args.shards))?;
+    let signal = Signal::of_flux(&flux, rate_hz).on_timeline(args.timeline.start_frame);
     let facts =
         vec![("Measured with".into(), merged.settings), ("Merged from".into(), format!("{} parts", parts.len()))];
     sound::write(&args.sound, &signal, Some(&flux), facts, vec![], work)
+}
+
+/// The first part, by which the whole is named.
+fn shards_name(shards: &[std::path::PathBuf]) -> &std::path::Path {
+    shards.first().map_or(std::path::Path::new("the parts"), |path| path.as_path())
 }

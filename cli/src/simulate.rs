@@ -51,9 +51,9 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
         }
     }
     let flux = Flux::from_steps(&steps)?;
-    let signal = sound::Signal::of_flux(&flux, Some(STEP_RATE_HZ));
+    let signal = sound::Signal::of_flux(&flux, STEP_RATE_HZ);
     let view = View::of(meshes.iter().map(|(_, mesh)| mesh));
-    let label = |frame: u64| format!("frame {frame} · {:.3} s", frame as f64 / STEP_RATE_HZ);
+    let label = |frame: i64| format!("frame {frame} · {:.3} s", frame as f64 / STEP_RATE_HZ);
     let surfaces = meshes.iter().map(|(frame, mesh)| (label(*frame), view.draw(mesh))).collect();
     let facts = vec![("Scene".into(), plan.options_text()), ("Box".into(), plan.box_text()?)];
     match sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work) {
@@ -82,7 +82,7 @@ struct Plan {
 }
 
 /// Fronts to be drawn, with their frames.
-type Meshes = Vec<(u64, Mesh)>;
+type Meshes = Vec<(i64, Mesh)>;
 
 /// All that was measured.
 struct Simulated {
@@ -160,7 +160,7 @@ impl Plan {
         }
         let mut simulation = Simulation::new(self.scene, self.options)?;
         let (mut steps, mut flow) = kept.restore(&mut simulation);
-        let is_kept = |frame: &u64| self.cache_path(*frame).is_none_or(|path| path.is_file());
+        let is_kept = |frame: &i64| self.cache_path(frame.unsigned_abs()).is_none_or(|path| path.is_file());
         let frames = simulation.steps().saturating_sub(self.pre_roll);
         let flow_is_whole = self.regions.is_none() || flow.len() as u64 == frames.div_ceil(stride(STEP_RATE_HZ));
         if steps.len() as u64 != frames || !steps.keys().all(is_kept) || !flow_is_whole {
@@ -171,7 +171,7 @@ impl Plan {
         }
         if simulation.steps() > 0 {
             note(&format!("{} steps were done by the run before", simulation.steps()));
-            steps.retain(|frame, _| *frame < self.count);
+            steps.retain(|frame, _| frame.unsigned_abs() < self.count);
             flow.truncate(self.count.div_ceil(stride(STEP_RATE_HZ)) as usize);
         }
         let stage = work.stage("simulating");
@@ -208,8 +208,9 @@ impl Plan {
     fn measure(&self, frame: &Frame) -> Result<Measured, Error> {
         let row = Row::new(frame.number, &self.front.measure(frame)?);
         let every = self.count.div_ceil(PICTURES);
-        let is_drawn = self.draws && frame.number % every == every / 2;
-        let regions = self.regions.as_ref().filter(|_| frame.number.is_multiple_of(stride(STEP_RATE_HZ)));
+        let number = frame.number.unsigned_abs();
+        let is_drawn = self.draws && number % every == every / 2;
+        let regions = self.regions.as_ref().filter(|_| number.is_multiple_of(stride(STEP_RATE_HZ)));
         Ok(Measured {
             row,
             mesh: is_drawn.then(|| self.front.mesh(&frame.field)).transpose()?,
@@ -230,6 +231,7 @@ impl Plan {
         if let Some(path) = self.cache_path(number) {
             self.write_cache(&path, number, simulation)?;
         }
+        let number = i64::try_from(number).unwrap_or(i64::MAX);
         Ok(Some(Frame { number, ..simulation.frame()? }))
     }
 

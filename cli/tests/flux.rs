@@ -14,7 +14,7 @@ use tempfile::TempDir;
 const SIZE: usize = 16;
 
 /// A ball of flame that breathes, in a flow away from its middle.
-fn flame(path: &Path, number: u64, voxel_size: f64) {
+fn flame(path: &Path, number: i64, voxel_size: f64) {
     let radius = 5.0 + 0.7 * (number as f64 * 0.9).sin();
     let from_middle = |n: usize| -> [f64; 3] {
         [n / (SIZE * SIZE), n / SIZE % SIZE, n % SIZE].map(|i| i as f64 - 0.5 * (SIZE - 1) as f64)
@@ -27,7 +27,7 @@ fn flame(path: &Path, number: u64, voxel_size: f64) {
         velocity: &(0..count).map(|n| from_middle(n).map(|x| x as f32)).collect::<Vec<_>>(),
         voxel_size,
         origin: [0.0; 3],
-        time_s: None,
+        time_s: Some(number as f64 / 360.0),
     };
     write_frame(File::create(path).unwrap(), &frame).unwrap();
 }
@@ -42,7 +42,7 @@ fn folder() -> TempDir {
     folder
 }
 
-fn frame(folder: &Path, number: u64) -> std::path::PathBuf {
+fn frame(folder: &Path, number: i64) -> std::path::PathBuf {
     folder.join("flame").join(format!("flame_{number:04}.npz"))
 }
 
@@ -89,7 +89,11 @@ fn shards_make_what_one_run_makes() {
     for (name, frames) in [("b.csv", "9-9"), ("c.csv", "10-22"), ("a.csv", "3-8")] {
         succeeds(at, &format!("flux --input flame --frames {frames} --partial {name}"));
     }
-    succeeds(at, &format!("flux-merge c.csv a.csv b.csv --output merged.wav --flux-csv merged.csv {options}"));
+    succeeds(
+        at,
+        &format!("flux-merge c.csv a.csv b.csv --output merged.wav --flux-csv merged.csv --rate 360 {options}"),
+    );
+    refuses(at, "flux-merge c.csv a.csv b.csv --output x.wav", 1, &["c.csv", "--rate"]);
     assert_eq!(bytes(at, "merged.wav"), file);
     assert_eq!(bytes(at, "merged.csv"), bytes(at, "one.csv"));
     // Nothing is left of the work in progress.
@@ -173,7 +177,7 @@ fn bad_frames_are_refused_or_interpolated() {
     // The same from shards, although the gap lies at the end of one.
     succeeds(at, "flux --input flame --frames 3-9 --partial a.csv --skip-bad");
     succeeds(at, "flux --input flame --frames 10-22 --partial b.csv --skip-bad");
-    succeeds(at, "flux-merge a.csv b.csv --output merged.wav");
+    succeeds(at, "flux-merge a.csv b.csv --output merged.wav --rate 360");
     assert_eq!(bytes(at, "merged.wav"), bytes(at, "out.wav"));
     refuses(at, "flux --input flame --output x.wav --frames 1-9", 1, &["--frames is 1-9", "3-22"]);
     flame(&frame(at, 9), 9, 0.2);
@@ -193,7 +197,7 @@ fn a_series_goes_straight_to_pressure() {
     let flux: Vec<f64> = (0..720).map(|step| (std::f64::consts::TAU * 60.0 * f64::from(step) / 360.0).sin()).collect();
     let rows: String = flux.iter().enumerate().map(|(frame, flux)| format!("{frame},{flux:?},1\n")).collect();
     std::fs::write(at.join("flux.csv"), format!("frame,flux,area\n{rows}")).unwrap();
-    succeeds(at, "flux --input flux.csv --output csv.wav --time-reference 12345678901");
+    succeeds(at, "flux --input flux.csv --output csv.wav --time-reference 12345678901 --rate 360");
     let sound = read(&at.join("csv.wav"));
     assert_eq!((sound.sample_rate_hz, sound.len_samples(), sound.channels.len()), (44_100, 88_200, 1));
     let file = bytes(at, "csv.wav");
@@ -222,7 +226,7 @@ fn a_series_goes_straight_to_pressure() {
     std::fs::write(at.join("bad.csv"), "frame,flux\n1,2\n2,x\n").unwrap();
     refuses(at, "flux --input bad.csv --output x.wav", 1, &["bad.csv", "line 3"]);
     std::fs::write(at.join("still.csv"), "1.5\n".repeat(100)).unwrap();
-    succeeds(at, "flux --input still.csv --output still.wav");
+    succeeds(at, "flux --input still.csv --output still.wav --rate 360");
     assert!(read(&at.join("still.wav")).channels[0].iter().all(|sample| *sample == 0.0));
 }
 

@@ -130,7 +130,7 @@ pub enum Error {
     #[error("frame {frame} is both in {first} and in {second}; merge shards that do not overlap")]
     Overlap {
         /// The frame.
-        frame: u64,
+        frame: i64,
         /// A file.
         first: String,
         /// Another file, or the same.
@@ -140,7 +140,7 @@ pub enum Error {
     #[error("frame {frame} is in none of the files, but frames before and after it are; add the shard that holds it")]
     Hole {
         /// The first frame missing.
-        frame: u64,
+        frame: i64,
     },
     /// A flow stands still.
     #[error("nothing moves in any step, so there is no speed field; check the velocity's grid")]

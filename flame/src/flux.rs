@@ -16,7 +16,7 @@ const MARK: &str = "# pyrophone flux 1; ";
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// The step's number.
-    pub frame: u64,
+    pub frame: i64,
     /// Velocity flux through the front, volume per second.
     pub flux: f64,
     /// The front's area.
@@ -27,14 +27,14 @@ pub struct Row {
 
 impl Row {
     /// What was measured at a frame.
-    pub fn new(frame: u64, measure: &Measure) -> Self {
+    pub fn new(frame: i64, measure: &Measure) -> Self {
         let Measure { flux, area, mean_curvature, .. } = *measure;
         Self { frame, flux, area, mean_curvature: Some(mean_curvature) }
     }
 }
 
 /// Steps by number; none for a frame that was skipped.
-pub type Steps = BTreeMap<u64, Option<Row>>;
+pub type Steps = BTreeMap<i64, Option<Row>>;
 
 /// Flux and area of every step from the first to the last, at an even rate.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -42,7 +42,7 @@ pub struct Flux {
     /// The steps, in order and without gaps.
     pub rows: Vec<Row>,
     /// Numbers of those that were not measured but interpolated, in order.
-    pub interpolated: Vec<u64>,
+    pub interpolated: Vec<i64>,
 }
 
 impl Flux {
@@ -58,7 +58,12 @@ impl Flux {
         let (Some(mut before), Some(end)) = (measured.first().copied(), measured.last().copied()) else {
             return Err(Error::NoFrames);
         };
-        in_range("the number of frames from the first to the last", (last - first) as f64, 0.0, MAX_FRAMES as f64)?;
+        in_range(
+            "the number of frames from the first to the last",
+            last.abs_diff(*first) as f64,
+            0.0,
+            MAX_FRAMES as f64,
+        )?;
         let mut flux = Self::default();
         let mut coming = measured.iter().peekable();
         for frame in *first..=*last {
@@ -114,9 +119,9 @@ impl Flux {
 }
 
 /// The row at `frame`, linear from `before` to `after`; the nearer of the two outside them.
-fn between(before: &Row, after: &Row, frame: u64) -> Row {
-    let span = after.frame.saturating_sub(before.frame);
-    let share = if span == 0 { 0.0 } else { frame.saturating_sub(before.frame).min(span) as f64 / span as f64 };
+fn between(before: &Row, after: &Row, frame: i64) -> Row {
+    let span = after.frame.saturating_sub(before.frame).max(0);
+    let share = if span == 0 { 0.0 } else { frame.saturating_sub(before.frame).clamp(0, span) as f64 / span as f64 };
     let mix = |a: f64, b: f64| a + share * (b - a);
     Row {
         frame,
@@ -149,7 +154,7 @@ impl Partial {
     }
 
     /// Writes one step's line.
-    pub fn write_step(frame: u64, row: Option<&Row>, to: &mut impl Write) -> IoResult<()> {
+    pub fn write_step(frame: i64, row: Option<&Row>, to: &mut impl Write) -> IoResult<()> {
         match row {
             None => writeln!(to, "{frame},,,"),
             Some(Row { flux, area, mean_curvature: Some(curvature), .. }) => {
@@ -188,7 +193,7 @@ impl Partial {
     /// last is in none.
     pub fn merge(parts: &[(String, Self)]) -> Result<Self, Error> {
         let Some((first, Self { settings, .. })) = parts.first() else { return Err(Error::NoFrames) };
-        let mut merged: BTreeMap<u64, (Option<Row>, &str)> = BTreeMap::new();
+        let mut merged: BTreeMap<i64, (Option<Row>, &str)> = BTreeMap::new();
         for (name, part) in parts {
             if part.settings != *settings {
                 return Err(Error::SettingsDiffer {
@@ -205,7 +210,7 @@ impl Partial {
             }
         }
         if let Some((before, _)) =
-            merged.keys().zip(merged.keys().skip(1)).find(|(before, after)| *before + 1 != **after)
+            merged.keys().zip(merged.keys().skip(1)).find(|(before, after)| before.checked_add(1) != Some(**after))
         {
             return Err(Error::Hole { frame: before + 1 });
         }
@@ -221,7 +226,7 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// A frame's number, and the values after it up to the first empty field.
-fn fields_of(fields: &[&str]) -> Result<(u64, Vec<f64>), String> {
+fn fields_of(fields: &[&str]) -> Result<(i64, Vec<f64>), String> {
     let (frame, values) = fields.split_first().ok_or("the line is empty")?;
     let frame = frame.parse().map_err(|_| format!("'{}' is not a frame's number", clean(frame)))?;
     let number = |field: &&str| match field.parse::<f64>() {

@@ -7,7 +7,7 @@ use crate::velocity::Velocity;
 #[derive(Debug, Clone)]
 pub struct Frame {
     /// The step's number, as its file names it.
-    pub number: u64,
+    pub number: i64,
     /// The field whose iso-surface is the flame front; larger where it burns.
     pub field: Grid<1>,
     /// The flow, in the world's units per second.

@@ -111,7 +111,8 @@ pub struct Sound {
     pub scale: f64,
 }
 
-/// Renders a series of flux: `values.len() / rate_hz` seconds. A series that does not change is silent as pressure.
+/// Renders a series of flux: `values.len() / rate_hz` seconds. A series that does not change, but for
+/// rounding, is silent as pressure.
 ///
 /// Fails where the series is empty, not finite or longer than an hour, and where an option is out of range.
 pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
@@ -125,6 +126,13 @@ pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
     let seconds = values.len() as f64 / options.rate_hz;
     in_range("the sound's length in seconds", seconds, 0.0, MAX_SECONDS)?;
     let sample_rate_hz = f64::from(options.sample_rate_hz);
+    let still;
+    let values = if is_still(values) {
+        still = vec![values[0]; values.len()];
+        &still
+    } else {
+        values
+    };
     let samples = match options.kind {
         Kind::Pressure => high_passed(&derivative(values, options.rate_hz, sample_rate_hz), options)?,
         Kind::Envelope => {
@@ -140,6 +148,16 @@ pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
     // Smaller than this it is rounding, or nothing.
     let scale = if peak > f64::MIN_POSITIVE { 10f64.powf(options.peak_db / 20.0) / peak } else { 1.0 };
     Ok(Sound { samples: samples.into_iter().map(|sample| (sample * scale) as f32).collect(), scale })
+}
+
+/// Changes of a series that are no more than this part of its values are rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// Whether a series only changes by rounding, which scaled to a peak would be heard as noise.
+fn is_still(values: &[f64]) -> bool {
+    let (low, high) =
+        values.iter().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
+    high - low <= ROUNDING * high.abs().max(low.abs())
 }
 
 /// dI/dt at audio rate: the sum over the steps of psi'((t - t_i) / dt) / dt times I(t_i) (eq. 11), psi the cubic of

@@ -59,9 +59,9 @@ fn check_sums_of_three_frames() {
     let Some(folder) = flame_cache() else { return };
     let cache = Sequence::open(&folder).unwrap();
     let read = |number: u64| {
-        let index = cache.numbers().position(|found| found == number).unwrap();
+        let index = cache.numbers().position(|found| found == number as i64).unwrap();
         let frame = cache.read(index, &Selection::default()).unwrap();
-        assert_eq!(frame.number, number);
+        assert_eq!(frame.number, number as i64);
         frame
     };
     let frame = read(1);

@@ -346,3 +346,57 @@ fn a_tree_larger_than_its_file_allows_is_refused() {
     });
     assert!(seen.bytes_max < (256 << 20) + 64 * bytes.len() as u64, "{} bytes", seen.bytes_max);
 }
+
+/// Places worth a look: the first and last voxel of every block and tile.
+fn places<const N: usize>(grid: &Grid<N>) -> Vec<[i32; 3]> {
+    let blocks = grid.blocks().map(|(key, _)| (key.map(|i| 8 * i), 3));
+    let tiles = grid.tiles().map(|(origin, log2, _)| (origin, log2));
+    blocks.chain(tiles).flat_map(|(origin, log2)| [origin, origin.map(|i| i + (1 << log2) - 1)]).collect()
+}
+
+#[test]
+fn grids_of_one_name_are_one_field() {
+    let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
+    for seed in 0..20 {
+        let mut random = Random::new(seed);
+        let level_set = |name: &str| Plan::new(name, "float").with("class", "string", b"level set");
+        let plans = [
+            Plan::new("flame", "float"),
+            Plan::new("flame\u{1e}1", "float"),
+            Plan::new("vel", "vec3s"),
+            Plan::new("vel\u{1e}1", "vec3s"),
+            level_set("surface"),
+            level_set("surface\u{1e}1"),
+        ];
+        let VdbFile { bytes, .. } = write(form, &plans, &mut random);
+        let mut vdb = Vdb::open(&bytes).unwrap();
+        let fields: Vec<Grid<1>> = [0, 1, 4, 5].map(|index| vdb.scalar(index).unwrap()).into();
+        let (flow, other_flow) = (vdb.vectors(2).unwrap(), vdb.vectors(3).unwrap());
+        let (_folder, sequence) = in_folder("a.vdb", &bytes);
+        let frame = sequence.read(0, &Selection::default()).unwrap();
+        let Velocity::Vectors(velocity, _) = &frame.velocity else { panic!("{:?}", frame.velocity) };
+        for index in places(&fields[0]).into_iter().chain(places(&fields[1])) {
+            assert_eq!(frame.field.value(index), [fields[0].value(index)[0] + fields[1].value(index)[0]], "{index:?}");
+        }
+        for index in places(&flow).into_iter().chain(places(&other_flow)) {
+            let (a, b) = (flow.value(index), other_flow.value(index));
+            assert_eq!(velocity.value(index), [a[0] + b[0], a[1] + b[1], a[2] + b[2]], "{index:?}");
+        }
+        let surface = Selection { field: "surface".into(), ..Selection::default() };
+        let surface = sequence.read(0, &surface).unwrap().field;
+        for index in places(&fields[2]).into_iter().chain(places(&fields[3])) {
+            assert_eq!(surface.value(index), [-fields[2].value(index)[0].min(fields[3].value(index)[0])], "{index:?}");
+        }
+    }
+}
+
+#[test]
+fn grids_of_one_name_that_lie_differently_are_refused() {
+    let form = Form { version: 224, compression: 0, half: false, offsets: true };
+    let moved = Plan::new("flame\u{1e}1", "float").placed("TranslationMap", &[1.0, 0.0, 0.0]);
+    let plans = [Plan::new("flame", "float"), moved, Plan::new("vel", "vec3s")];
+    let VdbFile { bytes, .. } = write(form, &plans, &mut Random::new(3));
+    let (_folder, sequence) = in_folder("a.vdb", &bytes);
+    let message = sequence.read(0, &Selection::default()).unwrap_err().to_string();
+    assert!(message.contains("grids named flame") && message.contains("export them as one"), "{message}");
+}

@@ -7,7 +7,7 @@ use pyrophone_flame::Error;
 use pyrophone_flame::flux::{Flux, Partial, Row, Steps};
 use pyrophone_flame::pressure::{Advice, Kind, Options, derivative, render};
 
-fn row(frame: u64, flux: f64) -> Row {
+fn row(frame: i64, flux: f64) -> Row {
     Row { frame, flux, area: 2.0 * flux.abs(), mean_curvature: Some(0.1 * flux) }
 }
 
@@ -34,7 +34,7 @@ proptest! {
     #[test]
     fn tables_read_back(
         values in proptest::collection::vec(proptest::option::weighted(0.9, any::<[f64; 3]>()), 1..60),
-        first in 0u64..1000,
+        first in 0i64..1000,
     ) {
         let row = |frame, values: [f64; 3]| {
             let [flux, area, curvature] = values.map(|x| if x.is_finite() { x } else { 0.25 });
@@ -68,8 +68,8 @@ proptest! {
         let steps: Steps =
             (10..).zip(&values).map(|(frame, flux)| (frame, flux.map(|flux| row(frame, flux)))).collect();
         let whole = Partial { settings: "the same".into(), steps };
-        let mut edges: Vec<u64> = cuts.iter().map(|cut| 10 + (*cut).min(values.len()) as u64).collect();
-        edges.extend([10, 10 + values.len() as u64]);
+        let mut edges: Vec<i64> = cuts.iter().map(|cut| 10 + (*cut).min(values.len()) as i64).collect();
+        edges.extend([10, 10 + values.len() as i64]);
         edges.sort_unstable();
         let mut parts: Vec<(String, Partial)> = edges.windows(2).enumerate().map(|(number, edge)| {
             let steps = whole.steps.range(edge[0]..edge[1]).map(|(frame, row)| (*frame, *row)).collect();
@@ -90,7 +90,7 @@ proptest! {
     }
 }
 
-fn bits(flux: &Flux) -> Vec<(u64, u64, u64)> {
+fn bits(flux: &Flux) -> Vec<(i64, u64, u64)> {
     flux.rows.iter().map(|row| (row.frame, row.flux.to_bits(), row.area.to_bits())).collect()
 }
 
@@ -232,13 +232,13 @@ fn gaps_are_filled_linearly_and_reported() {
     assert_eq!(flux.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), [3, 4, 5, 6, 7, 8]);
     assert!((flux.rows[2].area - 4.0).abs() < 1e-12);
     assert_eq!(Flux::from_steps(&[(1, None)].into()), Err(Error::NoFrames));
-    let far: Steps = [(1, Some(row(1, 1.0))), (u64::MAX, Some(row(2, 1.0)))].into();
+    let far: Steps = [(1, Some(row(1, 1.0))), (i64::MAX, Some(row(2, 1.0)))].into();
     assert!(matches!(Flux::from_steps(&far), Err(Error::OutOfRange { .. })));
 }
 
 #[test]
 fn shards_that_do_not_fit_are_refused() {
-    let part = |settings: &str, frames: std::ops::Range<u64>| Partial {
+    let part = |settings: &str, frames: std::ops::Range<i64>| Partial {
         settings: settings.into(),
         steps: frames.map(|frame| (frame, Some(row(frame, 1.0)))).collect(),
     };

@@ -18,6 +18,9 @@ use crate::progress::{Work, note};
 /// How much voxels may differ between frames, as a part of their edge: rounding.
 const SAME_VOXEL: f64 = 1e-5;
 
+/// How much a given rate may differ from the frames' own, as a part of it.
+const SAME_RATE: f64 = 0.01;
+
 /// Iso value of a field of 0 to 1.
 const ISO: f64 = 0.5;
 
@@ -32,14 +35,14 @@ pub struct Plan {
     /// Frames of the sequence that are asked for, counted from 0.
     pub indices: Vec<usize>,
     /// Numbers among those asked for that have no file.
-    missing: Vec<u64>,
+    missing: Vec<i64>,
     /// Every frame's voxels have these edges.
     voxel_edges: [f64; 3],
     /// All that the numbers depend on, but for the files.
     pub settings: String,
     skip_bad: bool,
     /// Where fronts are written: of every so many frames one, from this number on.
-    mesh: Option<(PathBuf, u64, u64)>,
+    mesh: Option<(PathBuf, u64, i64)>,
     mesh_kind: MeshKind,
 }
 
@@ -50,11 +53,11 @@ impl Plan {
         if sequence.left_out() > 0 {
             note(&format!("{} numbered files of other sorts are left out", sequence.left_out()));
         }
-        let numbers: Vec<u64> = sequence.numbers().collect();
+        let numbers: Vec<i64> = sequence.numbers().collect();
         let (first, last) = wanted(args, &numbers)?;
-        let is_wanted = |number: &u64| (first..=last).contains(number);
+        let is_wanted = |number: &i64| (first..=last).contains(number);
         let indices: Vec<usize> = (0..numbers.len()).filter(|index| is_wanted(&numbers[*index])).collect();
-        let missing: Vec<u64> = sequence.missing().into_iter().filter(is_wanted).collect();
+        let missing: Vec<i64> = sequence.missing().into_iter().filter(is_wanted).collect();
         if let (Some(frame), false) = (missing.first(), args.skip_bad) {
             return Err(Error::Conflict(format!(
                 "{}: frame {frame} is missing ({} in all); add --skip-bad to interpolate, or the missing files",
@@ -121,7 +124,7 @@ impl Plan {
 
     fn go_on(&self, kept: &mut Kept, work: &Work) -> Result<Steps, Error> {
         let stage = work.stage("measuring");
-        let numbers: Vec<u64> = self.sequence.numbers().collect();
+        let numbers: Vec<i64> = self.sequence.numbers().collect();
         let is_done = |index: &usize| {
             let number = numbers[*index];
             kept.steps.get(&number).is_some_and(Option::is_some)
@@ -178,6 +181,21 @@ impl Plan {
         Ok(Row::new(frame.number, &measure))
     }
 
+    /// Frames per second: as given, else as the frames say.
+    pub fn rate_hz(&self, given_hz: Option<f64>) -> Result<Option<f64>, Error> {
+        let told = self.sequence.rate_hz(&self.indices);
+        match (given_hz, told) {
+            (Some(given_hz), Ok(Some(told_hz))) if (given_hz / told_hz - 1.0).abs() > SAME_RATE => {
+                note(&format!(
+                    "--rate is {given_hz}, but the frames' own times say {told_hz:.6} per second; --rate is used"
+                ));
+                Ok(Some(given_hz))
+            }
+            (Some(given_hz), _) => Ok(Some(given_hz)),
+            (None, told) => Ok(told?),
+        }
+    }
+
     /// Reads a frame, whose voxels must be as large as the first one's.
     pub fn read(&self, index: usize) -> Result<Frame, Error> {
         let frame = self.sequence.read(index, &self.selection)?;
@@ -199,13 +217,13 @@ impl Plan {
     }
 
     /// Number of the first frame that is asked for, missing ones included.
-    pub fn first_frame(&self) -> Option<u64> {
+    pub fn first_frame(&self) -> Option<i64> {
         let found = self.indices.first().and_then(|index| self.sequence.numbers().nth(*index));
         found.into_iter().chain(self.missing.iter().copied()).min()
     }
 
     /// Number of the last frame that is asked for, missing ones included.
-    pub fn last_frame(&self) -> Option<u64> {
+    pub fn last_frame(&self) -> Option<i64> {
         let found = self.indices.last().and_then(|index| self.sequence.numbers().nth(*index));
         found.into_iter().chain(self.missing.iter().copied()).max()
     }
@@ -218,10 +236,10 @@ impl Plan {
         files
     }
 
-    fn mesh_path(&self, number: u64) -> Option<PathBuf> {
+    fn mesh_path(&self, number: i64) -> Option<PathBuf> {
         let (folder, every, first) = self.mesh.as_ref()?;
         let name = format!("front_{number:04}.{}", self.mesh_kind.extension());
-        number.saturating_sub(*first).is_multiple_of(*every).then(|| folder.join(name))
+        number.abs_diff(*first).is_multiple_of(*every).then(|| folder.join(name))
     }
 
     /// A number for the files as they are now: names, sizes and times of change.
@@ -249,7 +267,9 @@ fn arrays_beside(path: &Path) -> Vec<PathBuf> {
     let is_array = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy"));
     let folder = path.parent().filter(|_| is_array(path));
     let entries = folder.and_then(|folder| folder.read_dir().ok()).into_iter().flatten().flatten();
-    let mut arrays: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| is_array(path)).collect();
+    let is_hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+    let paths = entries.map(|entry| entry.path());
+    let mut arrays: Vec<PathBuf> = paths.filter(|path| is_array(path) && !is_hidden(path)).collect();
     arrays.sort_unstable();
     arrays
 }
@@ -268,7 +288,7 @@ fn shortly(number: f64) -> String {
 }
 
 /// First and last number that are asked for.
-fn wanted(args: &FluxArgs, numbers: &[u64]) -> Result<(u64, u64), Error> {
+fn wanted(args: &FluxArgs, numbers: &[i64]) -> Result<(i64, i64), Error> {
     let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return Err(FlameError::NoFrames.into()) };
     match args.frames {
         None => Ok((*first, *last)),

@@ -27,10 +27,10 @@ pub fn write_of_frames(
 ) -> Result<(), Error> {
     let stage = work.stage("measuring the flow");
     let every = stride(rate_hz);
-    let numbers: Vec<u64> = plan.sequence.numbers().collect();
+    let numbers: Vec<i64> = plan.sequence.numbers().collect();
     let (first, last) = (plan.first_frame().unwrap_or(0), plan.last_frame().unwrap_or(0));
     // By number: where a frame is missing, or cannot be read and is skipped, the flow goes on as it was.
-    let index_of = |number: u64| numbers.binary_search(&number).ok().filter(|index| plan.indices.contains(index));
+    let index_of = |number: i64| numbers.binary_search(&number).ok().filter(|index| plan.indices.contains(index));
     let chosen: Vec<Option<usize>> = (first..=last).step_by(every as usize).map(index_of).collect();
     let read = |index: &Option<usize>| work.check().map(|()| index.and_then(|index| plan.read(index).ok()));
     let seen = |index: &Option<usize>| -> Result<_, Error> {

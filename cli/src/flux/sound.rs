@@ -13,8 +13,8 @@ use crate::progress::{Work, note};
 use crate::report::{self, Picture, Report};
 use crate::summary::Done;
 
-/// Steps per second where nothing says otherwise: the paper's.
-const RATE_HZ: f64 = 360.0;
+/// Steps per second for checking options while the true rate is not known yet: the paper's.
+const LIKELY_RATE_HZ: f64 = 360.0;
 
 /// How long a simulation may take to start, in seconds.
 const START_S: f64 = 0.05;
@@ -32,32 +32,32 @@ pub struct Signal {
     /// The front's area at every step; empty where it is not known.
     pub area: Vec<f64>,
     /// Number of the first step.
-    pub first_frame: u64,
+    pub first_frame: i64,
     /// Steps per second.
     pub rate_hz: f64,
     /// Number of the step at which the timeline starts, where that is asked for.
-    pub start_frame: Option<u64>,
+    pub start_frame: Option<i64>,
 }
 
 impl Signal {
     /// Of measured frames.
-    pub fn of_flux(flux: &Flux, rate_hz: Option<f64>) -> Self {
+    pub fn of_flux(flux: &Flux, rate_hz: f64) -> Self {
         Self {
             flux: flux.values(),
             area: flux.rows.iter().map(|row| row.area).collect(),
             first_frame: flux.rows.first().map_or(0, |row| row.frame),
-            rate_hz: rate_hz.unwrap_or(RATE_HZ),
+            rate_hz,
             start_frame: None,
         }
     }
 
-    /// Of a series whose file may know its rate.
-    pub fn of_series(flux: Vec<f64>, first_frame: u64, rate_hz: Option<f64>) -> Self {
-        Self { flux, area: vec![], first_frame, rate_hz: rate_hz.unwrap_or(RATE_HZ), start_frame: None }
+    /// Of a series.
+    pub fn of_series(flux: Vec<f64>, first_frame: i64, rate_hz: f64) -> Self {
+        Self { flux, area: vec![], first_frame, rate_hz, start_frame: None }
     }
 
     /// The same on a timeline that starts at a step.
-    pub fn on_timeline(self, start_frame: Option<u64>) -> Self {
+    pub fn on_timeline(self, start_frame: Option<i64>) -> Self {
         Self { start_frame, ..self }
     }
 }
@@ -70,7 +70,7 @@ pub fn files(args: &SoundArgs) -> impl Iterator<Item = &Path> {
 /// Options out of range, and outputs in each other's way, are refused before any file is read. `others` are outputs
 /// beside those of `args`.
 pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result<(), Error> {
-    options(args, rate_hz.unwrap_or(RATE_HZ)).validate()?;
+    options(args, rate_hz.unwrap_or(LIKELY_RATE_HZ)).validate()?;
     let outputs: Vec<&Path> = files(args).chain(others.iter().copied()).collect();
     if outputs.is_empty() && args.report.is_none() {
         return Err(Error::Conflict("there is nothing to write; add --output OUT.wav".into()));
@@ -95,6 +95,24 @@ pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result
     Ok(())
 }
 
+/// The rate of steps that come to nothing else but numbers matters to none of them; all else needs one that somebody knows.
+pub fn known_rate(args: &SoundArgs, rate_hz: Option<f64>, input: &Path) -> Result<f64, Error> {
+    let needs_rate = args.output.is_some() || args.report.is_some();
+    match rate_hz {
+        Some(rate_hz) => Ok(rate_hz),
+        None if needs_rate => Err(no_rate(input)),
+        None => Ok(LIKELY_RATE_HZ),
+    }
+}
+
+/// Nobody says how fast the steps follow each other.
+pub fn no_rate(input: &Path) -> Error {
+    Error::Conflict(format!(
+        "{}: nothing in it says how many steps a second has; give the simulation's by --rate, as in --rate 24",
+        input.display()
+    ))
+}
+
 fn options(args: &SoundArgs, rate_hz: f64) -> Options {
     let kind = match args.kind {
         Kind::Pressure => pressure::Kind::Pressure,
@@ -104,11 +122,11 @@ fn options(args: &SoundArgs, rate_hz: f64) -> Options {
 }
 
 /// Says which frames were not measured.
-pub fn note_interpolated(frames: &[u64]) {
+pub fn note_interpolated(frames: &[i64]) {
     if frames.is_empty() {
         return;
     }
-    let named: Vec<String> = frames.iter().take(NAMED_FRAMES).map(u64::to_string).collect();
+    let named: Vec<String> = frames.iter().take(NAMED_FRAMES).map(i64::to_string).collect();
     let more = if frames.len() > named.len() { ", ..." } else { "" };
     note(&format!("{} frames interpolated: {}{more}", frames.len(), named.join(", ")));
 }
@@ -135,6 +153,15 @@ pub fn write(
     surfaces: Vec<(String, Picture)>,
     work: &Work,
 ) -> Result<Done, Error> {
+    if args.output.is_none() && args.report.is_none() {
+        return match (&args.flux_csv, flux) {
+            (Some(path), Some(flux)) => {
+                write_table(path, flux)?;
+                Ok(Done::default().with_files(vec![path.clone()]))
+            }
+            _ => Ok(Done::default()),
+        };
+    }
     let advice = Advice::on(signal.rate_hz);
     if advice != Advice::Full && args.kind == Kind::Pressure {
         let option = if matches!(advice, Advice::EnvelopeOnly { .. }) { " (--as envelope)" } else { "" };
@@ -147,10 +174,7 @@ pub fn write(
     }
     let mut written = vec![];
     if let (Some(path), Some(flux)) = (&args.flux_csv, flux) {
-        write_file(path, |file| {
-            let mut file = std::io::BufWriter::new(file);
-            flux.write_csv(&mut file).and_then(|()| std::io::Write::flush(&mut file))
-        })?;
+        write_table(path, flux)?;
         written.push(path.as_path());
     }
     if let Some(folder) = &args.report {
@@ -191,6 +215,14 @@ pub fn write(
     Ok(done)
 }
 
+fn write_table(path: &Path, flux: &Flux) -> Result<(), Error> {
+    write_file(path, |file| {
+        let mut file = std::io::BufWriter::new(file);
+        flux.write_csv(&mut file).and_then(|()| std::io::Write::flush(&mut file))
+    })?;
+    Ok(())
+}
+
 /// Half of what was asked for is nothing; that the rest failed is what is reported.
 fn remove(written: &[&Path]) {
     for path in written {
@@ -206,8 +238,9 @@ pub fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
 }
 
 /// Frames from the start of the timeline to the first one.
-pub fn frames_since(start: u64, first: u64) -> Result<u64, Error> {
-    first.checked_sub(start).ok_or_else(|| {
+pub fn frames_since(start: i64, first: i64) -> Result<u64, Error> {
+    let frames = first.checked_sub(start).and_then(|frames| u64::try_from(frames).ok());
+    frames.ok_or_else(|| {
         let what = format!("--start-frame is {start}, but the first frame is {first}");
         Error::Conflict(format!("{what}; the timeline must start there or before"))
     })

@@ -51,14 +51,35 @@ impl Assembly<'_> {
         change: impl FnOnce(Grid<1>, bool) -> Result<Grid<1>, Fault>,
     ) -> Result<Grid<1>, Error> {
         let in_voxels = self.info(index).in_voxels;
-        let grid = self.source.scalar(index).and_then(|grid| change(grid, in_voxels));
+        let join = if self.info(index).is_level_set() { f32::min } else { |a, b| a + b };
+        let grid = self.joined(index, |source, index| source.scalar(index), join);
+        let grid = grid.and_then(|grid| change(grid, in_voxels));
         grid.and_then(|grid| self.finite(index, grid.is_finite()).map(|()| grid)).map_err(self.failure(index))
     }
 
     fn vectors(&mut self, index: usize) -> Result<Grid<3>, Error> {
         let in_voxels = self.info(index).in_voxels;
-        let grid = self.source.vectors(index).map(|grid| if in_voxels { to_world(grid) } else { grid });
+        let grid = self.joined(index, |source, index| source.vectors(index), |a, b| a + b);
+        let grid = grid.map(|grid| if in_voxels { to_world(grid) } else { grid });
         grid.and_then(|grid| self.finite(index, grid.is_finite()).map(|()| grid)).map_err(self.failure(index))
+    }
+
+    /// A grid and all others of its name: simulators write one for each of their objects, and the flame is all of them.
+    /// Fields and flows are summed, distances joined to the nearer one.
+    fn joined<const N: usize>(
+        &mut self,
+        index: usize,
+        read: impl Fn(&mut dyn Source, usize) -> Result<Grid<N>, Fault>,
+        join: fn(f32, f32) -> f32,
+    ) -> Result<Grid<N>, Fault> {
+        let mut grid = read(self.source, index)?;
+        for other in super::names::namesakes(self.source.grids(), index) {
+            let found = format!("grids named {} that lie differently in the world", shown(&self.info(index).name));
+            let advice = "export them as one, or under different names";
+            let other = read(self.source, other)?;
+            grid = grid.joined(&other, join).ok_or(Fault::Unsupported { found, advice })?;
+        }
+        Ok(grid)
     }
 
     fn info(&self, index: usize) -> GridInfo {

@@ -88,6 +88,11 @@ pub trait Source {
     /// Reads a grid of vectors. Values are as stored: not checked to be finite.
     fn vectors(&mut self, index: usize) -> Result<Grid<3>, Fault>;
 
+    /// When the frame takes place, in seconds, where the file says so.
+    fn time_s(&self) -> Option<f64> {
+        None
+    }
+
     /// The file a grid is in, where each has its own.
     fn path_of(&self, index: usize) -> Option<&Path> {
         let _ = index;

@@ -114,7 +114,7 @@ pub enum Error {
         /// The folder.
         path: String,
         /// The frame.
-        number: u64,
+        number: i64,
         /// The name of one file.
         first: String,
         /// The name of the other.
@@ -128,13 +128,19 @@ pub enum Error {
         /// The folder.
         path: String,
         /// The lowest number.
-        first: u64,
+        first: i64,
         /// The highest number.
-        last: u64,
+        last: i64,
         /// Numbers without a file.
         missing: u64,
         /// How many may be missing.
         allowed: u64,
+    },
+    /// Frames whose times do not go on evenly.
+    #[error("{path}: the frames' own times (time_s) are uneven, but steps must be even; give their rate by --rate")]
+    UnevenTimes {
+        /// The folder or file.
+        path: String,
     },
     /// A frame that the sequence does not have.
     #[error("{path}: frame {index} of {found} was asked for (counting from 0); ask for one that is there")]

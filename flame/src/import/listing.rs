@@ -36,7 +36,7 @@ impl Format {
 /// The files of one frame, each with the part of its name before the number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct FrameFiles {
-    pub number: u64,
+    pub number: i64,
     pub format: Format,
     /// One, or for `.npy` one for each field: the field's name and the file.
     pub files: Vec<(String, PathBuf)>,
@@ -53,7 +53,7 @@ type Sort = (Format, String);
 
 struct Numbered {
     stem: String,
-    number: u64,
+    number: i64,
     path: PathBuf,
 }
 
@@ -102,6 +102,9 @@ fn sorts(folder: &Path) -> Result<(BTreeMap<Sort, Vec<Numbered>>, usize), Error>
     let mut others = 0;
     for entry in std::fs::read_dir(folder).map_err(Error::of_system(folder))? {
         let path = entry.map_err(Error::of_system(folder))?.path();
+        if is_hidden(&path) {
+            continue;
+        }
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         match (Format::of(&path).filter(|_| path.is_file()), split(&name)) {
             (Some(format), Some((stem, number))) => {
@@ -115,7 +118,7 @@ fn sorts(folder: &Path) -> Result<(BTreeMap<Sort, Vec<Numbered>>, usize), Error>
 }
 
 fn frames(folder: &Path, format: Format, files: &[Numbered]) -> Result<Vec<FrameFiles>, Error> {
-    let mut frames: BTreeMap<u64, BTreeMap<String, PathBuf>> = BTreeMap::new();
+    let mut frames: BTreeMap<i64, BTreeMap<String, PathBuf>> = BTreeMap::new();
     for file in files {
         let fields = frames.entry(file.number).or_default();
         if let Some(first) = fields.insert(field(&file.stem), file.path.clone()) {
@@ -124,7 +127,7 @@ fn frames(folder: &Path, format: Format, files: &[Numbered]) -> Result<Vec<Frame
             return Err(Error::Twice { path: shown_path(folder), number: file.number, first, second });
         }
     }
-    let frame = |(number, fields): (u64, BTreeMap<String, PathBuf>)| FrameFiles {
+    let frame = |(number, fields): (i64, BTreeMap<String, PathBuf>)| FrameFiles {
         number,
         format,
         files: fields.into_iter().collect(),
@@ -137,9 +140,17 @@ fn field(stem: &str) -> String {
     stem.trim_end_matches(['_', '.', '-', ' ']).to_owned()
 }
 
-/// Parts a name from the number at its end.
-fn split(name: &str) -> Option<(String, u64)> {
+/// Files whose names begin with a dot are not the user's: systems leave `._name` beside every `name` that they copy.
+fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
+}
+
+/// Parts a name from the number at its end. A minus belongs to the number unless it parts it from a name: `fire.-5` is
+/// frame -5, `fire-5` frame 5.
+fn split(name: &str) -> Option<(String, i64)> {
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let signed = stem.strip_suffix('-').filter(|before| !before.ends_with(char::is_alphanumeric));
+    let stem = signed.unwrap_or(stem);
     let number = name.get(stem.len()..)?.parse().ok()?;
     Some((stem.to_owned(), number))
 }
@@ -156,7 +167,7 @@ mod tests {
         folder
     }
 
-    fn numbers(names: &[&str]) -> Result<Vec<u64>, Error> {
+    fn numbers(names: &[&str]) -> Result<Vec<i64>, Error> {
         let folder = folder(names);
         of_folder(folder.path()).map(|listing| listing.frames.iter().map(|frame| frame.number).collect())
     }
@@ -166,6 +177,25 @@ mod tests {
         assert_eq!(numbers(&["a_10.vdb", "a_9.vdb", "a_0011.VDB", "readme.txt", "b.vdb"]).unwrap(), [9, 10, 11]);
         assert_eq!(numbers(&["0002.npz", "0001.npz"]).unwrap(), [1, 2]);
         assert_eq!(numbers(&["fire.1.npy", "vel.1.npy", "fire.2.npy"]).unwrap(), [1, 2]);
+    }
+
+    #[test]
+    fn a_minus_before_a_number_belongs_to_it() {
+        assert_eq!(numbers(&["a.-2.vdb", "a.-0001.vdb", "a.0.vdb", "a.1.vdb"]).unwrap(), [-2, -1, 0, 1]);
+        assert_eq!(numbers(&["-2.npz", "-1.npz"]).unwrap(), [-2, -1]);
+        assert_eq!(numbers(&["a_-2.npz", "a_-1.npz"]).unwrap(), [-2, -1]);
+        assert_eq!(numbers(&["a-2.npz", "a-1.npz"]).unwrap(), [1, 2], "here it parts the number from the name");
+        assert_eq!(split("fire.-"), None);
+    }
+
+    #[test]
+    fn dot_files_are_ignored() {
+        let folder = folder(&["._a.1.vdb", "._a.2.vdb", "a.1.vdb", "a.2.vdb", ".a.3.vdb", ".hidden"]);
+        let listing = of_folder(folder.path()).unwrap();
+        assert_eq!((listing.frames.len(), listing.left_out), (2, 0));
+        let alone = tempfile::tempdir().unwrap();
+        std::fs::write(alone.path().join("._a.1.vdb"), "").unwrap();
+        assert!(matches!(of_folder(alone.path()), Err(Error::NoFrames { .. })));
     }
 
     #[test]

@@ -52,6 +52,13 @@ fn named(grids: &[GridInfo], name: &str, components: usize) -> Option<usize> {
     find(&|found| found == name).or_else(|| find(&|found| found.eq_ignore_ascii_case(name)))
 }
 
+/// The other readable grids of the same name and kind, which belong to the same field.
+pub(super) fn namesakes(grids: &[GridInfo], index: usize) -> Vec<usize> {
+    let Some(own) = grids.get(index) else { return vec![] };
+    let is_alike = |grid: &GridInfo| grid.name == own.name && grid.components == own.components;
+    (0..grids.len()).filter(|other| *other != index && is_alike(&grids[*other])).collect()
+}
+
 /// The grids of the components of `stem`: `stem.x`, `stem_x`, `stemx`, `x_stem`, and so for y and z.
 fn components(grids: &[GridInfo], stem: &str) -> Option<[usize; 3]> {
     let patterns: [fn(&str, char) -> String; 4] = [

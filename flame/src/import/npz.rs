@@ -1,7 +1,8 @@
 //! NumPy's `.npz`: arrays in a zip file.
 //!
 //! Every member `name.npy` of three axes is a scalar field, every one of four with three components first or last a
-//! vector field. `voxel_size` (one number, else 1) and `origin` (three, else 0) tell where all of them stand.
+//! vector field. `voxel_size` (one number, else 1) and `origin` (three, else 0) tell where all of them stand, `time_s`
+//! (one number) when.
 
 mod write;
 
@@ -34,6 +35,7 @@ pub struct Npz<R> {
     /// Where in the archive each grid stands, or why it cannot be read.
     members: Vec<Result<usize, Fault>>,
     transform: Transform,
+    time_s: Option<f64>,
     budget: Budget,
 }
 
@@ -60,6 +62,7 @@ impl<R: Read + Seek> Npz<R> {
             infos: vec![],
             members: vec![],
             transform: Transform::uniform(1.0, [0.0; 3])?,
+            time_s: None,
             budget: Budget::of_file(file_bytes),
         };
         npz.find_grids()?;
@@ -77,7 +80,11 @@ impl<R: Read + Seek> Npz<R> {
             match name.as_str() {
                 VOXEL_SIZE => [voxel_size] = self.numbers(index, VOXEL_SIZE)?,
                 ORIGIN => origin = self.numbers(index, ORIGIN)?,
-                TIME => {}
+                // Nothing is lost with a time that is none: then the user knows the rate.
+                TIME => {
+                    self.time_s =
+                        self.numbers(index, TIME).ok().map(|[time_s]| time_s).filter(|time_s| time_s.is_finite())
+                }
                 _ => {
                     let header = self.member(index).map(|(header, _)| header);
                     self.infos.push(GridInfo {
@@ -162,6 +169,10 @@ impl<R: Read + Seek> Source for Npz<R> {
 
     fn vectors(&mut self, index: usize) -> Result<Grid<3>, Fault> {
         self.read(index)
+    }
+
+    fn time_s(&self) -> Option<f64> {
+        self.time_s
     }
 }
 

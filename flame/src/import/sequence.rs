@@ -18,6 +18,9 @@ use crate::frame::Frame;
 /// Numbers that may be missing between the first frame and the last.
 const MOST_MISSING: u64 = 1_000_000;
 
+/// How far a frame's time may stand from its even place, in steps.
+const MOST_UNEVEN: f64 = 0.02;
+
 /// Where the velocity's components are taken to stand in their voxels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PlacementChoice {
@@ -77,13 +80,13 @@ impl Sequence {
     }
 
     /// The first number, the last, and how many have no file.
-    fn span(&self) -> Option<(u64, u64, u64)> {
+    fn span(&self) -> Option<(i64, i64, u64)> {
         let (first, last) = (self.frames.first()?.number, self.frames.last()?.number);
-        Some((first, last, (last - first).saturating_sub(self.frames.len() as u64 - 1)))
+        Some((first, last, last.abs_diff(first).saturating_sub(self.frames.len() as u64 - 1)))
     }
 
     /// The frames' numbers, ascending.
-    pub fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
+    pub fn numbers(&self) -> impl Iterator<Item = i64> + '_ {
         self.frames.iter().map(|frame| frame.number)
     }
 
@@ -98,7 +101,7 @@ impl Sequence {
     }
 
     /// Numbers between the first and the last that have no file.
-    pub fn missing(&self) -> Vec<u64> {
+    pub fn missing(&self) -> Vec<i64> {
         let pairs = self.frames.windows(2).filter_map(|pair| Some((pair.first()?.number, pair.last()?.number)));
         pairs.flat_map(|(before, after)| before + 1..after).collect()
     }
@@ -112,6 +115,33 @@ impl Sequence {
     pub fn path_of(&self, index: usize) -> &Path {
         let file = self.frames.get(index).and_then(|frame| frame.files.first());
         file.map_or(&self.path, |(_, path)| path)
+    }
+
+    /// When a frame takes place, in seconds, where its file says so: only `.npz` does.
+    pub fn time_s(&self, index: usize) -> Option<f64> {
+        let is_npz = self.frames.get(index).is_some_and(|frame| frame.format == Format::Npz);
+        if !is_npz {
+            return None;
+        }
+        self.with_source(index, |_, source| Ok(source.time_s())).ok().flatten()
+    }
+
+    /// Frames per second, where those of `indices` say when they take place.
+    ///
+    /// Fails where their times do not go on evenly with their numbers (to 2 % of a step).
+    pub fn rate_hz(&self, indices: &[usize]) -> Result<Option<f64>, Error> {
+        let timed = |index: &usize| Some((self.frames.get(*index)?.number, self.time_s(*index)?));
+        let times: Vec<(i64, f64)> = indices.iter().filter_map(timed).collect();
+        let ([(first, start_s), .., (last, end_s)], true) = (times.as_slice(), times.len() == indices.len()) else {
+            return Ok(None);
+        };
+        let step_s = (end_s - start_s) / last.abs_diff(*first) as f64;
+        let expected_s = |number: i64| start_s + number.abs_diff(*first) as f64 * step_s;
+        let is_off = |(number, time_s): &&(i64, f64)| (time_s - expected_s(*number)).abs() > MOST_UNEVEN * step_s;
+        if !(step_s.is_finite() && step_s > 0.0) || times.iter().any(|time| is_off(&time)) {
+            return Err(Error::UnevenTimes { path: shown_path(&self.path) });
+        }
+        Ok(Some(1.0 / step_s))
     }
 
     /// What a frame holds, from its headers.
@@ -140,7 +170,7 @@ impl Sequence {
     fn with_source<T>(
         &self,
         index: usize,
-        use_it: impl FnOnce(u64, &mut dyn Source) -> Result<T, Error>,
+        use_it: impl FnOnce(i64, &mut dyn Source) -> Result<T, Error>,
     ) -> Result<T, Error> {
         let found = self.frames.len();
         let missing = || Error::NoFrame { path: shown_path(&self.path), index, found };

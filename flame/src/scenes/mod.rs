@@ -186,7 +186,7 @@ impl Simulation {
 
     /// Front and flow after the last step; its number is that of the steps taken.
     pub fn frame(&self) -> Result<Frame, Error> {
-        self.solver.frame(self.steps)
+        self.solver.frame(i64::try_from(self.steps).unwrap_or(i64::MAX))
     }
 
     /// The gas.

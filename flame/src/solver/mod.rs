@@ -234,7 +234,7 @@ impl Solver {
     }
 
     /// The front and the flow, as files and the flux have them: at the cells' centres.
-    pub fn frame(&self, number: u64) -> Result<Frame, Error> {
+    pub fn frame(&self, number: i64) -> Result<Frame, Error> {
         let (front, velocity) = self.centred();
         let transform = self.transform()?;
         let shape = self.domain.shape();

@@ -1,0 +1,227 @@
+//! Odd but valid caches, series and recordings through the program, made anew and from the reference inputs.
+
+mod common;
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use common::{hiss, pyrophone, read, reference, refuses, rumble, succeeds, write};
+use pyrophone_flame::flux::Flux;
+use pyrophone_flame::import::npz::{DenseFrame, write_frame};
+use tempfile::TempDir;
+
+/// The folder of odd inputs.
+fn inputs() -> Option<PathBuf> {
+    reference().map(|folder| folder.join("inputs"))
+}
+
+/// Standard error of a run that succeeds.
+#[track_caller]
+fn notes(folder: &Path, arguments: &str) -> String {
+    let output = pyrophone(folder, arguments);
+    let notes = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{arguments}: {notes}");
+    notes
+}
+
+fn flux(folder: &Path, input: &Path) -> Vec<(i64, f64)> {
+    succeeds(folder, &format!("flux --input {} --flux-csv flux.csv", input.display()));
+    let table = std::fs::read_to_string(folder.join("flux.csv")).unwrap();
+    Flux::read_csv(&table, "flux").unwrap().rows.iter().map(|row| (row.frame, row.flux)).collect()
+}
+
+#[test]
+fn every_odd_cache_has_the_right_result() {
+    let Some(inputs) = inputs() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let of = |name: &str| flux(at, &inputs.join(name));
+
+    let plain = of("vdb_apple_double");
+    assert_eq!(plain.iter().map(|(frame, _)| *frame).collect::<Vec<_>>(), [1001, 1002, 1003, 1004, 1005]);
+    let negative = of("vdb_negative_frames");
+    assert_eq!(negative.iter().map(|(frame, _)| *frame).collect::<Vec<_>>(), [-5, -4, -3, -2, -1]);
+    assert!(negative.is_sorted_by(|a, b| a.1 < b.1), "the flux rises: {negative:?}");
+    // The balls of both grids are those of the other caches.
+    let doubled = of("vdb_two_grids_of_one_name");
+    for ((_, both), (_, one)) in doubled.iter().zip(&plain) {
+        assert!((both / one - 2.0).abs() < 0.01, "{both} of two, {one} of one");
+    }
+    let command = format!("flux --input {} --output still.wav --rate 24", inputs.join("vdb_zero_flux").display());
+    let said = notes(at, &command);
+    assert!(said.contains("the output is silent"), "{said}");
+    assert!(read(&at.join("still.wav")).channels[0].iter().all(|sample| *sample == 0.0));
+    let folders = std::fs::read_dir(&inputs).unwrap().filter(|entry| entry.as_ref().unwrap().path().is_dir());
+    assert_eq!(folders.count(), 4, "a cache that is not tested");
+}
+
+#[test]
+fn every_odd_series_has_the_right_result() {
+    let Some(inputs) = inputs() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let mut lengths = vec![];
+    for name in ["comment_hash_header.csv", "fds_hrr.csv", "tabs.tsv"] {
+        succeeds(folder.path(), &format!("flux --input {} --output out.wav", inputs.join(name).display()));
+        let sound = read(&folder.path().join("out.wav"));
+        assert!(sound.channels[0].iter().any(|sample| *sample != 0.0), "{name}");
+        let lines = std::fs::read_to_string(inputs.join(name)).unwrap();
+        let rows = lines.lines().filter(|line| line.trim().starts_with(|c: char| c.is_ascii_digit())).count();
+        lengths.push((sound.len_samples(), rows * 441));
+    }
+    assert!(lengths.iter().all(|(found, expected)| found == expected && *found > 0), "100 steps a second: {lengths:?}");
+    let is_series = |name: &str| name.ends_with(".csv") || name.ends_with(".tsv");
+    let names = std::fs::read_dir(&inputs).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    assert_eq!(names.filter(|name| is_series(name)).count(), 3, "a series that is not tested");
+}
+
+/// Level in dB and mean of a rendered texture.
+fn texture(folder: &Path, training: &Path, options: &str) -> (f64, f64) {
+    let command =
+        "render --preset default --input in.wav --output out.wav --set low_level=off --set extension_level=off";
+    succeeds(folder, &format!("{command} --training {} {options}", training.display()));
+    let samples: Vec<f64> = read(&folder.join("out.wav")).channels[0].iter().map(|sample| f64::from(*sample)).collect();
+    let count = samples.len() as f64;
+    let mean = samples.iter().sum::<f64>() / count;
+    (10.0 * (samples.iter().map(|sample| sample * sample).sum::<f64>() / count).log10(), mean)
+}
+
+#[track_caller]
+fn check_twins(folder: &Path, plain: &Path, offset: &Path) {
+    write(folder, "in.wav", &[rumble(96_000, 48_000)], 48_000);
+    for options in ["", "--training-normalise"] {
+        let ((plain_db, _), (offset_db, mean)) = (texture(folder, plain, options), texture(folder, offset, options));
+        assert!((plain_db - offset_db).abs() < 0.5, "{options}: {plain_db} dB, with an offset {offset_db} dB");
+        let level = 10f64.powf(offset_db / 20.0);
+        assert!(mean.abs() < 0.02 * level, "{options}: an offset of {mean} at a level of {level}");
+    }
+}
+
+#[test]
+fn an_offset_of_the_recording_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let sound: Vec<f32> = hiss(144_000, 5).iter().map(|sample| 0.3 * sample).collect();
+    let offset = sound.iter().map(|sample| sample + 0.02).collect();
+    write(folder.path(), "plain.wav", &[sound], 48_000);
+    write(folder.path(), "offset.wav", &[offset], 48_000);
+    check_twins(folder.path(), Path::new("plain.wav"), Path::new("offset.wav"));
+}
+
+#[test]
+fn the_twins_sound_equally_loud() {
+    let Some(inputs) = inputs() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    check_twins(folder.path(), &inputs.join("twin_quiet.wav"), &inputs.join("twin_dc.wav"));
+}
+
+#[test]
+fn silence_and_channels_that_cancel_are_said_of_a_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write(at, "in.wav", &[rumble(48_000, 48_000)], 48_000);
+    let left = hiss(48_000, 3);
+    let right = left.iter().map(|sample| -sample).collect();
+    write(at, "cancels.wav", &[left, right], 48_000);
+    write(at, "silent.wav", &[vec![0.0; 48_000]], 48_000);
+    let of =
+        |name: &str| notes(at, &format!("render --preset default --input in.wav --training {name} --output out.wav"));
+    assert!(of("cancels.wav").contains("cancels.wav: its channels cancel in their mean"));
+    assert!(of("silent.wav").contains("silent.wav: it is silent"));
+}
+
+#[test]
+fn denormal_recordings_cost_no_more_than_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write(at, "in.wav", &[rumble(48_000, 48_000)], 48_000);
+    let loud = hiss(96_000, 4);
+    write(at, "denormal.wav", &[loud.iter().map(|sample| sample * 1e-39).collect()], 48_000);
+    write(at, "loud.wav", &[loud], 48_000);
+    let seconds = |name: &str| {
+        let start = std::time::Instant::now();
+        notes(at, &format!("render --preset default --input in.wav --training {name} --output out.wav"));
+        start.elapsed().as_secs_f64()
+    };
+    seconds("loud.wav");
+    let (loud_s, denormal_s) = (seconds("loud.wav"), seconds("denormal.wav"));
+    assert!(denormal_s < 3.0 * loud_s + 1.0, "{denormal_s} s instead of {loud_s} s");
+    assert!(read(&at.join("out.wav")).channels[0].iter().all(|sample| sample.is_finite()));
+}
+
+/// A ball of flame that grows with its frame, in a flow away from its middle or in an even wind.
+fn frame(path: &Path, number: i64, is_wind: bool, time_s: Option<f64>) {
+    const SIZE: usize = 16;
+    let count = SIZE * SIZE * SIZE;
+    let from_middle = |n: usize| [n / (SIZE * SIZE), n / SIZE % SIZE, n % SIZE].map(|i| i as f64 - 7.5);
+    let away = |n: usize| from_middle(n).iter().map(|x| x * x).sum::<f64>().sqrt();
+    let radius = 4.0 + 0.1 * number as f64;
+    let flow = |n: usize| if is_wind { [3.7, 0.1, -1.3] } else { from_middle(n).map(|x| x as f32) };
+    let frame = DenseFrame {
+        shape: [SIZE; 3],
+        flame: &(0..count).map(|n| [(0.5 + 0.25 * (radius - away(n))).clamp(0.0, 1.0) as f32]).collect::<Vec<_>>(),
+        velocity: &(0..count).map(flow).collect::<Vec<_>>(),
+        voxel_size: 0.1,
+        origin: [0.0; 3],
+        time_s,
+    };
+    write_frame(File::create(path).unwrap(), &frame).unwrap();
+}
+
+/// A folder `flame` of frames.
+fn cache(numbers: std::ops::RangeInclusive<i64>, is_wind: bool, rate_hz: Option<f64>) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let flame = folder.path().join("flame");
+    std::fs::create_dir(&flame).unwrap();
+    for number in numbers {
+        let time_s = rate_hz.map(|rate_hz| number as f64 / rate_hz);
+        frame(&flame.join(format!("fire.{number}.npz")), number, is_wind, time_s);
+    }
+    folder
+}
+
+#[test]
+fn frames_below_zero_are_numbered_by_their_minus() {
+    let folder = cache(-3..=2, false, None);
+    std::fs::write(folder.path().join("flame/._fire.-1.npz"), b"Mac OS X").unwrap();
+    let rows = flux(folder.path(), Path::new("flame"));
+    assert_eq!(rows.iter().map(|(frame, _)| *frame).collect::<Vec<_>>(), [-3, -2, -1, 0, 1, 2]);
+    assert!(rows.is_sorted_by(|a, b| a.1 < b.1), "{rows:?}");
+    succeeds(folder.path(), "flux --input flame --frames -2--1 --partial a.csv");
+    succeeds(folder.path(), "flux --input flame --frames 0-2 --partial b.csv");
+    succeeds(folder.path(), "flux-merge a.csv b.csv --flux-csv merged.csv");
+    let merged = std::fs::read_to_string(folder.path().join("merged.csv")).unwrap();
+    assert!(merged.contains("\n-2,") && merged.contains("\n2,"), "{merged}");
+}
+
+#[test]
+fn a_body_in_an_even_wind_is_silent() {
+    let folder = cache(1..=4, true, Some(24.0));
+    let said = notes(folder.path(), "flux --input flame --output out.wav");
+    assert!(said.contains("the output is silent"), "{said}");
+    let at = folder.path();
+    let rows: String = (0..100).map(|step| format!("{}\n", 5.0 + 1e-15 * f64::from(step % 7))).collect();
+    std::fs::write(at.join("still.csv"), rows).unwrap();
+    let said = notes(at, "flux --input still.csv --output still.wav --rate 100");
+    assert!(said.contains("the output is silent"), "{said}");
+}
+
+#[test]
+fn the_rate_is_told_by_someone_or_asked_for() {
+    let timed = cache(1..=8, false, Some(50.0));
+    succeeds(timed.path(), "flux --input flame --output out.wav");
+    assert_eq!(read(&timed.path().join("out.wav")).len_samples(), 8 * 882);
+    let said = notes(timed.path(), "flux --input flame --output out.wav --rate 25");
+    assert!(said.contains("the frames' own times say 50"), "{said}");
+    assert_eq!(read(&timed.path().join("out.wav")).len_samples(), 8 * 1764);
+
+    let untimed = cache(1..=8, false, None);
+    for output in ["--output out.wav", "--report told", "--speed-field out.field"] {
+        refuses(untimed.path(), &format!("flux --input flame {output}"), 1, &["flame", "--rate"]);
+    }
+    succeeds(untimed.path(), "flux --input flame --flux-csv flux.csv");
+    refuses(untimed.path(), "flux --input flux.csv --output out.wav", 1, &["flux.csv", "--rate"]);
+    succeeds(untimed.path(), "flux --input flux.csv --output out.wav --rate 24");
+
+    frame(&timed.path().join("flame/fire.8.npz"), 8, false, Some(7.0));
+    refuses(timed.path(), "flux --input flame --output out.wav", 1, &["uneven", "--rate"]);
+    succeeds(timed.path(), "flux --input flame --output out.wav --rate 50");
+}
