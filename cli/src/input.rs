@@ -5,7 +5,7 @@ mod standard;
 use std::io::Cursor;
 use std::path::Path;
 
-use pyrophone_recording::{Broadcast, Recording, decode, decode_bytes, resample};
+use pyrophone_recording::{Broadcast, Note, Recording, decode, decode_bytes, resample};
 
 use crate::error::Error;
 use crate::output::is_standard;
@@ -25,11 +25,22 @@ pub fn load_with_place(path: &Path, work: &Work) -> Result<(Recording, Option<Br
         let bytes = standard::read(work)?;
         let stage = work.stage("reading");
         let recording = stop(decode_bytes(&bytes, standard::NAME, &|done| stage.at(done)))?;
+        drop(stage);
+        tell(&recording);
         return Ok((recording, Broadcast::read(&mut Cursor::new(&bytes))));
     }
     let stage = work.stage("reading");
     let recording = stop(decode(path, &|done| stage.at(done)))?;
+    drop(stage);
+    tell(&recording);
     Ok((recording, Broadcast::of_file(path)))
+}
+
+/// Says what is odd about a recording. Whether channels that cancel matter depends on what the sound is for.
+fn tell(recording: &Recording) {
+    for found in recording.notes.iter().filter(|found| **found != Note::ChannelsCancel) {
+        note(&format!("{}: {found}", recording.name));
+    }
 }
 
 /// Reads a sound file and brings it to `rate_hz`.

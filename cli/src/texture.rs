@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pyrophone_recording::Recording;
+use pyrophone_recording::{Note, Recording};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::offline::{Options, synthesize};
@@ -11,7 +11,7 @@ use pyrophone_synthesis::texture::{Dictionary, Shape};
 
 use crate::args::TextureArgs;
 use crate::error::Error;
-use crate::progress::Work;
+use crate::progress::{Work, note};
 use crate::summary::Done;
 use crate::{input, output};
 
@@ -47,6 +47,9 @@ pub fn index(
     dynamics: Dynamics,
     work: &Work,
 ) -> Result<Arc<Dictionary>, Error> {
+    if training.notes.contains(&Note::ChannelsCancel) {
+        note(&format!("{}: {}", training.name, Note::ChannelsCancel));
+    }
     let stage = work.stage("indexing");
     let channels = input::as_f64(&training.channels);
     let rate_hz = f64::from(training.sample_rate_hz);

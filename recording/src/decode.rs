@@ -84,11 +84,12 @@ fn decode_named(bytes: &[u8], name: &str, progress: Progress) -> Result<Recordin
 
 /// What makes a sound useless although nothing is wrong with its file.
 fn note_of(channels: &[Vec<f32>]) -> Option<Note> {
-    let square = |sample: f64| sample * sample;
-    let power: f64 = channels.iter().flatten().map(|sample| square(f64::from(*sample))).sum();
-    if power == 0.0 {
+    // Less than the smallest normal number is no sound of any medium.
+    if channels.iter().flatten().all(|sample| sample.abs() < f32::MIN_POSITIVE) {
         return Some(Note::Silent);
     }
+    let square = |sample: f64| sample * sample;
+    let power: f64 = channels.iter().flatten().map(|sample| square(f64::from(*sample))).sum();
     let length = channels.first().map_or(0, Vec::len);
     let sum = |index: usize| channels.iter().map(|samples| f64::from(samples[index])).sum::<f64>();
     let power_of_sum: f64 = (0..length).map(|index| square(sum(index))).sum();

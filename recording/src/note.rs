@@ -38,7 +38,7 @@ pub enum Note {
         /// What is left out.
         what: &'static str,
     },
-    /// Every sample is zero.
+    /// No sample is more than nothing.
     Silent,
     /// The channels cancel in their mean.
     ChannelsCancel,
@@ -62,7 +62,7 @@ impl std::fmt::Display for Note {
             }
             Self::Skipped { bytes } => write!(f, "{bytes} bytes in it are neither sound nor a tag, and are skipped"),
             Self::LeftOut { what } => write!(f, "{what} is left out"),
-            Self::Silent => write!(f, "it is silent: every sample is zero"),
+            Self::Silent => write!(f, "it is silent throughout"),
             Self::ChannelsCancel => {
                 write!(f, "its channels cancel in their mean, which matching goes by; invert one of them")
             }

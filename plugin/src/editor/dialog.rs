@@ -17,7 +17,8 @@ use nice_plug_egui::RepaintNotifier;
 use rfd::AsyncFileDialog;
 
 /// File names that recordings have.
-const EXTENSIONS: &[&str] = &["wav", "wave", "flac", "ogg", "oga", "mp3", "aif", "aiff", "aifc", "caf"];
+const EXTENSIONS: &[&str] =
+    &["wav", "wave", "bwf", "rf64", "w64", "flac", "ogg", "oga", "mp3", "mp2", "aif", "aiff", "aifc", "caf"];
 
 const VARIABLE: &str = "PYROPHONE_DIALOG";
 

@@ -44,7 +44,7 @@ pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let recording = decode(&bytes, &name, job)?;
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    let mut notice = None;
+    let mut notice = notes(&recording);
     let embedded = if keep { embed(&bytes).map_err(|error| notice = Some(error.to_string())).ok() } else { None };
     let reference = RecordingReference {
         path: path.to_string_lossy().into_owned(),
@@ -59,7 +59,10 @@ pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
 pub fn find(reference: &RecordingReference, job: &Job) -> Result<Found, Failure> {
     let path = Path::new(&reference.path);
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let found = |recording, notice| Ok(Found { recording, reference: reference.clone(), notice });
+    let found = |recording: Arc<Recording>, notice: Option<String>| {
+        let notice = notice.or_else(|| notes(&recording));
+        Ok(Found { recording, reference: reference.clone(), notice })
+    };
     let at_place = read(path);
     if let Ok(bytes) = &at_place
         && content_hash(bytes) == reference.content_hash
@@ -86,6 +89,12 @@ pub fn pack(reference: &RecordingReference) -> Result<String, String> {
         return Err(format!("{}: the file has changed since it was loaded; load it again", reference.path));
     }
     embed(&bytes).map_err(|error| error.to_string())
+}
+
+/// What the user should know of a recording.
+fn notes(recording: &Recording) -> Option<String> {
+    let notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
+    (!notes.is_empty()).then(|| format!("{}: {}", recording.name, notes.join("; ")))
 }
 
 fn decode(bytes: &[u8], name: &str, job: &Job) -> Result<Arc<Recording>, Failure> {
