@@ -4,9 +4,10 @@ use std::env::var_os;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use crate::bundle::{self, Profile};
+use crate::cargo;
 
 /// Where to.
 #[derive(Debug, clap::Args)]
@@ -33,7 +34,38 @@ pub fn run(args: &Args) -> Result<()> {
         replace(bundle, &installed).with_context(|| format!("installing {}", installed.display()))?;
         println!("{}", installed.display());
     }
+    match preset_folder(args.to.as_deref(), args.system) {
+        Some(folder) => write_presets(&folder),
+        None => Ok(()),
+    }
+}
+
+/// Writes the factory's presets as VST3 hosts keep them.
+fn write_presets(folder: &Path) -> Result<()> {
+    let mut writing = cargo::command();
+    writing.args(["run", "--quiet", "--release", "--package", "pyrophone-settings", "--example", "vst3_presets", "--"]);
+    ensure!(writing.arg(folder).status()?.success(), "the presets cannot be written to {}", folder.display());
     Ok(())
+}
+
+/// Where VST3 hosts look for the factory's presets: a folder of their own, so that it can be removed with all in it. None
+/// where the system has no such place.
+pub fn preset_folder(named: Option<&Path>, is_system: bool) -> Option<PathBuf> {
+    const PLACE: &str = "Pyrophone/Pyrophone/Factory";
+    if let Some(named) = named {
+        return Some(named.join("presets").join(PLACE));
+    }
+    let home =
+        |below: &str| var_os(if cfg!(windows) { "USERPROFILE" } else { "HOME" }).map(|at| Path::new(&at).join(below));
+    let presets = match (is_system, std::env::consts::OS) {
+        (false, "windows") => home("Documents/VST3 Presets"),
+        (false, "macos") => home("Library/Audio/Presets"),
+        (false, _) => home(".vst3/presets"),
+        (true, "macos") => Some(PathBuf::from("/Library/Audio/Presets")),
+        (true, "linux") => Some(PathBuf::from("/usr/share/vst3/presets")),
+        (true, _) => None,
+    };
+    Some(presets?.join(PLACE))
 }
 
 /// The CLAP and the VST3 folder of the present user.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 
 use crate::bundle;
-use crate::install::{system_folders, user_folders};
+use crate::install::{preset_folder, system_folders, user_folders};
 
 /// Where from.
 #[derive(Debug, clap::Args)]
@@ -20,7 +20,7 @@ pub struct Args {
     from: Option<PathBuf>,
 }
 
-/// Removes the bundles, and nothing else: presets and recordings stay.
+/// Removes the bundles and the factory's presets, and nothing else: the user's presets and recordings stay.
 pub fn run(args: &Args) -> Result<()> {
     let folders = match &args.from {
         Some(folder) => [folder.clone(), folder.clone()],
@@ -31,6 +31,11 @@ pub fn run(args: &Args) -> Result<()> {
         let installed = folder.join(bundle.file_name().context("a bundle without a name")?);
         let removed = remove(&installed).with_context(|| format!("removing {}", installed.display()))?;
         println!("{}{}", installed.display(), if removed { "" } else { ": is not there" });
+    }
+    if let Some(folder) = preset_folder(args.from.as_deref(), args.system)
+        && remove(&folder).with_context(|| format!("removing {}", folder.display()))?
+    {
+        println!("{}", folder.display());
     }
     Ok(())
 }
