@@ -57,6 +57,7 @@ impl Source {
             sample_rate_hz: args.sample_rate,
             name: "--seconds".into(),
             content_hash: String::new(),
+            notes: vec![],
         };
         Ok(Self { recording, broadcast: None, name: Path::new("--seconds").to_owned() })
     }

@@ -516,14 +516,13 @@ impl Worker {
             })
         };
         let is_called_off = || !job.goes_on_indexing("Waiting for another instance", 0.4);
-        let kept = || self.store.as_ref().and_then(|store| store.read(&key));
-        let read_or_make = || match kept() {
-            Some(dictionary) => Ok(dictionary),
-            None => {
-                let made = make()?;
-                self.is_unkept.set(true);
-                Ok(made)
+        let read_or_make = || -> Result<Dictionary, Failure> {
+            if let Some(kept) = self.store.as_ref().and_then(|store| store.read(&key)) {
+                return Ok(kept);
             }
+            let made = make()?;
+            self.is_unkept.set(true);
+            Ok(made)
         };
         match DICTIONARIES.get_or_make(&key, is_called_off, read_or_make) {
             Some(made) => Ok(Some((key, made?))),
