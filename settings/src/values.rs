@@ -2,8 +2,8 @@
 
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::{
-    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, FlameControls, Flow,
-    MixControls, Quality, TextureControls, VortexControls,
+    CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
+    FlameControls, Flow, MixControls, Quality, TextureControls, VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::vortex::shipped::OUTPUT_PER_PA;
@@ -126,13 +126,27 @@ impl Values {
                 },
             },
             vortex: self.vortex(),
+            crackle: CrackleControls {
+                density: self.get(Id::CrackleDensity),
+                sharpness: self.get(Id::CrackleSharpness),
+                spread: self.get(Id::CrackleSpread),
+                follow: self.get(Id::CrackleFollow),
+                seed: self.get(Id::CrackleSeed) as u32,
+                ..CrackleControls::default()
+            },
             mix: MixControls {
                 low: self.factor(Id::LowLevel),
                 extension: self.factor(Id::ExtensionLevel),
                 texture: self.factor(Id::TextureLevel),
                 vortex: self.factor(Id::VortexLevel),
+                crackle: self.factor(Id::CrackleLevel),
                 width: self.get(Id::TextureWidth),
                 output: self.factor(Id::OutputLevel),
+                loudness_lufs: {
+                    let plain = self.get(Id::Loudness);
+                    (!Id::Loudness.parameter().is_off(plain)).then_some(plain)
+                },
+                ceiling: on(Id::Ceiling),
                 bypass: on(Id::Bypass),
             },
         }

@@ -83,6 +83,14 @@ fn every_id_is_at_its_place() {
         (Id::VortexLimit, "vortex_limit"),
         (Id::VortexSeed, "vortex_seed"),
         (Id::ScalingAuto, "scaling_auto"),
+        (Id::CrackleLevel, "crackle_level"),
+        (Id::CrackleDensity, "crackle_density"),
+        (Id::CrackleSharpness, "crackle_sharpness"),
+        (Id::CrackleSpread, "crackle_spread"),
+        (Id::CrackleFollow, "crackle_follow"),
+        (Id::CrackleSeed, "crackle_seed"),
+        (Id::Ceiling, "ceiling"),
+        (Id::Loudness, "loudness"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {

@@ -14,6 +14,8 @@ pub struct Controls {
     pub texture: TextureControls,
     /// Vortex sound.
     pub vortex: VortexControls,
+    /// Crackle.
+    pub crackle: CrackleControls,
     /// Levels of the layers.
     pub mix: MixControls,
 }
@@ -286,6 +288,31 @@ impl Default for VortexControls {
     }
 }
 
+/// Controls of [`crate::crackle`]. What lies out of its range is taken at its end, what is not a number at the lowest
+/// value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrackleControls {
+    /// Crackles relative to the recording's, 0-4.
+    pub density: f64,
+    /// -1 = dull, 0 = as recorded, 1 = bright and short.
+    pub sharpness: f64,
+    /// Exponent on how far the crackles' levels lie from their median: 0 = all alike, 1 = as recorded, 2 = twice as far in dB.
+    pub spread: f64,
+    /// How far density and level follow the drive's loudness: 0 = not at all, 1 = as fire does, 2 = twice as far in dB.
+    pub follow: f64,
+    /// Seed of their order and variation.
+    pub seed: u32,
+    /// Highest peak of a crackle, as an amplitude: louder ones are turned down as wholes. [`crate::chain::Chain`] lowers it so
+    /// that none reaches the ceiling.
+    pub highest_peak: f64,
+}
+
+impl Default for CrackleControls {
+    fn default() -> Self {
+        Self { density: 1.0, sharpness: 0.0, spread: 1.0, follow: 1.0, seed: 42, highest_peak: f64::INFINITY }
+    }
+}
+
 /// Controls of [`crate::mix`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MixControls {
@@ -297,16 +324,33 @@ pub struct MixControls {
     pub texture: f64,
     /// Factor on vortex sound.
     pub vortex: f64,
-    /// Stereo width of the texture: 0 = mono, 1 = as recorded.
+    /// Factor on crackle.
+    pub crackle: f64,
+    /// Stereo width of texture and crackle: 0 = mono, 1 = as recorded.
     pub width: f64,
     /// Factor on the sum.
     pub output: f64,
+    /// Loudness in LUFS that the recording is brought to in texture and crackle, in the companded mode; none leaves it as it is.
+    pub loudness_lufs: Option<f64>,
+    /// Whether what exceeds -1 dBFS is bent so that nothing exceeds full scale.
+    pub ceiling: bool,
     /// The input, delayed by the latency, instead of the effect.
     pub bypass: bool,
 }
 
 impl Default for MixControls {
     fn default() -> Self {
-        Self { low: 1.0, extension: 1.0, texture: 1.0, vortex: 0.0, width: 1.0, output: 1.0, bypass: false }
+        Self {
+            low: 1.0,
+            extension: 1.0,
+            texture: 1.0,
+            vortex: 0.0,
+            crackle: 1.0,
+            width: 1.0,
+            output: 1.0,
+            loudness_lufs: None,
+            ceiling: false,
+            bypass: false,
+        }
     }
 }

@@ -9,6 +9,7 @@
 //! | [`texture`] | synchronized texture synthesis | Chadwick & James 2011, §5 |
 //! | [`vortex`] | the whoosh of turbulent flow | Dobashi, Yamamoto & Nishita 2004 |
 //! | [`companding`] | texture in a world without slow loudness, the drive's put back | this project |
+//! | [`crackle`] | the recording's crackles, split off and played as the drive burns | this project |
 //! | [`mix`] | layer levels, width, output level | |
 //! | [`chain`] | all of these, aligned, with transport and automation: the whole effect | |
 //!
@@ -18,13 +19,16 @@
 //!
 //! This crate knows nothing of plugins, windows or files.
 
+mod ceiling;
 pub mod chain;
 pub mod companding;
 pub mod controls;
+pub mod crackle;
 pub mod drive;
 pub mod error;
 pub mod extend;
 mod filter;
+mod loudness;
 pub mod mix;
 pub mod noise;
 mod smoothed;

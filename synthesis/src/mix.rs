@@ -1,5 +1,6 @@
 //! Levels of the layers, width, output level, bypass.
 
+use crate::ceiling;
 use crate::controls::MixControls;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
@@ -7,6 +8,9 @@ use crate::vortex::Layout;
 
 /// Time constant in seconds with which levels follow their controls.
 const SMOOTHING_S: f64 = 0.005;
+/// Most channels of any bus.
+const MAX_CHANNELS: usize = 10;
+
 /// The layers of one block, all delayed by the effect's latency.
 #[derive(Debug, Clone, Copy)]
 pub struct Layers<'a> {
@@ -18,6 +22,8 @@ pub struct Layers<'a> {
     pub texture: &'a [Vec<f64>],
     /// Vortex sound, by channel.
     pub vortex: &'a [Vec<f64>],
+    /// Crackle, by channel.
+    pub crackle: &'a [Vec<f64>],
     /// The input, by channel of the output, delayed likewise; silent where there is none.
     pub dry: &'a [Vec<f32>],
 }
@@ -33,6 +39,8 @@ pub struct Peaks {
     pub texture: f64,
     /// Vortex layer.
     pub vortex: f64,
+    /// Crackle layer.
+    pub crackle: f64,
     /// Output.
     pub output: f64,
 }
@@ -49,6 +57,7 @@ pub struct Mix {
     extension: Smoothed,
     texture: Smoothed,
     vortex: Smoothed,
+    crackle: Smoothed,
     width: Smoothed,
     output: Smoothed,
     bypass: Smoothed,
@@ -68,6 +77,7 @@ impl Mix {
             extension: smoothed,
             texture: smoothed,
             vortex: smoothed,
+            crackle: smoothed,
             width: smoothed,
             output: smoothed,
             bypass: smoothed,
@@ -110,6 +120,7 @@ impl Mix {
         self.extension.value = controls.extension;
         self.texture.value = controls.texture;
         self.vortex.value = controls.vortex;
+        self.crackle.value = controls.crackle;
         self.width.value = controls.width;
         self.output.value = controls.output;
         self.bypass.value = f64::from(u8::from(controls.bypass));
@@ -128,33 +139,55 @@ impl Mix {
         let extension_level = self.extension.next(controls.extension);
         let texture_level = self.texture.next(controls.texture);
         let vortex_level = self.vortex.next(controls.vortex);
+        let crackle_level = self.crackle.next(controls.crackle);
         let width = self.width.next(controls.width);
         let output_level = self.output.next(controls.output);
         let bypass = self.bypass.next(f64::from(u8::from(controls.bypass)));
         peaks.low = peaks.low.max(low.abs());
         // Narrowing is for pairs; at full width the recording's own channels pass untouched.
         let narrowed = outputs.len() == 2 && width != 1.0;
-        let middle = if narrowed { 0.5 * (layers.texture[0][i] + layers.texture[1][i]) } else { 0.0 };
-        for (channel, output) in outputs.iter_mut().enumerate() {
+        let narrow = |layer: &[Vec<f64>], channel: usize| {
+            let own = layer[channel][i];
+            if narrowed {
+                let middle = 0.5 * (layer[0][i] + layer[1][i]);
+                middle + width * (own - middle)
+            } else {
+                own
+            }
+        };
+        let mut wets = [0.0f64; MAX_CHANNELS];
+        let mut loudest = 0.0f64;
+        let channels = outputs.len().min(MAX_CHANNELS);
+        for (channel, wet) in wets.iter_mut().enumerate().take(channels) {
             if self.effects == Some(channel) {
-                output[i] = layers.dry[channel][i];
-                peaks.output = peaks.output.max(f64::from(output[i]).abs());
                 continue;
             }
-            let texture = layers.texture[channel][i];
-            let texture = if narrowed { middle + width * (texture - middle) } else { texture } * texture_level;
+            let texture = narrow(layers.texture, channel) * texture_level;
+            let crackle = narrow(layers.crackle, channel) * crackle_level;
             let extension = layers.extension[channel][i] * extension_level;
             let vortex = layers.vortex[channel][i] * vortex_level;
-            let wet = (low + extension + texture + vortex) * output_level;
-            let dry = layers.dry[channel][i];
-            output[i] = match bypass {
-                0.0 => wet as f32,
-                1.0 => dry,
-                part => (wet + part * (f64::from(dry) - wet)) as f32,
-            };
+            *wet = (low + extension + texture + vortex + crackle) * output_level;
+            // A comparison with what is no number would leave it out.
+            loudest = if wet.is_nan() { f64::NAN } else { wet.abs().max(loudest) };
             peaks.extension = peaks.extension.max(extension.abs());
             peaks.texture = peaks.texture.max(texture.abs());
             peaks.vortex = peaks.vortex.max(vortex.abs());
+            peaks.crackle = peaks.crackle.max(crackle.abs());
+        }
+        // All channels alike, so that the image stays.
+        let held = if controls.ceiling { ceiling::gain(loudest) } else { 1.0 };
+        for (channel, output) in outputs.iter_mut().enumerate() {
+            let dry = layers.dry[channel][i];
+            output[i] = if self.effects == Some(channel) {
+                if controls.ceiling { (f64::from(dry) * ceiling::gain(f64::from(dry).abs())) as f32 } else { dry }
+            } else {
+                let wet = if held == 0.0 { 0.0 } else { wets[channel] * held };
+                match bypass {
+                    0.0 => wet as f32,
+                    1.0 => dry,
+                    part => (wet + part * (f64::from(dry) - wet)) as f32,
+                }
+            };
             peaks.output = peaks.output.max(f64::from(output[i]).abs());
         }
     }
@@ -186,6 +219,7 @@ mod tests {
                         extension: &silent,
                         texture: &silent,
                         vortex: &silent,
+                        crackle: &silent,
                         dry: &dry,
                     };
                     let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(|x| &mut x[start..stop]).collect();
@@ -209,7 +243,8 @@ mod tests {
         let (low, silent, dry) = layers_of_ones(100);
         let mut mix = Mix::new(10, 48_000.0, Layout::Stereo);
         let mut outputs = [vec![0.0f32; 100], vec![0.0f32; 100]];
-        let layers = Layers { low: &low, extension: &silent, texture: &silent, vortex: &silent, dry: &dry };
+        let layers =
+            Layers { low: &low, extension: &silent, texture: &silent, vortex: &silent, crackle: &silent, dry: &dry };
         let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
         mix.process(&layers, &MixControls { bypass: true, ..MixControls::default() }, &mut outs);
         assert_eq!(outputs[0], dry[0]);

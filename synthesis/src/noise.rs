@@ -23,6 +23,16 @@ impl White {
         mix(self.key.wrapping_add(counter)) as i64 as f64 * SCALE
     }
 
+    /// 64 random bits for `position`.
+    pub(crate) fn bits(&self, position: i64) -> u64 {
+        mix(self.key.wrapping_add((position as u64).wrapping_mul(WEYL)))
+    }
+
+    /// A number in -1..1 for `position`, evenly distributed.
+    pub(crate) fn unit(&self, position: i64) -> f64 {
+        self.bits(position) as i64 as f64 / 9_223_372_036_854_775_808.0
+    }
+
     /// The samples from `start` on.
     pub fn fill(&self, start: i64, out: &mut [f64]) {
         for (position, sample) in (start..).zip(out) {

@@ -25,13 +25,14 @@ impl Page {
     /// Its groups, with a word on what they do.
     fn groups(self) -> &'static [Group] {
         // Which parameter is where does not change: it is not looked up with every frame.
-        static PLAY: LazyLock<[Group; 5]> = LazyLock::new(|| {
+        static PLAY: LazyLock<[Group; 6]> = LazyLock::new(|| {
             [
                 Group::new("Drive", "what goes in"),
                 Group::new("Levels", "what is heard"),
                 Group::new("Extension", "noise above the cutoff"),
                 Group::new("Flame", "what burns where nothing goes in (drive flame)"),
                 Group::new("Texture", "fire from the recording"),
+                Group::new("Crackle", "the recording's crackles, split off the texture"),
             ]
         });
         static VORTEX: LazyLock<[Group; 3]> = LazyLock::new(|| {

@@ -28,6 +28,8 @@ const CHUNK: usize = 256;
 const CROSSFADE_S: f64 = 0.01;
 /// Hosts that derive their position from beats round it; this much is no jump.
 const POSITION_TOLERANCE_SAMPLES: u64 = 1;
+/// Peak of the loudest crackle under a ceiling, -2.5 dBFS: with the bed around it, it stays below the knee, so that no wave is bent.
+const HIGHEST_PEAK: f64 = 0.75;
 /// Input beyond this magnitude (+80 dBFS) is a broken signal and is cut there.
 const LARGEST_INPUT: f32 = 1e4;
 /// Input below this magnitude is silence; it keeps denormals out of every engine.
@@ -69,6 +71,8 @@ pub struct Meters {
     pub texture: f32,
     /// Vortex layer, after its level.
     pub vortex: f32,
+    /// Crackle layer, after its level.
+    pub crackle: f32,
     /// Output.
     pub output: f32,
     /// How far texture maps amplitudes now: scalingAlpha, less what a buzz takes where that is asked for.
@@ -288,6 +292,7 @@ impl Chain {
         self.tail_samples = self.voices[0].tail_samples(controls) + self.crossfade_samples;
         self.burns = self.voices[0].is_self_driven(controls);
         self.endless = self.voices[0].is_endless(controls) || (self.has_dictionary && controls.texture.gate <= 0.0);
+        let controls = &self.levelled(controls);
         self.follow(transport);
         let mut start = 0;
         while start < samples {
@@ -300,6 +305,18 @@ impl Chain {
             self.finish_takeover();
             start = end;
         }
+    }
+
+    /// `controls` with the levels that bring the recording to the loudness asked for, and keep crackles below the ceiling.
+    fn levelled(&self, controls: &Controls) -> Controls {
+        let mut levelled = *controls;
+        let gain = self.voices[0].gain_to(controls.mix.loudness_lufs);
+        levelled.mix.texture *= gain;
+        levelled.mix.crackle *= gain;
+        if controls.mix.ceiling {
+            levelled.crackle.highest_peak = HIGHEST_PEAK / (levelled.mix.crackle * levelled.mix.output).max(1e-9);
+        }
+        levelled
     }
 
     /// Samples from a jump until the voice that it started has taken over.
@@ -421,6 +438,7 @@ impl Chain {
             extension: &heard.extension,
             texture: &heard.texture,
             vortex: &heard.vortex,
+            crackle: &heard.crackle,
             dry: &self.dry,
         };
         let mut outputs: [&mut [f32]; MAX_CHANNELS] = Default::default();
@@ -432,6 +450,7 @@ impl Chain {
         self.meters.extension = self.meters.extension.max(peaks.extension as f32);
         self.meters.texture = self.meters.texture.max(peaks.texture as f32);
         self.meters.vortex = self.meters.vortex.max(peaks.vortex as f32);
+        self.meters.crackle = self.meters.crackle.max(peaks.crackle as f32);
         self.meters.output = self.meters.output.max(peaks.output as f32);
         self.silent_samples = if peaks.output == 0.0 { self.silent_samples.saturating_add(samples) } else { 0 };
     }

@@ -6,7 +6,8 @@ use super::delay::Delay;
 use super::vortex_layer::VortexLayer;
 use super::{CHUNK, Channels, Trace};
 use crate::companding::Companding;
-use crate::controls::{DriveMode, TextureControls};
+use crate::controls::{CrackleControls, DriveMode, TextureControls};
+use crate::crackle::Crackle;
 use crate::drive::Drive;
 use crate::extend::Extend;
 use crate::smoothed::Smoothed;
@@ -25,20 +26,23 @@ pub struct VoiceLayers {
     pub texture: Vec<Vec<f64>>,
     /// Vortex sound by channel.
     pub vortex: Vec<Vec<f64>>,
+    /// Crackle by channel.
+    pub crackle: Vec<Vec<f64>>,
 }
 
 impl VoiceLayers {
     fn new(channels: usize) -> Self {
         let channel = || vec![0.0; CHUNK];
         let all = || (0..channels).map(|_| channel()).collect();
-        Self { low: channel(), extension: all(), texture: all(), vortex: all() }
+        Self { low: channel(), extension: all(), texture: all(), vortex: all(), crackle: all() }
     }
 
     /// Replaces these layers by `other` at the part that `ramp` tells for every sample, 0-1.
     pub fn fade_to(&mut self, other: &Self, samples: usize, ramp: impl Fn(usize) -> f64) {
-        let channels =
-            self.extension.iter_mut().chain(&mut self.texture).chain(&mut self.vortex).chain([&mut self.low]);
-        let others = other.extension.iter().chain(&other.texture).chain(&other.vortex).chain([&other.low]);
+        let channels = self.extension.iter_mut().chain(&mut self.texture).chain(&mut self.vortex);
+        let channels = channels.chain(&mut self.crackle).chain([&mut self.low]);
+        let others = other.extension.iter().chain(&other.texture).chain(&other.vortex);
+        let others = others.chain(&other.crackle).chain([&other.low]);
         for (mine, theirs) in channels.zip(others) {
             for i in 0..samples {
                 let part = ramp(i);
@@ -62,6 +66,7 @@ const STAND_IN_LEVEL: f64 = 0.25;
 #[derive(Debug)]
 struct Companded {
     companding: Companding,
+    crackle: Crackle,
     flat: Vec<f64>,
     loudness: Vec<f64>,
     /// Share of spectral extension in the texture layer: 1 as long as there is no recording.
@@ -98,6 +103,7 @@ impl Voice {
         // In the companded mode texture waits beforehand, so that loudness can look ahead.
         let companded = (structure.dynamics == Dynamics::Companded).then(|| Companded {
             companding: Companding::new(sample_rate_hz, outputs, wait, latency, CHUNK),
+            crackle: Crackle::new(sample_rate_hz, outputs, latency, CHUNK),
             flat: vec![0.0; CHUNK],
             loudness: vec![0.0; CHUNK],
             stand_in: Smoothed::new(STAND_IN_S, sample_rate_hz),
@@ -128,7 +134,7 @@ impl Voice {
     /// Samples that may sound after the input has fallen silent, latency included.
     pub fn tail_samples(&self, controls: &Controls) -> usize {
         let drive = self.drive.tail_samples(&controls.drive);
-        let companding = self.companded.as_ref().map_or(0, |companded| companded.companding.tail_samples());
+        let companding = self.companded.as_ref().map_or(0, Companded::tail_samples);
         let fire = (self.texture.tail_samples() + companding).max(self.extend.tail_samples());
         self.latency_samples + drive + fire.max(self.vortex.tail_samples(controls).unwrap_or(0))
     }
@@ -155,6 +161,7 @@ impl Voice {
         self.texture.reset(position.wrapping_sub(self.texture_starts_late()));
         if let Some(companded) = &mut self.companded {
             companded.companding.reset(position);
+            companded.crackle.reset(position);
             companded.is_fresh = true;
         }
         self.vortex.reset(position);
@@ -169,6 +176,9 @@ impl Voice {
 
     /// Exchanges the recording.
     pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+        if let Some(companded) = &mut self.companded {
+            companded.crackle.forget();
+        }
         self.texture.swap_dictionary(dictionary)
     }
 
@@ -178,6 +188,11 @@ impl Voice {
             companded.companding.set_learned(learned.as_deref());
         }
         self.texture.swap_distribution(learned)
+    }
+
+    /// The factor that brings texture and crackle to a loudness in LUFS.
+    pub fn gain_to(&self, target_lufs: Option<f64>) -> f64 {
+        self.texture.profile().map_or(1.0, |profile| profile.gain_to(target_lufs))
     }
 
     /// The drive's samples of the last chunk.
@@ -239,6 +254,9 @@ impl Voice {
                     companded.process(drive, &texture, &mut self.texture, outputs);
                 });
                 self.top_magnitudes.extend_from_slice(companded.companding.told());
+                with_blocks(&mut self.layers.crackle, samples, |outputs| {
+                    companded.crackle(&controls.crackle, &self.texture, outputs);
+                });
             }
         }
 
@@ -278,6 +296,17 @@ impl Companded {
                 texture[i] += share * (STAND_IN_LEVEL * (layers.low[i] + extension[i]) - texture[i]);
             }
         }
+    }
+
+    /// Samples for which it goes on after texture has fallen silent.
+    fn tail_samples(&self) -> usize {
+        self.companding.tail_samples() + self.crackle.tail_samples()
+    }
+
+    /// One chunk of crackle, behind the same chunk of texture.
+    fn crackle(&mut self, controls: &CrackleControls, texture: &Texture, outputs: &mut [&mut [f64]]) {
+        let samples = outputs.first().map_or(0, |output| output.len());
+        self.crackle.process(self.companding.heard(samples), controls, texture.crackles(), outputs);
     }
 
     /// One chunk of texture in a world without slow loudness.

@@ -50,6 +50,14 @@ impl Power {
         Self { bins, bin_hz: sample_rate_hz / len as f64 }
     }
 
+    /// The spectra of single windows, half overlapping, from which [`of`](Self::of) takes the mean.
+    fn windows(signal: &[f64], sample_rate_hz: f64) -> impl Iterator<Item = Self> {
+        let longest = (WINDOW_S * sample_rate_hz).log2().floor() as u32;
+        let len = 1usize << longest.clamp(6, 20);
+        let starts = (0..signal.len().saturating_sub(len / 2).max(1)).step_by(len / 2);
+        starts.map(move |start| Self::of(&signal[start..signal.len().min(start + len)], sample_rate_hz))
+    }
+
     /// The mean power between two frequencies in Hz, per bin; between bins where none lies there.
     fn density(&self, low_hz: f64, high_hz: f64) -> f64 {
         let (first, last) = ((low_hz / self.bin_hz).ceil() as usize, (high_hz / self.bin_hz).ceil() as usize);
@@ -66,6 +74,11 @@ impl Power {
         self.bins[..end].iter().sum::<f64>().sqrt()
     }
 
+    /// The root mean square of what lies between two frequencies in Hz.
+    pub fn rms_between(&self, low_hz: f64, high_hz: f64) -> f64 {
+        (self.rms_below(high_hz).powi(2) - self.rms_below(low_hz).powi(2)).max(0.0).sqrt()
+    }
+
     /// Levels in dB of the third octaves at [`centres_hz`]; no lower than 120 dB below the highest.
     pub fn third_octaves_db(&self, sample_rate_hz: f64) -> Vec<f64> {
         let half = 10f64.powf(0.05);
@@ -75,6 +88,25 @@ impl Power {
         levels.iter_mut().for_each(|x| *x = x.max(floor));
         levels
     }
+}
+
+/// How far below the loudest a window's third octaves may lie on average and count, in dB: silence is not typical.
+const AUDIBLE_DB: f64 = 60.0;
+
+/// The levels that a signal's third octaves have half of the time: bursts do not raise them.
+pub fn typical_third_octaves_db(signal: &[f64], sample_rate_hz: f64) -> Vec<f64> {
+    let mut windows: Vec<Vec<f64>> =
+        Power::windows(signal, sample_rate_hz).map(|power| power.third_octaves_db(sample_rate_hz)).collect();
+    let mean = |levels: &[f64]| levels.iter().sum::<f64>() / levels.len().max(1) as f64;
+    let loudest = windows.iter().fold(f64::NEG_INFINITY, |most, levels| most.max(mean(levels)));
+    windows.retain(|levels| mean(levels) > loudest - AUDIBLE_DB);
+    let middle = windows.len() / 2;
+    (0..centres_hz(sample_rate_hz).len())
+        .map(|band| {
+            windows.sort_by(|a, b| a[band].total_cmp(&b[band]));
+            windows.get(middle).map_or(-300.0, |levels| levels[band])
+        })
+        .collect()
 }
 
 /// The log spectral distance in dB: the root mean square difference of two sets of levels, their mean

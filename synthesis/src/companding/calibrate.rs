@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::bands::{Power, distance_db};
+use super::bands::{Power, distance_db, typical_third_octaves_db};
 use super::equalizer::{Equalizer, LIMIT_DB, design};
 use super::level::NOMINAL;
 use super::{Companding, MATCH_FUTURE_S};
@@ -36,11 +36,14 @@ pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progre
     let goal = Power::of(recording, rate_hz);
     let goal_db = goal.third_octaves_db(rate_hz);
     let shared = Arc::new(dictionary);
-    let mut trials: Vec<Vec<f64>> =
+    let trials: Vec<Trial> =
         SEEDS.par_iter().map(|seed| trial(&shared, *seed, progress)).collect::<Result<_, Error>>()?;
+    let swell = trials.last().map_or(1.0, |trial| trial.swell);
+    let mut trials: Vec<Vec<f64>> = trials.into_iter().map(|trial| trial.output).collect();
     // The engine of each trial has given its reference back.
     let Some(inner) = Arc::into_inner(shared) else { return Err(Error::Cancelled) };
     dictionary = inner;
+    let is_crackling = dictionary.crackles().is_some();
     let is_silent = |signal: &Vec<f64>| signal.iter().all(|x| *x == 0.0);
     let Some(profile) = dictionary.profile_mut() else { return Ok(dictionary) };
     if trials.iter().any(is_silent) || goal.rms_below(rate_hz) == 0.0 {
@@ -60,13 +63,31 @@ pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progre
     let distance = |signal: &[f64]| distance_db(&Power::of(signal, rate_hz).third_octaves_db(rate_hz), &goal_db);
     let helps = distance(&equalized) < distance(&plain);
     let (heard, taps) = if helps { (equalized, taps) } else { (plain, Vec::new()) };
-    let level = rms(recording) / rms(&heard);
+    let level = match is_crackling {
+        // What is left of crackles, and of takes that differ, would raise a mean; a bed is as loud as it mostly is.
+        true => typical_level(recording, &heard, swell, rate_hz),
+        false => rms(recording) / rms(&heard),
+    };
     profile.set_calibration(if level.is_finite() { level } else { 1.0 }, taps);
     Ok(dictionary)
 }
 
+/// The factor that makes what was `heard` in a trial as loud, mostly and at a steady drive, as `recording` mostly is.
+fn typical_level(recording: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> f64 {
+    let [goal_db, heard_db] = [recording, heard].map(|signal| typical_third_octaves_db(signal, rate_hz));
+    let mean_db = goal_db.iter().zip(&heard_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len().max(1) as f64;
+    swell * 10f64.powf(mean_db / 20.0)
+}
+
+/// What came of a trial.
+struct Trial {
+    output: Vec<f64>,
+    /// The median of the factor that the drive's loudness had.
+    swell: f64,
+}
+
 /// What companded texture makes of a flame-like drive, neither equalised nor with its low end.
-fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Result<Vec<f64>, Error> {
+fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Result<Trial, Error> {
     let rate_hz = dictionary.sample_rate_hz();
     let drive = flame(rate_hz, seed);
     let mut texture = Texture::new(dictionary.shape(), 1, rate_hz)?;
@@ -84,16 +105,22 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
     texture.reset(0);
     let mut output = vec![0.0; drive.len()];
     let (mut flat, mut loudness) = (vec![0.0; BLOCK], vec![0.0; BLOCK]);
+    let mut swells = Vec::with_capacity(drive.len() / BLOCK + 1);
     for (number, (drive, output)) in drive.chunks(BLOCK).zip(output.chunks_mut(BLOCK)).enumerate() {
         let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
         companding.flatten(drive, &controls, dictionary.profile(), flat, loudness);
         texture.process(flat, Some(loudness), &controls, &mut [&mut *output]);
+        let samples = output.len();
         companding.expand(dictionary.profile(), &mut [output]);
+        swells.extend(companding.heard(samples).first().filter(|heard| **heard > 0.0));
         if !progress((number * BLOCK) as f32 / (TRIAL_S * rate_hz) as f32) {
             return Err(Error::Cancelled);
         }
     }
-    Ok(output.split_off(latency.min(output.len())))
+    let output = output.split_off(latency.min(output.len()));
+    swells.sort_by(f64::total_cmp);
+    let median = swells.get(swells.len() / 2).copied().unwrap_or(1.0);
+    Ok(Trial { output, swell: median.powf(controls.companding.dynamics) })
 }
 
 /// Noise with the spectrum of a flame's pressure, which swells as flames do, at the nominal level.

@@ -124,6 +124,9 @@ pub struct Companding {
     now: i64,
     /// Loudnesses told in the last call of [`flatten`](Self::flatten).
     told: Vec<f64>,
+    relative: Ramp,
+    /// Loudness relative to the drive's level, of the samples that the last call of [`expand`](Self::expand) made.
+    relative_block: Vec<f64>,
 }
 
 /// Most loudnesses that one call leaves in `told`.
@@ -184,6 +187,8 @@ impl Companding {
             latency_samples: latency_samples as i64,
             now: 0,
             told: Vec::with_capacity(TOLD_CAPACITY),
+            relative: Ramp::default(),
+            relative_block: vec![0.0; block],
         }
     }
 
@@ -200,7 +205,7 @@ impl Companding {
         self.running.reset();
         self.is_level_fresh = true;
         self.levels.reset();
-        for ramp in [&mut self.flat_gain, &mut self.output_gain, &mut self.low_gain_ramp] {
+        for ramp in [&mut self.flat_gain, &mut self.output_gain, &mut self.low_gain_ramp, &mut self.relative] {
             *ramp = Ramp::default();
         }
         self.wait.reset();
@@ -270,6 +275,12 @@ impl Companding {
         (TextureControls { dynamic_range, ..controls }, end)
     }
 
+    /// How loud the drive is, relative to its level on the whole, at the samples that the last call of
+    /// [`expand`](Self::expand) has made; 0 below the gate.
+    pub fn heard(&self, samples: usize) -> &[f64] {
+        &self.relative_block[..samples]
+    }
+
     /// Puts the drive's loudness back into what texture has made of the last block.
     pub fn expand(&mut self, profile: Option<&Profile>, channels: &mut [&mut [f64]]) {
         let samples = channels.first().map_or(0, |channel| channel.len());
@@ -300,6 +311,7 @@ impl Companding {
     ) {
         let place = self.place(sample, 1);
         let (gain, low_gain) = self.output_gains_at(place, controls, profile);
+        self.relative_block[at] = self.relative_at(place, controls);
         channels.iter_mut().for_each(|channel| channel[at] *= gain);
         let taps = profile.map_or(&[] as &[f64], |profile| &profile.taps);
         self.equalizer.process(taps, within(controls.companding.spectrum_match, 0.0, 1.0), channels, at);
@@ -382,6 +394,17 @@ impl Companding {
             let matched = drive_match.next(within(controls.companding.drive_match, LEAST_MATCH, MOST_MATCH));
             let target = MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms) / level;
             matched * target * (loudness / level).max(FLOOR).powf(-MATCH_EXPONENT) * audible(loudness, controls.gate)
+        })
+    }
+
+    /// The drive's loudness relative to its level.
+    fn relative_at(&mut self, place: (i64, f64), controls: &TextureControls) -> f64 {
+        let Self { relative, loudness, levels, .. } = self;
+        // Whether texture is heard is not asked here; silence is silence without a gate too.
+        let gate = if controls.gate.is_finite() { controls.gate.max(SILENCE) } else { SILENCE };
+        relative.at(place, |frame| {
+            let loudness = loudness[1].frame(frame);
+            loudness / levels.frame(frame) * audible(loudness, gate)
         })
     }
 

@@ -11,6 +11,10 @@ use bitcode::{Decode, Encode};
 const LOUDNESS_HZ: f64 = 8.0;
 /// Part of the loudest below which loudness is not followed: -50 dB.
 const FLOOR: f64 = 3.162e-3;
+/// What lies below this frequency in Hz is wind at the microphone: it is not heard, and does not tell how loud the low end is.
+const INFRASOUND_HZ: f64 = 25.0;
+/// Most that a recording is raised or lowered towards a loudness, in dB: what is softer is noise.
+const MOST_GAIN_DB: f64 = 40.0;
 /// Crossovers in Hz for which the level of what lies below is known.
 const LOW_STEP_HZ: f64 = 20.0;
 const LOW_STEPS: usize = 20;
@@ -25,10 +29,12 @@ pub struct Profile {
     first: usize,
     /// Root mean square of the flat form below [`MATCHED_HZ`].
     pub(super) matched_rms: f64,
-    /// Root mean square of what lies below multiples of [`LOW_STEP_HZ`].
+    /// Root mean square of what lies between [`INFRASOUND_HZ`] and multiples of [`LOW_STEP_HZ`].
     below: Vec<f64>,
     /// Factor that brings what is made of it to its own level.
     pub(super) level: f64,
+    /// The recording's integrated loudness in LUFS; none for silence.
+    lufs: Option<f64>,
     /// Taps of the equaliser towards its spectrum; empty where that would not bring it nearer.
     pub(super) taps: Vec<f64>,
 }
@@ -49,8 +55,9 @@ impl Profile {
             frame_samples,
             first: 0,
             matched_rms: 0.0,
-            below: (0..=LOW_STEPS).map(|step| power.rms_below(LOW_STEP_HZ * step as f64)).collect(),
+            below: (0..=LOW_STEPS).map(|step| power.rms_between(INFRASOUND_HZ, LOW_STEP_HZ * step as f64)).collect(),
             level: 1.0,
+            lufs: None,
             taps: Vec::new(),
         };
         for channel in channels.iter_mut() {
@@ -67,6 +74,19 @@ impl Profile {
         self.first = first;
     }
 
+    /// Takes the recording's integrated loudness.
+    pub(crate) fn set_loudness(&mut self, lufs: Option<f64>) {
+        self.lufs = lufs;
+    }
+
+    /// The factor that brings the recording to a loudness in LUFS, by 40 dB at most; 1 where none is asked for.
+    pub fn gain_to(&self, target_lufs: Option<f64>) -> f64 {
+        match (target_lufs, self.lufs) {
+            (Some(target), Some(own)) => 10f64.powf((target - own).clamp(-MOST_GAIN_DB, MOST_GAIN_DB) / 20.0),
+            _ => 1.0,
+        }
+    }
+
     /// Takes what a [calibration](super::calibrate) has found.
     pub(super) fn set_calibration(&mut self, level: f64, taps: Vec<f64>) {
         self.level = level;
@@ -80,7 +100,7 @@ impl Profile {
         if exponent == 0.0 { 1.0 } else { self.relative_at((sample - self.first as i64) as f64).powf(exponent) }
     }
 
-    /// Root mean square of what lies below a frequency in Hz.
+    /// Root mean square of what is heard below a frequency in Hz.
     pub(super) fn rms_below(&self, frequency_hz: f64) -> f64 {
         let place = (frequency_hz / LOW_STEP_HZ).clamp(0.0, LOW_STEPS as f64);
         let step = (place as usize).min(LOW_STEPS - 1);

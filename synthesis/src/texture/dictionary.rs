@@ -13,6 +13,8 @@ use super::search::Index;
 use super::shape::{Padding, Shape};
 use crate::Error;
 use crate::companding::{Profile, calibrate};
+use crate::crackle::{Crackles, split};
+use crate::loudness::integrated_lufs;
 use crate::structure::Dynamics;
 
 /// Called with the part done, 0-1; answers whether to go on.
@@ -59,6 +61,8 @@ pub struct Dictionary {
     prior: Histogram,
     /// The recording's side of companding, where its loudness has been taken out.
     profile: Option<Profile>,
+    /// What was split off it before.
+    crackles: Option<Crackles>,
 }
 
 /// The part of the work after which a companded dictionary is ready for its trial run.
@@ -79,8 +83,8 @@ impl Dictionary {
         }
     }
 
-    /// Analyses a recording without its slow loudness ([`crate::companding`]), and finds its level and
-    /// equaliser by a trial run. Takes and fails as [`new`](Self::new).
+    /// Analyses a recording's bed ([`crate::crackle`]) without its slow loudness ([`crate::companding`]), keeps its crackles
+    /// apart, and finds its level and equaliser by a trial run. Takes and fails as [`new`](Self::new).
     pub fn companded(
         channels: &[Vec<f64>],
         sample_rate_hz: f64,
@@ -88,13 +92,17 @@ impl Dictionary {
         progress: Progress<'_>,
     ) -> Result<Self, Error> {
         check(channels, sample_rate_hz, shape)?;
-        let mut flat = channels.to_vec();
+        let parts = split(channels, sample_rate_hz);
+        let bed = mean_of(&parts.bed);
+        let mut flat = parts.bed;
         let mut profile = Profile::flatten(&mut flat, sample_rate_hz);
         let mut dictionary = Self::new(&flat, sample_rate_hz, shape, &|done| progress(INDEXED * done))?;
         profile.set_first(dictionary.first);
+        profile.set_loudness(integrated_lufs(channels, sample_rate_hz));
         dictionary.profile = Some(profile);
+        dictionary.crackles = parts.crackles;
         let trial = |done: f32| progress(INDEXED + (1.0 - INDEXED) * done);
-        calibrate::calibrate(dictionary, &mean_of(channels), &trial)
+        calibrate::calibrate(dictionary, &bed, &trial)
     }
 
     /// Analyses a recording: `channels` equally long (1-10), finite samples at `sample_rate_hz`.
@@ -131,6 +139,7 @@ impl Dictionary {
             indices: Vec::new(),
             first: padding.start[0],
             profile: None,
+            crackles: None,
         };
         let done = std::sync::Mutex::new(0.1f32);
         let indices = (0..shape.top()).into_par_iter().map(|level| {
@@ -193,6 +202,7 @@ impl Dictionary {
         samples * size_of::<f64>()
             + self.indices.iter().flatten().map(Index::bytes).sum::<usize>()
             + self.profile.as_ref().map_or(0, Profile::bytes)
+            + self.crackles.as_ref().map_or(0, Crackles::bytes)
     }
 
     /// The recording's side of companding; none for the paper's dynamics.
@@ -200,7 +210,12 @@ impl Dictionary {
         self.profile.as_ref()
     }
 
-    /// The same, to be changed before the dictionary is shared.
+    /// The crackles that were split off it, if it has any.
+    pub fn crackles(&self) -> Option<&Crackles> {
+        self.crackles.as_ref()
+    }
+
+    /// The recording's side of companding, to be changed before the dictionary is shared.
     pub(crate) fn profile_mut(&mut self) -> Option<&mut Profile> {
         self.profile.as_mut()
     }

@@ -20,6 +20,7 @@ use super::shape::Shape;
 use crate::Error;
 use crate::companding::Profile;
 use crate::controls::{DynamicRange, Quality, TextureControls};
+use crate::crackle::Crackles;
 use crate::error::within;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
@@ -254,6 +255,11 @@ impl Texture {
             level.last_match = None;
         }
         std::mem::replace(&mut self.dictionary, dictionary)
+    }
+
+    /// The recording's crackles.
+    pub(crate) fn crackles(&self) -> Option<&Crackles> {
+        self.dictionary.as_ref().and_then(|dictionary| dictionary.crackles())
     }
 
     /// The recording's side of companding, if there is one.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
-    CompandingControls, Controls, DriveControls, DriveMode, DynamicRange, ExtendControls, FlameControls, Flow,
-    MixControls, Quality, TextureControls, VortexControls,
+    CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
+    FlameControls, Flow, MixControls, Quality, TextureControls, VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
@@ -104,13 +104,24 @@ pub fn any_controls(random: &mut Random) -> Controls {
             level: 1000.0 * random.unit(),
             max_pressure_pa: 1e-3,
         },
+        crackle: CrackleControls {
+            density: 4.0 * random.unit(),
+            sharpness: 2.0 * random.unit() - 1.0,
+            spread: 2.0 * random.unit(),
+            follow: 2.0 * random.unit(),
+            seed: random.below(3) as u32,
+            highest_peak: f64::INFINITY,
+        },
         mix: MixControls {
             low: level(random),
             extension: level(random),
             texture: level(random),
             vortex: level(random),
+            crackle: level(random),
             width: random.unit(),
             output: level(random),
+            loudness_lufs: (random.below(2) == 0).then(|| -40.0 * random.unit()),
+            ceiling: random.below(2) == 0,
             bypass: random.below(5) == 0,
         },
     }

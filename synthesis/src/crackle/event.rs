@@ -1,0 +1,234 @@
+//! A recording's crackles, ready to be played.
+
+use super::detect::Found;
+
+/// Crackles count as heard where so many a second stand so far above the bed, in dB: softer or rarer ones texture
+/// makes by itself.
+const LOUD_DB: f64 = 20.0;
+const LEAST_LOUD_PER_S: f64 = 1.0;
+const LEAST: usize = 4;
+/// Crackles in a run, on average: what keeps its order and its gaps. Runs last so many seconds at least and at most.
+const RUN_CRACKLES: f64 = 6.0;
+const RUN_S: [f64; 2] = [0.1, 1.0];
+/// Seconds in which a wave fades in and out at its ends.
+const FADE_S: f64 = 0.0005;
+/// What the level has fallen by when a crackle has decayed: 10 dB, of amplitude.
+const DECAYED: f64 = 0.316;
+
+/// One crackle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Event {
+    /// Its first sample in the recording.
+    pub onset: usize,
+    /// Its length in samples.
+    pub len: usize,
+    /// Its largest magnitude in any channel.
+    pub peak: f64,
+    /// How far it stands above the bed at 2 kHz and more, in dB.
+    pub over_bed_db: f64,
+    /// The frequency in Hz about which its energy lies.
+    pub centroid_hz: f64,
+    /// Time in seconds in which it falls by 10 dB.
+    pub decay_s: f64,
+    /// Place of its first channel's coefficients.
+    first: usize,
+}
+
+/// What a recording's crackles are like as a whole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// Crackles a second.
+    pub per_second: f64,
+    /// Median of how far they stand above the bed at 2 kHz and more, in dB.
+    pub over_bed_db: f64,
+    /// Coefficient of variation of the gaps between them: 1 where they come at random, more in bursts.
+    pub gap_variation: f64,
+    /// Median centroid in Hz.
+    pub centroid_hz: f64,
+    /// Median decay in seconds.
+    pub decay_s: f64,
+}
+
+/// All crackles of a recording in order, and the runs that its time is cut into.
+#[derive(Debug, Clone)]
+pub struct Crackles {
+    events: Vec<Event>,
+    /// Cubic B-spline coefficients, event by event, channel by channel, [`PADDING`] more on both sides.
+    waves: Vec<f32>,
+    channels: usize,
+    run_samples: usize,
+    /// The first event of every run, and the number of events.
+    runs: Vec<u32>,
+    /// Median of the peaks.
+    median_peak: f64,
+    summary: Summary,
+}
+
+/// Coefficients on both sides of a wave, in which its spline ends.
+pub(super) const PADDING: usize = 4;
+
+impl Crackles {
+    /// Whether what was found in a recording is heard as crackles.
+    pub(super) fn are_heard(found: &[Found], samples: usize, sample_rate_hz: f64) -> bool {
+        let seconds = samples as f64 / sample_rate_hz;
+        let loud = found.iter().filter(|crackle| crackle.over_bed_db > LOUD_DB).count();
+        loud >= LEAST && loud as f64 > LEAST_LOUD_PER_S * seconds
+    }
+
+    /// Cuts the crackles `found` out of `waves`, what stood out of the bed by channel.
+    pub(super) fn new(found: &[Found], waves: &[Vec<f64>], sample_rate_hz: f64) -> Self {
+        let samples = waves.first().map_or(0, Vec::len);
+        let mut all = Self {
+            events: Vec::with_capacity(found.len()),
+            waves: Vec::new(),
+            channels: waves.len(),
+            run_samples: 1,
+            runs: Vec::new(),
+            median_peak: 0.0,
+            summary: Summary { per_second: 0.0, over_bed_db: 0.0, gap_variation: 0.0, centroid_hz: 0.0, decay_s: 0.0 },
+        };
+        for crackle in found {
+            all.cut(crackle, waves, sample_rate_hz);
+        }
+        all.arrange(samples, sample_rate_hz);
+        all.summary = all.summarise(samples as f64 / sample_rate_hz, sample_rate_hz);
+        all.median_peak = median(all.events.iter().map(|event| event.peak));
+        all
+    }
+
+    fn cut(&mut self, crackle: &Found, waves: &[Vec<f64>], sample_rate_hz: f64) {
+        let fade = (FADE_S * sample_rate_hz).max(1.0);
+        let len = crackle.end - crackle.start;
+        let weight = |i: usize| ((i as f64 + 0.5) / fade).min((len as f64 - i as f64 - 0.5) / fade).min(1.0);
+        let parts: Vec<Vec<f64>> = waves
+            .iter()
+            .map(|wave| wave[crackle.start..crackle.end].iter().enumerate().map(|(i, x)| weight(i) * x).collect())
+            .collect();
+        let peak = parts.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
+        if peak <= 0.0 {
+            return;
+        }
+        let first = self.waves.len();
+        for part in &parts {
+            self.waves.extend(coefficients(part).iter().map(|x| *x as f32));
+        }
+        self.events.push(Event {
+            onset: crackle.start,
+            len,
+            peak,
+            over_bed_db: crackle.over_bed_db,
+            centroid_hz: centroid_hz(&parts, sample_rate_hz),
+            decay_s: decay_s(&parts, sample_rate_hz),
+            first,
+        });
+    }
+
+    /// Cuts the recording's time into runs of equal length.
+    fn arrange(&mut self, samples: usize, sample_rate_hz: f64) {
+        let seconds = samples as f64 / sample_rate_hz;
+        let run_s = (RUN_CRACKLES * seconds / self.events.len().max(1) as f64).clamp(RUN_S[0], RUN_S[1]);
+        let count = (seconds / run_s).floor().max(1.0) as usize;
+        self.run_samples = samples.div_ceil(count).max(1);
+        let first = |run: usize| self.events.partition_point(|event| event.onset < run * self.run_samples) as u32;
+        self.runs = (0..=count).map(first).collect();
+    }
+
+    fn summarise(&self, seconds: f64, sample_rate_hz: f64) -> Summary {
+        let gaps: Vec<f64> =
+            self.events.windows(2).map(|pair| (pair[1].onset - pair[0].onset) as f64 / sample_rate_hz).collect();
+        let count = gaps.len().max(1) as f64;
+        let mean = gaps.iter().sum::<f64>() / count;
+        let variance = gaps.iter().map(|gap| (gap - mean).powi(2)).sum::<f64>() / count;
+        Summary {
+            per_second: self.events.len() as f64 / seconds.max(1e-9),
+            over_bed_db: median(self.events.iter().map(|event| event.over_bed_db)),
+            gap_variation: if mean > 0.0 { variance.sqrt() / mean } else { 0.0 },
+            centroid_hz: median(self.events.iter().map(|event| event.centroid_hz)),
+            decay_s: median(self.events.iter().map(|event| event.decay_s)),
+        }
+    }
+
+    /// The crackles, in order.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// What they are like.
+    pub fn summary(&self) -> Summary {
+        self.summary
+    }
+
+    /// Channels of their waves.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Runs that the recording's time is cut into, 1 or more, and the length of each in samples.
+    pub(super) fn runs(&self) -> (usize, usize) {
+        (self.runs.len() - 1, self.run_samples)
+    }
+
+    /// The events of a run.
+    pub(super) fn run(&self, run: usize) -> std::ops::Range<usize> {
+        self.runs[run] as usize..self.runs[run + 1] as usize
+    }
+
+    /// The median of all peaks.
+    pub(super) fn median_peak(&self) -> f64 {
+        self.median_peak
+    }
+
+    /// Coefficients of one channel of an event, the first [`PADDING`] before its first sample.
+    pub(super) fn wave(&self, event: &Event, channel: usize) -> &[f32] {
+        let stride = event.len + 2 * PADDING;
+        &self.waves[event.first + channel * stride..][..stride]
+    }
+
+    /// Bytes held, about.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.waves) + size_of_val(&*self.events) + size_of_val(&*self.runs)
+    }
+}
+
+/// Coefficients of the cubic B-spline through `samples`, which are followed and preceded by silence (Unser, Aldroubi &
+/// Eden 1993: one causal and one anti-causal recursion with the pole sqrt(3) - 2).
+fn coefficients(samples: &[f64]) -> Vec<f64> {
+    let pole = 3f64.sqrt() - 2.0;
+    let mut values = vec![0.0; samples.len() + 2 * PADDING];
+    values[PADDING..PADDING + samples.len()].copy_from_slice(samples);
+    let mut state = 0.0;
+    for value in &mut values {
+        state = 6.0 * *value + pole * state;
+        *value = state;
+    }
+    // What the causal recursion leaves beyond the end falls by the pole in every step.
+    state *= -pole * pole / (1.0 - pole * pole);
+    for value in values.iter_mut().rev() {
+        state = pole * (state - *value);
+        *value = state;
+    }
+    values
+}
+
+/// The root of the mean squared frequency, each weighted by its power: that of the differences over that of the samples.
+fn centroid_hz(parts: &[Vec<f64>], sample_rate_hz: f64) -> f64 {
+    let energy: f64 = parts.iter().flatten().map(|x| x * x).sum();
+    let steps: f64 = parts.iter().flat_map(|part| part.windows(2)).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    let sine = (0.5 * (steps / energy.max(f64::MIN_POSITIVE)).sqrt()).min(1.0);
+    sine.asin() * sample_rate_hz / std::f64::consts::PI
+}
+
+/// Time from the peak until the envelope stays 10 dB below it.
+fn decay_s(parts: &[Vec<f64>], sample_rate_hz: f64) -> f64 {
+    let len = parts.first().map_or(0, Vec::len);
+    let magnitude = |i: usize| parts.iter().fold(0.0f64, |most, part| most.max(part[i].abs()));
+    let peak = (0..len).max_by(|a, b| magnitude(*a).total_cmp(&magnitude(*b))).unwrap_or(0);
+    let last = (peak..len).rev().find(|i| magnitude(*i) > DECAYED * magnitude(peak)).unwrap_or(peak);
+    (last + 1 - peak) as f64 / sample_rate_hz
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}

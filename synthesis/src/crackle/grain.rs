@@ -1,0 +1,116 @@
+//! One crackle while it is played.
+
+use super::event::{Crackles, Event, PADDING};
+
+/// Most channels of any bus.
+pub(super) const MOST_CHANNELS: usize = 10;
+/// Sums are of whole numbers, in this unit, so that they do not depend on the order of what is added: what is played
+/// from one position on is the same bit for bit, whatever else sounded before.
+const UNIT: f64 = 1.0 / (1u64 << 36) as f64;
+/// Corner in Hz of the tilt.
+const TILT_HZ: f64 = 4000.0;
+
+/// How a crackle is to be played.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Play {
+    /// Place of the event.
+    pub event: usize,
+    /// Part of a sample by which it comes late.
+    pub late: f64,
+    /// Samples of its wave per sample.
+    pub rate: f64,
+    /// Factors on what lies below the tilt's corner and above, and on every sample over the one before.
+    pub low: f64,
+    pub high: f64,
+    pub decay: f64,
+    /// Factors on the even and on the odd output channels.
+    pub sides: [f64; 2],
+}
+
+/// A crackle under way.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Grain {
+    play: Play,
+    is_on: bool,
+    /// Place in its wave.
+    at: f64,
+    envelope: f64,
+    /// The low-pass of the tilt, by channel of the wave.
+    lows: [f64; MOST_CHANNELS],
+}
+
+/// The coefficient of the tilt's low-pass.
+pub(super) fn tilt_step(sample_rate_hz: f64) -> f64 {
+    1.0 - (-2.0 * std::f64::consts::PI * TILT_HZ / sample_rate_hz).exp()
+}
+
+impl Grain {
+    /// Begins at the next sample.
+    pub fn start(play: Play) -> Self {
+        Self { is_on: true, at: -play.late, envelope: 1.0, lows: [0.0; MOST_CHANNELS], play }
+    }
+
+    /// Whether it sounds.
+    pub fn is_on(&self) -> bool {
+        self.is_on
+    }
+
+    /// Adds the next samples to `sums`, by channel of the output.
+    pub fn add(&mut self, crackles: &Crackles, tilt_step: f64, sums: &mut [&mut [i64]]) {
+        let Some(event) = crackles.events().get(self.play.event) else {
+            self.is_on = false;
+            return;
+        };
+        let samples = sums.first().map_or(0, |sums| sums.len());
+        let channels = crackles.channels().min(MOST_CHANNELS);
+        for i in 0..samples {
+            if self.at >= (event.len + 1) as f64 {
+                self.is_on = false;
+                return;
+            }
+            let heard = self.sample(crackles, event, channels, tilt_step);
+            let mean = heard[..channels].iter().sum::<f64>() / channels as f64;
+            let outputs = sums.len();
+            for (output, sums) in sums.iter_mut().enumerate() {
+                // As texture does: the same channel, the mean for one output, else in turn.
+                let heard = if outputs == 1 { mean } else { heard[output % channels] };
+                let side = if outputs == 2 { self.play.sides[output] } else { 1.0 };
+                // A conversion saturates, and makes 0 of what is no number.
+                sums[i] = sums[i].saturating_add((heard * side / UNIT) as i64);
+            }
+            self.at += self.play.rate;
+            self.envelope *= self.play.decay;
+        }
+    }
+
+    /// One sample of every channel of the wave.
+    #[inline]
+    fn sample(&mut self, crackles: &Crackles, event: &Event, channels: usize, tilt_step: f64) -> [f64; MOST_CHANNELS] {
+        let place = self.at + PADDING as f64;
+        let (whole, part) = (place as usize, place.fract());
+        let weights = spline(part);
+        let mut heard = [0.0; MOST_CHANNELS];
+        for (channel, (heard, low)) in heard.iter_mut().zip(&mut self.lows).enumerate().take(channels) {
+            let wave = &crackles.wave(event, channel)[whole - 1..whole + 3];
+            let value = wave.iter().zip(weights).map(|(x, weight)| f64::from(*x) * weight).sum::<f64>();
+            *low += tilt_step * (value - *low);
+            *heard = self.envelope * (self.play.low * *low + self.play.high * (value - *low));
+        }
+        heard
+    }
+}
+
+/// Weights of the cubic B-spline at a place `part` of the way from the second to the third of four coefficients.
+#[inline]
+fn spline(part: f64) -> [f64; 4] {
+    let rest = 1.0 - part;
+    let (a, d) = (rest * rest * rest / 6.0, part * part * part / 6.0);
+    let b = 2.0 / 3.0 - 0.5 * part * part * (2.0 - part);
+    [a, b, 1.0 - a - b - d, d]
+}
+
+/// What a sum stands for.
+#[inline]
+pub(super) fn value_of(sum: i64) -> f64 {
+    sum as f64 * UNIT
+}

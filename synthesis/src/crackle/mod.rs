@@ -1,0 +1,256 @@
+//! Crackle: the recording's own, played again as the drive burns.
+//!
+//! Texture makes a stationary sound of a recording. What is sudden in it is split off when it is loaded ([`split()`]) and
+//! played beside the texture:
+//!
+//! ```text
+//! recording ── split ── bed ── companded texture ── + ── out
+//!                └── crackles ── runs, anew ── varied ┘
+//! drive's loudness ──────────────── rate, level
+//! ```
+//!
+//! The recording's density is 1. The drive's loudness asks for more or less of it, relative to its mean so far, so that a
+//! steady drive gives the recording's density at once, whatever its level; crackles are as much louder or softer by that
+//! mean as texture is:
+//!
+//! ```text
+//! density = density control * (loudness / mean)^a                 a = 1.0 * follow
+//! level   = mean^c * (loudness / mean)^b           b = 0.5 * follow, c = 0.77 * follow
+//! ```
+//!
+//! | module | does |
+//! |---|---|
+//! | `detect` | finds crackles |
+//! | `background`, `stft` | the spectrum of what is between them |
+//! | `split` | takes a recording apart |
+//! | `event` | crackles ready to be played, and their figures |
+//! | `schedule` | which is due when |
+//! | `grain` | one while it is played |
+
+mod background;
+mod detect;
+mod event;
+mod grain;
+mod schedule;
+mod split;
+mod stft;
+
+pub use event::{Crackles, Event, Summary};
+pub use split::{Split, split};
+
+use crate::controls::CrackleControls;
+use crate::error::within;
+use crate::timeline::Timeline;
+use grain::{Grain, MOST_CHANNELS, Play, tilt_step, value_of};
+use schedule::{Due, STREAMS, Schedule};
+
+/// Exponents of the drive's loudness in the density and in the level of crackles, where they follow it wholly.
+const DENSITY_EXPONENT: f64 = 1.0;
+const LEVEL_EXPONENT: f64 = 0.5;
+/// The same of that loudness's mean: what texture has by default, so that both are in proportion.
+const MEAN_EXPONENT: f64 = 0.77;
+/// Most crackles that sound at once; at 100 a second, 3 do.
+const GRAINS: usize = 64;
+/// How far crackles are varied: level in dB, rate, tilt in dB to each side, balance in dB.
+const LEVEL_DB: f64 = 1.5;
+const RATE: f64 = 0.03;
+const TILT_DB: f64 = 1.0;
+const BALANCE_DB: f64 = 1.5;
+/// Tilt in dB of sharpness 1, and the part of a crackle's decay in which it then falls by 1/e.
+const SHARP_DB: f64 = 6.0;
+const SHARP_DECAY: f64 = 1.0;
+/// Seconds after which the drive's loudness counts 1/e in its mean, and those for which that is thought to be 1 beforehand.
+const MEMORY_S: f64 = 30.0;
+const PRIOR_S: f64 = 0.5;
+/// The loudest relative loudness, and the softest mean.
+const LOUDEST: f64 = 30.0;
+const LEAST_MEAN: f64 = 1e-3;
+
+/// The crackle layer.
+#[derive(Debug)]
+pub struct Crackle {
+    sample_rate_hz: f64,
+    tilt_step: f64,
+    latency_samples: i64,
+    timeline: Timeline<CrackleControls>,
+    schedule: Option<Schedule>,
+    seed: u32,
+    grains: Vec<Grain>,
+    sums: Vec<Vec<i64>>,
+    /// Sum of the drive's loudness so far and of what it counts, in samples, which forget by the factor `keep`.
+    heard: [f64; 2],
+    keep: f64,
+    /// Position of the next sample of the drive that is heard, and samples since reset.
+    position: i64,
+    now: u64,
+}
+
+impl Crackle {
+    /// A layer for `channels` of output that come `latency_samples` after the drive. Blocks have up to `block` samples.
+    pub fn new(sample_rate_hz: f64, channels: usize, latency_samples: usize, block: usize) -> Self {
+        Self {
+            sample_rate_hz,
+            tilt_step: tilt_step(sample_rate_hz),
+            latency_samples: latency_samples as i64,
+            timeline: Timeline::new(latency_samples + 1, CrackleControls::default()),
+            schedule: None,
+            seed: 0,
+            grains: vec![Grain::default(); GRAINS],
+            sums: vec![vec![0; block]; channels.min(MOST_CHANNELS)],
+            heard: [PRIOR_S * sample_rate_hz; 2],
+            keep: (-1.0 / (MEMORY_S * sample_rate_hz)).exp(),
+            position: 0,
+            now: 0,
+        }
+    }
+
+    /// Samples by which the layer comes after the drive.
+    pub fn latency_samples(&self) -> usize {
+        self.latency_samples as usize
+    }
+
+    /// Samples for which it may sound after the drive has fallen silent.
+    pub fn tail_samples(&self) -> usize {
+        (detect::LONGEST_S * (1.0 + RATE) / (1.0 - RATE) * self.sample_rate_hz).ceil() as usize
+    }
+
+    /// Back to silence; the next sample of the drive stands at `position` on the host's timeline.
+    pub fn reset(&mut self, position: i64) {
+        self.timeline.reset(CrackleControls::default());
+        self.position = position.wrapping_sub(self.latency_samples);
+        self.now = 0;
+        self.heard = [PRIOR_S * self.sample_rate_hz; 2];
+        self.forget();
+    }
+
+    /// Ends what sounds, since it is of a recording that is there no more.
+    pub fn forget(&mut self) {
+        self.schedule = None;
+        self.grains.fill(Grain::default());
+    }
+
+    /// Makes one block of the layer. `loudness` is that of the drive, relative to its level on the whole, at the samples
+    /// that are heard: [`latency_samples`](Self::latency_samples) ago; `controls` belong to those that enter.
+    pub fn process(
+        &mut self,
+        loudness: &[f64],
+        controls: &CrackleControls,
+        crackles: Option<&Crackles>,
+        outputs: &mut [&mut [f64]],
+    ) {
+        let samples = loudness.len();
+        if self.timeline.end() == 0 {
+            self.timeline.reset(*controls);
+        }
+        self.timeline.push(*controls, samples);
+        outputs.iter_mut().for_each(|output| output.fill(0.0));
+        if let Some(crackles) = crackles.filter(|crackles| !crackles.events().is_empty()) {
+            self.sums.iter_mut().for_each(|sums| sums[..samples].fill(0));
+            self.play(loudness, crackles);
+            for (output, sums) in outputs.iter_mut().zip(&self.sums) {
+                output.iter_mut().zip(sums).for_each(|(out, sum)| *out = value_of(*sum));
+            }
+        }
+        self.position = self.position.wrapping_add(samples as i64);
+        self.now += samples as u64;
+    }
+
+    fn play(&mut self, loudness: &[f64], crackles: &Crackles) {
+        let mut start = 0;
+        while start < loudness.len() {
+            let entered = (self.now + start as u64).saturating_sub(self.latency_samples as u64);
+            let (controls, end) = self.timeline.run_at(entered);
+            let until = (end.saturating_sub(entered)).min((loudness.len() - start) as u64) as usize;
+            self.play_run(start, start + until.max(1), &controls, loudness, crackles);
+            start += until.max(1);
+        }
+    }
+
+    /// Plays the samples of a block for which `controls` hold.
+    fn play_run(
+        &mut self,
+        start: usize,
+        end: usize,
+        controls: &CrackleControls,
+        loudness: &[f64],
+        crackles: &Crackles,
+    ) {
+        if self.schedule.is_none() || self.seed != controls.seed {
+            let position = self.position.wrapping_add(start as i64);
+            self.schedule = Some(Schedule::new(controls.seed, crackles, position));
+            self.seed = controls.seed;
+        }
+        let mut at = start;
+        loop {
+            let position = self.position.wrapping_add(at as i64);
+            let Some(schedule) = &mut self.schedule else { return };
+            let wait = schedule.wait(position).clamp(0, (end - at) as i64) as usize;
+            if wait == 0 && at < end {
+                if let Some(due) = schedule.take(position, crackles) {
+                    self.begin(&due, controls, loudness[at], crackles);
+                }
+                continue;
+            }
+            self.add_grains(at, at + wait, crackles);
+            self.hear(&loudness[at..at + wait]);
+            at += wait;
+            if at >= end {
+                return;
+            }
+        }
+    }
+
+    /// Takes the drive's loudness into its mean; silence does not count.
+    fn hear(&mut self, loudness: &[f64]) {
+        for loudness in loudness.iter().filter(|loudness| **loudness > 0.0) {
+            let [sum, count] = self.heard;
+            self.heard = [sum * self.keep + within(*loudness, 0.0, LOUDEST), count * self.keep + 1.0];
+        }
+    }
+
+    fn add_grains(&mut self, start: usize, end: usize, crackles: &Crackles) {
+        for grain in self.grains.iter_mut().filter(|grain| grain.is_on()) {
+            let mut sums: [&mut [i64]; MOST_CHANNELS] = Default::default();
+            let channels = self.sums.len();
+            for (part, sums) in sums.iter_mut().zip(&mut self.sums) {
+                *part = &mut sums[start..end];
+            }
+            grain.add(crackles, self.tilt_step, &mut sums[..channels]);
+        }
+    }
+
+    /// Begins a crackle, if the drive is loud enough for it.
+    fn begin(&mut self, due: &Due, controls: &CrackleControls, loudness: f64, crackles: &Crackles) {
+        let [sum, count] = self.heard;
+        let mean = (sum / count).max(LEAST_MEAN);
+        let loudness = within(loudness, 0.0, LOUDEST) / mean;
+        let follow = within(controls.follow, 0.0, 2.0);
+        let density = within(controls.density, 0.0, STREAMS as f64) * loudness.powf(DENSITY_EXPONENT * follow);
+        if loudness <= 0.0 || due.threshold >= density {
+            return;
+        }
+        let Some(grain) = self.grains.iter_mut().find(|grain| !grain.is_on()) else { return };
+        let event = &crackles.events()[due.event];
+        let [late, rate, level, tilt, balance, ..] = due.draws;
+        let sharpness = within(controls.sharpness, -1.0, 1.0);
+        let spread = (event.peak / crackles.median_peak()).powf(within(controls.spread, 0.0, 2.0) - 1.0);
+        let followed = mean.powf(MEAN_EXPONENT * follow) * loudness.powf(LEVEL_EXPONENT * follow);
+        let gain = spread * followed * factor(LEVEL_DB * level);
+        let gain = gain.min(within(controls.highest_peak, 0.0, f64::MAX) / event.peak);
+        let tilt = factor(TILT_DB * tilt + SHARP_DB * sharpness);
+        let shortened = sharpness.max(0.0) / (SHARP_DECAY * event.decay_s * self.sample_rate_hz).max(1.0);
+        *grain = Grain::start(Play {
+            event: due.event,
+            late: 0.5 + 0.5 * late,
+            rate: 1.0 + RATE * rate,
+            low: gain / tilt,
+            high: gain * tilt,
+            decay: (-shortened).exp(),
+            sides: [factor(BALANCE_DB * balance), factor(-BALANCE_DB * balance)],
+        });
+    }
+}
+
+fn factor(db: f64) -> f64 {
+    10f64.powf(db / 20.0)
+}

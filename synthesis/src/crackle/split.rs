@@ -1,0 +1,105 @@
+//! A recording taken apart: its stationary bed, and its crackles.
+
+use rayon::prelude::*;
+
+use super::background::Background;
+use super::detect::{Found, crackles};
+use super::event::Crackles;
+use super::stft::Stft;
+use crate::filter::{Section, section_gain};
+use crate::noise::White;
+
+/// What exceeds the background's root mean square this much, in magnitude, is not of the bed: one in fifty of a Gaussian
+/// noise's magnitudes does.
+const EXCESS: f64 = 2.0;
+/// Frequencies in Hz between which crackles fade in: what lies below is the fire's own rumble.
+const LOWEST_HZ: [f64; 2] = [250.0, 500.0];
+/// What lies below this frequency in Hz is wind at the microphone: inaudible, but louder than many a fire, so that a bed
+/// would be as loud as its wind.
+const INFRASOUND_HZ: f64 = 25.0;
+/// What fills the bed where a crackle was: a stream of white noise that no other stage uses.
+const FILL_SEED: u32 = 0x4649_4C4C;
+const FILL_STREAM: u32 = 0x4245_4421;
+
+/// A recording's two parts.
+#[derive(Debug)]
+pub struct Split {
+    /// The recording without its crackles; the recording itself where it has none.
+    pub bed: Vec<Vec<f64>>,
+    /// The crackles; none where they are too few, or too soft, to be heard as such.
+    pub crackles: Option<Crackles>,
+}
+
+/// Takes a recording apart: `channels` equally long, of finite samples.
+///
+/// In a short-time spectrum, what stands out of the running background where a crackle was found is the crackle's, and
+/// noise of the background's level is put in its place.
+pub fn split(channels: &[Vec<f64>], sample_rate_hz: f64) -> Split {
+    let found = crackles(channels, sample_rate_hz);
+    let samples = channels.first().map_or(0, Vec::len);
+    if !Crackles::are_heard(&found, samples, sample_rate_hz) {
+        return Split { bed: channels.to_vec(), crackles: None };
+    }
+    let (bed, waves): (Vec<_>, Vec<_>) =
+        channels.par_iter().map(|channel| take_apart(channel, &found, sample_rate_hz)).unzip();
+    Split { bed, crackles: Some(Crackles::new(&found, &waves, sample_rate_hz)) }
+}
+
+/// The bed of one channel, and what stood out of it.
+fn take_apart(signal: &[f64], found: &[Found], sample_rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut stft = Stft::new(sample_rate_hz);
+    let background = Background::of(signal, &mut stft, sample_rate_hz);
+    let mut noise = vec![0.0; signal.len()];
+    White::new(FILL_SEED, FILL_STREAM).fill(0, &mut noise);
+    let white_rms = stft.white_rms();
+    let (mut bed, mut wave) = (signal.to_vec(), vec![0.0; signal.len()]);
+    let shares: Vec<f64> = (0..stft.bins())
+        .map(|bin| {
+            let hz = bin as f64 * sample_rate_hz / stft.len() as f64;
+            ((hz - LOWEST_HZ[0]) / (LOWEST_HZ[1] - LOWEST_HZ[0])).clamp(0.0, 1.0)
+        })
+        .collect();
+    let mut taken = stft.spectrum().to_vec();
+    let mut filled = taken.clone();
+    for frame in frames_of(found, &stft) {
+        stft.analyse(&noise, frame);
+        filled.copy_from_slice(stft.spectrum());
+        stft.analyse(signal, frame);
+        for (bin, share) in shares.iter().enumerate() {
+            let (value, rms) = (stft.spectrum()[bin], background.at(frame, bin));
+            let magnitude = value.norm();
+            if *share == 0.0 || magnitude <= EXCESS * rms {
+                taken[bin] = Default::default();
+                filled[bin] = Default::default();
+            } else {
+                // Powers add: what is taken and what fills are as loud together as what was there.
+                taken[bin] = value * (share * (1.0 - (rms / magnitude).powi(2)).sqrt());
+                filled[bin] = (filled[bin] * (rms / white_rms) - value) * *share;
+            }
+        }
+        stft.add(&taken, frame, &mut wave);
+        stft.add(&filled, frame, &mut bed);
+    }
+    remove_infrasound(&mut bed, sample_rate_hz);
+    (bed, wave)
+}
+
+fn remove_infrasound(signal: &mut [f64], sample_rate_hz: f64) {
+    let gain = section_gain(INFRASOUND_HZ, sample_rate_hz);
+    let [mut first, mut second] = [Section::default(); 2];
+    for sample in signal {
+        *sample = second.process(gain, first.process(gain, *sample).high).high;
+    }
+}
+
+/// The frames that see a crackle, in order.
+fn frames_of<'a>(found: &'a [Found], stft: &Stft) -> impl Iterator<Item = usize> + 'a {
+    let (hop, half) = (stft.hop(), stft.len() / 2);
+    let mut next = 0;
+    found.iter().flat_map(move |crackle| {
+        let first = crackle.start.saturating_sub(half).div_ceil(hop).max(next);
+        let end = ((crackle.end + half) / hop + 1).max(first);
+        next = end;
+        first..end
+    })
+}
