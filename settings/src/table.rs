@@ -676,7 +676,7 @@ impl Id {
 }
 
 /// Groups in the order in which hosts show them.
-const HOST_GROUPS: [&str; 7] = ["Levels", "Drive", "Flame", "Texture", "Extension", "Vortex", "Structure"];
+const HOST_GROUPS: [&str; 8] = ["Levels", "Drive", "Flame", "Texture", "Crackle", "Extension", "Vortex", "Structure"];
 
 /// Places in the table in the order in which hosts show the parameters: by group, bypass first, within a group as in
 /// the table.

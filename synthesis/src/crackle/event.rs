@@ -1,6 +1,7 @@
 //! A recording's crackles, ready to be played.
 
 use super::detect::Found;
+use bitcode::{Decode, Encode};
 
 /// Crackles count as heard where so many a second stand so far above the bed, in dB: softer or rarer ones texture
 /// makes by itself.
@@ -16,7 +17,7 @@ const FADE_S: f64 = 0.0005;
 const DECAYED: f64 = 0.316;
 
 /// One crackle.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
 pub struct Event {
     /// Its first sample in the recording.
     pub onset: usize,
@@ -35,7 +36,7 @@ pub struct Event {
 }
 
 /// What a recording's crackles are like as a whole.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
 pub struct Summary {
     /// Crackles a second.
     pub per_second: f64,
@@ -50,7 +51,7 @@ pub struct Summary {
 }
 
 /// All crackles of a recording in order, and the runs that its time is cut into.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Encode, Decode)]
 pub struct Crackles {
     events: Vec<Event>,
     /// Cubic B-spline coefficients, event by event, channel by channel, [`PADDING`] more on both sides.
