@@ -7,7 +7,11 @@ use std::path::{Path, PathBuf};
 
 use common::{hiss, pyrophone, read, reference, refuses, rumble, succeeds, write};
 use pyrophone_flame::flux::Flux;
+use pyrophone_flame::import::Source;
 use pyrophone_flame::import::npz::{DenseFrame, write_frame};
+use pyrophone_flame::import::vdb::Vdb;
+use pyrophone_flame::velocity::{Placement, Velocity};
+use pyrophone_flame::{Frame, Front};
 use tempfile::TempDir;
 
 /// The folder of odd inputs.
@@ -30,6 +34,17 @@ fn flux(folder: &Path, input: &Path) -> Vec<(i64, f64)> {
     Flux::read_csv(&table, "flux").unwrap().rows.iter().map(|row| (row.frame, row.flux)).collect()
 }
 
+/// The flux of the first field in the first flow of a file.
+fn flux_of_first_grids(path: &Path) -> f64 {
+    let bytes = std::fs::read(path).unwrap();
+    let mut vdb = Vdb::open(&bytes).unwrap();
+    let first = |components: usize| vdb.grids().iter().position(|grid| grid.components == components).unwrap();
+    let (field, velocity) = (first(1), first(3));
+    let velocity = Velocity::Vectors(vdb.vectors(velocity).unwrap(), Placement::Collocated);
+    let frame = Frame { number: 0, field: vdb.scalar(field).unwrap(), velocity };
+    Front::new(0.5, 3).unwrap().measure(&frame).unwrap().flux
+}
+
 #[test]
 fn every_odd_cache_has_the_right_result() {
     let Some(inputs) = inputs() else { return };
@@ -42,10 +57,9 @@ fn every_odd_cache_has_the_right_result() {
     let negative = of("vdb_negative_frames");
     assert_eq!(negative.iter().map(|(frame, _)| *frame).collect::<Vec<_>>(), [-5, -4, -3, -2, -1]);
     assert!(negative.is_sorted_by(|a, b| a.1 < b.1), "the flux rises: {negative:?}");
-    // The balls of both grids are those of the other caches.
-    let doubled = of("vdb_two_grids_of_one_name");
-    for ((_, both), (_, one)) in doubled.iter().zip(&plain) {
-        assert!((both / one - 2.0).abs() < 0.01, "{both} of two, {one} of one");
+    for (frame, both) in of("vdb_two_grids_of_one_name") {
+        let one = flux_of_first_grids(&inputs.join(format!("vdb_two_grids_of_one_name/pyro.{frame}.vdb")));
+        assert!((both / one - 2.0).abs() < 1e-3, "frame {frame}: {both} of two, {one} of one");
     }
     let command = format!("flux --input {} --output still.wav --rate 24", inputs.join("vdb_zero_flux").display());
     let said = notes(at, &command);

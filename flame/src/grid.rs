@@ -1,5 +1,7 @@
 //! Sampled fields: sparse blocks of voxels, as simulation caches and the solver hand them over.
 
+mod join;
+
 use std::collections::BTreeMap;
 
 use crate::error::Error;
@@ -135,40 +137,6 @@ impl<const N: usize> Grid<N> {
             *value = change(*value);
         }
         self
-    }
-
-    /// Both fields voxel by voxel, joined by `join`; none where they lie differently in the world.
-    pub fn joined(&self, other: &Self, join: impl Fn(f32, f32) -> f32) -> Option<Self> {
-        if self.transform != other.transform {
-            return None;
-        }
-        let both = |a: [f32; N], b: [f32; N]| std::array::from_fn(|n| join(a[n], b[n]));
-        let mut joined = Self::new(both(self.background, other.background), self.transform);
-        for (log2, origin) in self.tiles.keys().chain(other.tiles.keys()) {
-            let value = both(self.around(*log2, *origin), other.around(*log2, *origin));
-            joined.add_tile(*origin, *log2, value);
-        }
-        for key in self.blocks.keys().chain(other.blocks.keys()) {
-            let origin = key.map(|i| i * BLOCK);
-            let mut block = filled([0.0; N]);
-            for place in 0..BLOCK_VOXELS as i32 {
-                let within = [place / (BLOCK * BLOCK), place / BLOCK % BLOCK, place % BLOCK];
-                let index = std::array::from_fn(|axis| origin[axis] + within[axis]);
-                block[slot(within)] = both(self.value(index), other.value(index));
-            }
-            joined.blocks.insert(*key, block);
-        }
-        Some(joined)
-    }
-
-    /// The value round a cube of 2^`log2` voxels, whatever smaller parts of it hold.
-    fn around(&self, log2: u32, origin: [i32; 3]) -> [f32; N] {
-        let wide_enough = self.tile_sizes.iter().filter(|size| **size >= log2);
-        let tile = wide_enough.into_iter().find_map(|size| {
-            let corner = origin.map(|i| (i >> size) << size);
-            self.tiles.get(&(*size, corner))
-        });
-        *tile.unwrap_or(&self.background)
     }
 
     /// Adds a cube of one value, 2^`log2` voxels (at least a block) along an edge, at a multiple of its size.

@@ -398,5 +398,8 @@ fn grids_of_one_name_that_lie_differently_are_refused() {
     let VdbFile { bytes, .. } = write(form, &plans, &mut Random::new(3));
     let (_folder, sequence) = in_folder("a.vdb", &bytes);
     let message = sequence.read(0, &Selection::default()).unwrap_err().to_string();
-    assert!(message.contains("grids named flame") && message.contains("export them as one"), "{message}");
+    assert!(
+        message.contains("grids named flame that do not lie voxel on voxel") && message.contains("export them as one"),
+        "{message}"
+    );
 }

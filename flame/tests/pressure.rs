@@ -256,7 +256,7 @@ fn shards_that_do_not_fit_are_refused() {
         ),
         ("# pyrophone flux 1; x\nframe,flux,area,mean_curvature\n1,NaN,3,4\n", "line 3: 'NaN'"),
         ("# pyrophone flux 1; x\nframe,flux,area,mean_curvature\n1,2\n", "line 3"),
-        ("# pyrophone flux 1; x\nframe,flux,area,mean_curvature\n-1,2,3,4\n", "line 3: '-1'"),
+        ("# pyrophone flux 1; x\nframe,flux,area,mean_curvature\n1.5,2,3,4\n", "line 3: '1.5'"),
     ] {
         let error = Partial::read(text, "shard.csv").unwrap_err().to_string();
         assert!(error.contains("shard.csv") && error.contains(says), "{error}");

@@ -74,7 +74,7 @@ impl Assembly<'_> {
     ) -> Result<Grid<N>, Fault> {
         let mut grid = read(self.source, index)?;
         for other in super::names::namesakes(self.source.grids(), index) {
-            let found = format!("grids named {} that lie differently in the world", shown(&self.info(index).name));
+            let found = format!("grids named {} that do not lie voxel on voxel", shown(&self.info(index).name));
             let advice = "export them as one, or under different names";
             let other = read(self.source, other)?;
             grid = grid.joined(&other, join).ok_or(Fault::Unsupported { found, advice })?;
