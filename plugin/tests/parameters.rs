@@ -114,9 +114,11 @@ fn bad_values_are_brought_into_range_or_dropped() {
     let kept: Vec<&str> = state.params.keys().map(String::as_str).collect();
     let known = [
         "alpha",
+        "ceiling",
         "cutoff",
         "dynamics_mode",
         "levels",
+        "loudness",
         "low_level",
         "noise_amount",
         "quality",
