@@ -55,7 +55,12 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
             Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
         let recording = input::load(path, work)?;
         check_region(args.training_region, &recording, path)?;
-        let training = input::at_rate(&cut.of(&recording)?, main.sample_rate_hz, work)?;
+        // The paper's method takes a recording as it is.
+        let part = match structure.dynamics {
+            Dynamics::Paper => cut.as_recorded(&recording)?,
+            Dynamics::Companded => cut.of(&recording)?,
+        };
+        let training = input::at_rate(&part, main.sample_rate_hz, work)?;
         let shape = Shape::at_rate(&structure, rate_hz);
         let dictionary = texture::index(&training, path, &shape, structure.dynamics, work)?;
         drop(chain.swap_dictionary(Some(dictionary)));

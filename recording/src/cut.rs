@@ -62,7 +62,19 @@ impl Cut {
     /// Fails as [`gain`](Self::gain).
     pub fn of(&self, recording: &Recording) -> Result<Recording, Error> {
         self.check_gain()?;
-        let mut channels = audible(recording, self.span(recording)?);
+        self.levelled(recording, audible(recording, self.span(recording)?))
+    }
+
+    /// The part of `recording`, at its level, with all that lies below hearing, as the paper's method takes it.
+    ///
+    /// Fails as [`gain`](Self::gain).
+    pub fn as_recorded(&self, recording: &Recording) -> Result<Recording, Error> {
+        self.check_gain()?;
+        let span = self.span(recording)?;
+        self.levelled(recording, recording.channels.iter().map(|channel| channel[span.clone()].to_vec()).collect())
+    }
+
+    fn levelled(&self, recording: &Recording, mut channels: Vec<Vec<f32>>) -> Result<Recording, Error> {
         let gain = self.gain_on(&channels);
         if gain != 1.0 {
             channels.iter_mut().flatten().for_each(|sample| *sample = (f64::from(*sample) * gain) as f32);

@@ -162,11 +162,24 @@ fn start_server() -> Option<Child> {
     Some(server)
 }
 
+/// Waits until no thread has ended for two seconds, or for fifteen in all.
+fn settle() {
+    let threads = || std::fs::read_dir("/proc/self/task").map_or(0, Iterator::count);
+    let (began, mut since, mut last) = (Instant::now(), Instant::now(), threads());
+    while since.elapsed() < Duration::from_secs(2) && began.elapsed() < Duration::from_secs(15) {
+        std::thread::sleep(Duration::from_millis(50));
+        let now = threads();
+        if std::mem::replace(&mut last, now) != now {
+            since = Instant::now();
+        }
+    }
+}
+
 impl Drop for Desk {
     fn drop(&mut self) {
         if let Some(server) = &mut self.server {
             // baseview 0.4.2 does not always wait for a window's thread to end, and Xlib ends a program whose server has gone.
-            std::thread::sleep(Duration::from_secs(2));
+            settle();
             // It may have ended by itself; then there is nothing to end.
             let _ = server.kill();
             let _ = server.wait();

@@ -15,6 +15,7 @@ use pyrophone_settings::Recent;
 use pyrophone_settings::session::{self, Session};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::Chain;
+use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Shape};
 
 use super::Engine;
@@ -500,7 +501,11 @@ impl Worker {
         let key = self.key(recording, cut, &job.wanted, sample_rate_hz);
         let make = || -> Result<Dictionary, Failure> {
             let resampling = |done: f32| job.goes_on_indexing("Resampling", 0.2 + 0.2 * done);
-            let part = cut.of(recording)?;
+            // The paper's method takes a recording as it is.
+            let part = match job.wanted.dynamics {
+                Dynamics::Paper => cut.as_recorded(recording)?,
+                Dynamics::Companded => cut.of(recording)?,
+            };
             let resampled = pyrophone_recording::resample(&part, sample_rate_hz.round() as u32, &resampling)?;
             let channels: Vec<Vec<f64>> = resampled
                 .channels
