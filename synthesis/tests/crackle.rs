@@ -370,7 +370,7 @@ fn ceiling_holds_whatever_comes() {
     drive[40_001] = f32::INFINITY;
     let first = Event { at: 0, controls, jump: None };
     let out = play(&mut chain, &[drive], &[], 1, &[first], 0, || 512).remove(0);
-    assert!(out.iter().all(|x| x.abs() < 1.0), "{:?}", out.iter().find(|x| !(x.abs() < 1.0)));
+    assert!(out.iter().all(|x| x.abs() < 1.0), "{:?}", out.iter().find(|x| x.is_nan() || x.abs() >= 1.0));
     assert!(out.iter().any(|x| x.abs() > 0.95));
 }
 
@@ -384,7 +384,7 @@ fn recordings_come_out_as_loud_whatever_their_own_level() {
         let mut controls = Controls::default();
         controls.mix = MixControls { low: 0.0, extension: 0.0, loudness_lufs: Some(-28.0), ..controls.mix };
         let first = Event { at: 0, controls, jump: None };
-        let out = play(&mut chain, &[drive.clone()], &[], 1, &[first], 0, || 512).remove(0);
+        let out = play(&mut chain, std::slice::from_ref(&drive), &[], 1, &[first], 0, || 512).remove(0);
         10.0 * (out.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / 200_000.0).log10()
     };
     let levels = [0.05, 1.0].map(level);

@@ -183,8 +183,12 @@ impl Raw {
         if std::mem::take(&mut self.is_active) {
             // SAFETY: a live, active plug-in.
             unsafe {
-                (*self.plugin).stop_processing.map(|stop| stop(self.plugin));
-                (*self.plugin).deactivate.map(|deactivate| deactivate(self.plugin));
+                if let Some(stop) = (*self.plugin).stop_processing {
+                    stop(self.plugin);
+                }
+                if let Some(deactivate) = (*self.plugin).deactivate {
+                    deactivate(self.plugin);
+                }
             }
         }
     }
@@ -192,7 +196,11 @@ impl Raw {
     fn run_callbacks(&self) {
         while self.notices().callbacks.replace(0) > 0 {
             // SAFETY: a live plug-in, on its main thread.
-            unsafe { (*self.plugin).on_main_thread.map(|run| run(self.plugin)) };
+            unsafe {
+                if let Some(run) = (*self.plugin).on_main_thread {
+                    run(self.plugin);
+                }
+            };
         }
     }
 
@@ -280,8 +288,12 @@ impl Drop for Raw {
         self.deactivate();
         // SAFETY: a live plug-in, destroyed once; its host's notices were made by `Box` in `load`.
         unsafe {
-            (*self.plugin).destroy.map(|destroy| destroy(self.plugin));
-            (*self.entry).deinit.map(|deinit| deinit());
+            if let Some(destroy) = (*self.plugin).destroy {
+                destroy(self.plugin);
+            }
+            if let Some(deinit) = (*self.entry).deinit {
+                deinit();
+            }
             drop(Box::from_raw(self.host.host_data.cast::<Notices>()));
         }
     }

@@ -381,11 +381,11 @@ fn parameters_are_sound(bundle: &Path) -> Result<(), String> {
         return Err(format!("two parameters are called {name:?}"));
     }
     let has = |info: &ParameterInfo, flag: i32| info.flags & flag != 0;
-    let bypasses = parameters.iter().filter(|info| has(info, ParameterFlags_::kIsBypass as i32)).count();
+    let bypasses = parameters.iter().filter(|info| has(info, ParameterFlags_::kIsBypass)).count();
     ensure(bypasses == 1, || format!("{bypasses} bypass parameters"))?;
     let of = |id| parameters.iter().find(|info| info.id == numeric_id(id)).ok_or(format!("there is no {id}"));
     for id in ["drive_mode", "flame_scene", "quality", "dynamic_range"] {
-        ensure(has(of(id)?, ParameterFlags_::kIsList as i32), || format!("{id} is not flagged as a list"))?;
+        ensure(has(of(id)?, ParameterFlags_::kIsList), || format!("{id} is not flagged as a list"))?;
     }
     for (id, unit) in [("output_level", "dB"), ("cutoff", "Hz"), ("vortex_speed", "m/s")] {
         let found = from_utf16(&of(id)?.units);

@@ -54,7 +54,7 @@ impl IEditControllerTrait for Component {
             let parameter = &PARAMETERS[index];
             text::write(parameter.unit, &mut info.units);
             if matches!(parameter.kind, Kind::Choice { .. }) {
-                info.flags |= ParameterFlags_::kIsList as int32;
+                info.flags |= ParameterFlags_::kIsList;
             }
         }
         result

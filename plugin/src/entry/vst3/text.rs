@@ -7,7 +7,7 @@ pub fn write(text: &str, to: &mut String128) {
     let room = to.len() - 1;
     let mut length = 0;
     for (place, unit) in to.iter_mut().zip(text.encode_utf16().take(room)) {
-        *place = unit as _;
+        *place = unit;
         length += 1;
     }
     to[length] = 0;
@@ -15,7 +15,7 @@ pub fn write(text: &str, to: &mut String128) {
 
 /// Reads a text up to its zero.
 pub fn read(from: &String128) -> String {
-    let units: Vec<u16> = from.iter().map(|unit| *unit as u16).take_while(|unit| *unit != 0).collect();
+    let units: Vec<u16> = from.iter().copied().take_while(|unit| *unit != 0).collect();
     String::from_utf16_lossy(&units)
 }
 
