@@ -41,16 +41,15 @@ fn whole(index: usize, value: f64) -> f64 {
     if matches!(PARAMETERS[index].kind, Kind::Float { .. }) { value } else { value.round() }
 }
 
-/// Brings a value of the framework's to the host's scale; always true, for brevity.
+/// Brings a value of the framework's to the host's scale.
 ///
 /// # Safety
 /// `value` is valid for reading and writing.
-unsafe fn to_host(id: clap_id, value: *mut f64) -> bool {
+unsafe fn to_host(id: clap_id, value: *mut f64) {
     if let Some(index) = index_of_numeric(id) {
         // SAFETY: by the caller's word.
         unsafe { *value = whole(index, *value + shift(id).unwrap_or(0.0)) };
     }
-    true
 }
 
 unsafe extern "C" fn count(plugin: *const clap_plugin) -> u32 {
@@ -95,8 +94,11 @@ unsafe extern "C" fn get_value(plugin: *const clap_plugin, id: clap_id, value: *
     let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.params()?.get_value) else { return false };
     // SAFETY: a live plug-in; null is refused there.
     let is_known = unsafe { get(plugin, id, value) };
-    // SAFETY: written to just now.
-    is_known && unsafe { to_host(id, value) }
+    if is_known {
+        // SAFETY: written to just now.
+        unsafe { to_host(id, value) };
+    }
+    is_known
 }
 
 unsafe extern "C" fn value_to_text(
@@ -133,8 +135,11 @@ unsafe extern "C" fn text_to_value(
     }
     // SAFETY: a live plug-in and a text; null is refused there.
     let is_understood = unsafe { get(plugin, id, text, value) };
-    // SAFETY: written to just now.
-    is_understood && unsafe { to_host(id, value) }
+    if is_understood {
+        // SAFETY: written to just now.
+        unsafe { to_host(id, value) };
+    }
+    is_understood
 }
 
 unsafe extern "C" fn flush(
