@@ -659,7 +659,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Loudness",
         "Levels",
         "LUFS",
-        float_or_off(-60.0, -6.0, -28.0, 1.0, 1),
+        float_or_off(-60.0, -6.0, -32.0, 1.0, 1),
         None,
         "Companded mode: loudness that every recording is brought to; off leaves it as loud as it was recorded.",
     ),

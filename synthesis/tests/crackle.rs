@@ -390,3 +390,23 @@ fn recordings_come_out_as_loud_whatever_their_own_level() {
     let levels = [0.05, 1.0].map(level);
     assert!((levels[0] - levels[1]).abs() < 0.2 && levels[0] > -45.0, "{levels:?}");
 }
+
+#[test]
+fn nothing_is_allocated_while_crackles_play() {
+    let crackles = crackles();
+    let mut crackle = Crackle::new(RATE_HZ, 2, LATENCY, BLOCK);
+    let (mut left, mut right) = (vec![0.0; BLOCK], vec![0.0; BLOCK]);
+    let loudness = vec![1.0; BLOCK];
+    let seen = allocation_counter::measure(|| {
+        for block in 0..400u32 {
+            let controls = CrackleControls { density: 16.0, seed: block / 50, ..CrackleControls::default() };
+            if block % 100 == 0 {
+                crackle.reset(i64::from(block) * 1000);
+            }
+            crackle.process(&loudness, &controls, Some(&crackles), &mut [&mut left, &mut right]);
+        }
+        crackle.forget();
+    });
+    assert!(left.iter().any(|x| *x != 0.0));
+    assert_eq!((seen.count_total, seen.count_current), (0, 0));
+}

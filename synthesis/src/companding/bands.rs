@@ -10,6 +10,9 @@ use crate::extend::spectrum::Transform;
 const WINDOW_S: f64 = 0.19;
 /// Numbers of the third octaves, 10^(k/10) Hz: 100 Hz to 20 kHz.
 const NUMBERS: std::ops::RangeInclusive<i32> = 20..=43;
+/// Power, relative to that an octave lower, of what is empty; and how many steps of a twenty-fourth of an octave are searched.
+const EMPTY: f64 = 1e-4;
+const LIMIT_STEPS: i32 = 72;
 /// Highest frequency used, as a part of the sample rate.
 const HIGHEST: f64 = 0.45;
 
@@ -66,6 +69,17 @@ impl Power {
             return self.bins.get(first).copied().unwrap_or(0.0);
         }
         inside.iter().sum::<f64>() / inside.len() as f64
+    }
+
+    /// The frequency in Hz above which there is nothing, 40 dB below what lies an octave lower: where a lossy format or a
+    /// lower rate has cut a recording. None where it goes all the way up.
+    pub fn band_limit_hz(&self) -> Option<f64> {
+        let highest = HIGHEST * 2.0 * self.bin_hz * (self.bins.len() - 1) as f64;
+        let step = 2f64.powf(1.0 / 24.0);
+        let density = |hz: f64| self.density(hz / step, hz * step);
+        let candidates = (0..LIMIT_STEPS).map(|i| highest / step.powi(i));
+        let limit = candidates.clone().find(|hz| density(*hz) > EMPTY * density(hz / 2.0))?;
+        (limit < highest).then_some(limit)
     }
 
     /// The root mean square of what lies below a frequency in Hz.
@@ -133,6 +147,22 @@ mod tests {
         assert_eq!(levels.len(), 23, "to 15.8 kHz");
         let flat = vec![0.0; levels.len()];
         assert!(distance_db(&levels, &flat) < 0.7, "{levels:?}");
+    }
+
+    #[test]
+    fn a_band_limit_is_found_where_there_is_one() {
+        let mut noise = vec![0.0; 200_000];
+        White::new(1, 2).fill(0, &mut noise);
+        assert_eq!(Power::of(&noise, 44_100.0).band_limit_hz(), None);
+        let taps = super::super::equalizer::design_low_pass(11_000.0, 44_100.0);
+        let mut low = noise.clone();
+        for _ in 0..3 {
+            let mut equalizer = super::super::equalizer::Equalizer::new(44_100.0, 1);
+            (0..low.len()).for_each(|at| equalizer.process(&taps, 1.0, &mut [&mut low], at));
+        }
+        let found = Power::of(&low, 44_100.0).band_limit_hz().unwrap();
+        assert!((10_500.0..12_000.0).contains(&found), "{found} Hz");
+        assert_eq!(Power::of(&[0.0; 50_000], 44_100.0).band_limit_hz(), None);
     }
 
     #[test]

@@ -34,7 +34,13 @@ const BLOCK: usize = 1024;
 pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progress<'_>) -> Result<Dictionary, Error> {
     let rate_hz = dictionary.sample_rate_hz();
     let goal = Power::of(recording, rate_hz);
-    let goal_db = goal.third_octaves_db(rate_hz);
+    let is_crackling = dictionary.crackles().is_some();
+    // What is left of crackles, and of takes that differ, would raise a mean: a bed is as it mostly is.
+    let levels_db = |signal: &[f64]| match is_crackling {
+        true => typical_third_octaves_db(signal, rate_hz),
+        false => Power::of(signal, rate_hz).third_octaves_db(rate_hz),
+    };
+    let goal_db = levels_db(recording);
     let shared = Arc::new(dictionary);
     let trials: Vec<Trial> =
         SEEDS.par_iter().map(|seed| trial(&shared, *seed, progress)).collect::<Result<_, Error>>()?;
@@ -43,13 +49,12 @@ pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progre
     // The engine of each trial has given its reference back.
     let Some(inner) = Arc::into_inner(shared) else { return Err(Error::Cancelled) };
     dictionary = inner;
-    let is_crackling = dictionary.crackles().is_some();
     let is_silent = |signal: &Vec<f64>| signal.iter().all(|x| *x == 0.0);
     let Some(profile) = dictionary.profile_mut() else { return Ok(dictionary) };
     if trials.iter().any(is_silent) || goal.rms_below(rate_hz) == 0.0 {
         return Ok(dictionary);
     }
-    let found_db = Power::of(&trials[0], rate_hz).third_octaves_db(rate_hz);
+    let found_db = levels_db(&trials[0]);
     let mean = goal_db.iter().zip(&found_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len() as f64;
     let gains: Vec<f64> =
         goal_db.iter().zip(&found_db).map(|(a, b)| (a - b - mean).clamp(-LIMIT_DB, LIMIT_DB)).collect();
@@ -60,11 +65,10 @@ pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progre
     for at in 0..equalized.len() {
         equalizer.process(&taps, 1.0, &mut [&mut equalized], at);
     }
-    let distance = |signal: &[f64]| distance_db(&Power::of(signal, rate_hz).third_octaves_db(rate_hz), &goal_db);
+    let distance = |signal: &[f64]| distance_db(&levels_db(signal), &goal_db);
     let helps = distance(&equalized) < distance(&plain);
     let (heard, taps) = if helps { (equalized, taps) } else { (plain, Vec::new()) };
     let level = match is_crackling {
-        // What is left of crackles, and of takes that differ, would raise a mean; a bed is as loud as it mostly is.
         true => typical_level(recording, &heard, swell, rate_hz),
         false => rms(recording) / rms(&heard),
     };

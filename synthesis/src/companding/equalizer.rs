@@ -8,6 +8,8 @@ use crate::smoothed::Smoothed;
 
 /// Most that a third octave is raised or lowered, in dB.
 pub const LIMIT_DB: f64 = 20.0;
+/// How far a low-pass falls, in dB: what windows that change leave there is as far above an empty band's noise floor.
+const STOP_DB: f64 = 30.0;
 /// Taps at 44.1 kHz.
 const TAPS: f64 = 512.0;
 /// Length of the transform for designing, in taps; long, so that the cepstrum does not wrap.
@@ -18,13 +20,23 @@ const SMOOTHING_S: f64 = 0.02;
 /// Taps of the minimum-phase filter whose gains in dB at [`centres_hz`] are `gains_db`; beyond the
 /// outermost they stay.
 pub fn design(gains_db: &[f64], sample_rate_hz: f64) -> Vec<f64> {
+    let centres: Vec<f64> = centres_hz(sample_rate_hz).iter().map(|hz| hz.ln()).collect();
+    let gain_db = |hz: f64| interpolate(&centres, gains_db, hz.max(1.0).ln()).clamp(-LIMIT_DB, LIMIT_DB);
+    minimum_phase(gain_db, sample_rate_hz)
+}
+
+/// Taps of a low-pass that stays as it is up to a frequency in Hz, and falls by [`STOP_DB`] within a sixth of an octave.
+pub fn design_low_pass(corner_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
+    minimum_phase(|hz| -STOP_DB * (6.0 * (hz.max(1.0) / corner_hz).log2()).clamp(0.0, 1.0), sample_rate_hz)
+}
+
+/// Taps of the minimum-phase filter with a gain in dB by frequency in Hz.
+fn minimum_phase(gain_db: impl Fn(f64) -> f64, sample_rate_hz: f64) -> Vec<f64> {
     let taps = ((TAPS * sample_rate_hz / 44_100.0).ceil() as usize).next_multiple_of(STRIDE);
     let mut transform = Transform::new((taps * DESIGN_FACTOR).next_power_of_two());
     let len = transform.len();
-    let centres: Vec<f64> = centres_hz(sample_rate_hz).iter().map(|hz| hz.ln()).collect();
     for (bin, value) in transform.spectrum.iter_mut().enumerate() {
-        let frequency = (bin as f64 * sample_rate_hz / len as f64).max(1.0).ln();
-        let gain_db = interpolate(&centres, gains_db, frequency).clamp(-LIMIT_DB, LIMIT_DB);
+        let gain_db = gain_db(bin as f64 * sample_rate_hz / len as f64);
         *value = Complex64::new(gain_db / 20.0 * std::f64::consts::LN_10 / len as f64, 0.0);
     }
     // The cepstrum, folded onto positive times, is that of the minimum-phase filter
@@ -158,6 +170,17 @@ mod tests {
         for (hz, gain) in centres.iter().zip(&gains).filter(|(hz, _)| **hz > 250.0) {
             let found = gain_db(&taps, *hz);
             assert!((found - gain).abs() < 0.7, "{hz} Hz: {found} dB instead of {gain} dB");
+        }
+    }
+
+    #[test]
+    fn a_low_pass_leaves_what_is_below_and_takes_what_is_above() {
+        let taps = design_low_pass(11_000.0, RATE_HZ);
+        for hz in [100.0, 1000.0, 8000.0, 10_500.0] {
+            assert!(gain_db(&taps, hz).abs() < 1.0, "{hz} Hz: {} dB", gain_db(&taps, hz));
+        }
+        for hz in [13_000.0, 16_000.0, 20_000.0] {
+            assert!(gain_db(&taps, hz) < -25.0, "{hz} Hz: {} dB", gain_db(&taps, hz));
         }
     }
 

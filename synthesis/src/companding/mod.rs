@@ -112,6 +112,8 @@ pub struct Companding {
     drive_block: Vec<f64>,
     timeline: Timeline<TextureControls>,
     equalizer: Equalizer,
+    /// Takes out what windows that change leave above a recording that is cut there.
+    band_limit: Equalizer,
     low_end: LowEnd,
     noise: White,
     /// Where, on the host's timeline, it was reset, and how far into a frame of that timeline: frames stand
@@ -179,6 +181,7 @@ impl Companding {
             drive_block: vec![0.0; block],
             timeline: Timeline::new(latency_samples + 1, TextureControls::default()),
             equalizer: Equalizer::new(sample_rate_hz, channels),
+            band_limit: Equalizer::new(sample_rate_hz, channels),
             low_end: LowEnd::new(sample_rate_hz, channels),
             noise: White::new(UNDERTONE_SEED, UNDERTONE_STREAM),
             position: 0,
@@ -212,6 +215,7 @@ impl Companding {
         self.drive.reset();
         self.timeline.reset(TextureControls::default());
         self.equalizer.reset();
+        self.band_limit.reset();
         self.low_end.reset();
         self.now = 0;
         self.heard = 0.0;
@@ -220,7 +224,7 @@ impl Companding {
 
     /// Samples for which it goes on after texture has fallen silent.
     pub fn tail_samples(&self) -> usize {
-        self.kernels[1].span() * self.frame_samples + self.equalizer.tail_samples()
+        self.kernels[1].span() * self.frame_samples + 2 * self.equalizer.tail_samples()
     }
 
     /// Takes the distribution of the drive's loudness, learned beforehand.
@@ -313,6 +317,7 @@ impl Companding {
         let (gain, low_gain) = self.output_gains_at(place, controls, profile);
         self.relative_block[at] = self.relative_at(place, controls);
         channels.iter_mut().for_each(|channel| channel[at] *= gain);
+        self.band_limit.process(profile.map_or(&[], |profile| &profile.limit_taps), 1.0, channels, at);
         let taps = profile.map_or(&[] as &[f64], |profile| &profile.taps);
         self.equalizer.process(taps, within(controls.companding.spectrum_match, 0.0, 1.0), channels, at);
         self.low_end.process(drive * low_gain, channels, at);

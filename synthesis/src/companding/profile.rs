@@ -1,6 +1,7 @@
 //! The recording's side: its loudness taken out, once, when it is loaded.
 
 use super::bands::Power;
+use super::equalizer::design_low_pass;
 use super::frames::frame_samples;
 use super::{MATCH_EXPONENT, MATCHED_HZ};
 use crate::filter::{Section, section_gain};
@@ -37,6 +38,8 @@ pub struct Profile {
     lufs: Option<f64>,
     /// Taps of the equaliser towards its spectrum; empty where that would not bring it nearer.
     pub(super) taps: Vec<f64>,
+    /// Taps of the low-pass where the recording has one; else empty.
+    pub(super) limit_taps: Vec<f64>,
 }
 
 impl Profile {
@@ -59,6 +62,7 @@ impl Profile {
             level: 1.0,
             lufs: None,
             taps: Vec::new(),
+            limit_taps: power.band_limit_hz().map_or_else(Vec::new, |hz| design_low_pass(hz, sample_rate_hz)),
         };
         for channel in channels.iter_mut() {
             for (i, sample) in channel.iter_mut().enumerate() {
@@ -109,7 +113,7 @@ impl Profile {
 
     /// Bytes held, about.
     pub(crate) fn bytes(&self) -> usize {
-        (self.relative.len() + self.below.len() + self.taps.len()) * size_of::<f64>()
+        (self.relative.len() + self.below.len() + self.taps.len() + self.limit_taps.len()) * size_of::<f64>()
     }
 
     fn relative_at(&self, sample: f64) -> f64 {
