@@ -72,7 +72,12 @@ pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progre
         true => typical_level(recording, &heard, swell, rate_hz),
         false => rms(recording) / rms(&heard),
     };
-    profile.set_calibration(if level.is_finite() { level } else { 1.0 }, taps);
+    let level = if level.is_finite() { level } else { 1.0 };
+    profile.set_calibration(level, taps);
+    if let Some(crackles) = dictionary.crackles_mut() {
+        let bed: Vec<f64> = heard.iter().map(|sample| sample * level / swell).collect();
+        crackles.calibrate(&bed, rate_hz);
+    }
     Ok(dictionary)
 }
 

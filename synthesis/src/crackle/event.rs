@@ -1,13 +1,18 @@
 //! A recording's crackles, ready to be played.
 
-use super::detect::Found;
 use bitcode::{Decode, Encode};
+
+use super::detect::{Found, crackles};
+use super::play_steadily;
 
 /// Crackles count as heard where so many a second stand so far above the bed, in dB: softer or rarer ones texture
 /// makes by itself.
 const LOUD_DB: f64 = 20.0;
 const LEAST_LOUD_PER_S: f64 = 1.0;
 const LEAST: usize = 4;
+/// Trials that tell how many crackles are heard, and the least part of them that may be played.
+const TRIALS: u32 = 6;
+const LEAST_SHARE: f64 = 0.5;
 /// Crackles in a run, on average: what keeps its order and its gaps. Runs last so many seconds at least and at most.
 const RUN_CRACKLES: f64 = 6.0;
 const RUN_S: [f64; 2] = [0.1, 1.0];
@@ -62,6 +67,10 @@ pub struct Crackles {
     runs: Vec<u32>,
     /// Median of the peaks.
     median_peak: f64,
+    /// Loud crackles a second in the recording.
+    loud_per_s: f64,
+    /// Part of the runs that are played at density 1.
+    share: f64,
     summary: Summary,
 }
 
@@ -72,7 +81,7 @@ impl Crackles {
     /// Whether what was found in a recording is heard as crackles.
     pub(super) fn are_heard(found: &[Found], samples: usize, sample_rate_hz: f64) -> bool {
         let seconds = samples as f64 / sample_rate_hz;
-        let loud = found.iter().filter(|crackle| crackle.over_bed_db > LOUD_DB).count();
+        let loud = loud(found);
         loud >= LEAST && loud as f64 > LEAST_LOUD_PER_S * seconds
     }
 
@@ -86,6 +95,8 @@ impl Crackles {
             run_samples: 1,
             runs: Vec::new(),
             median_peak: 0.0,
+            loud_per_s: loud(found) as f64 * sample_rate_hz / samples.max(1) as f64,
+            share: 1.0,
             summary: Summary { per_second: 0.0, over_bed_db: 0.0, gap_variation: 0.0, centroid_hz: 0.0, decay_s: 0.0 },
         };
         for crackle in found {
@@ -95,6 +106,26 @@ impl Crackles {
         all.summary = all.summarise(samples as f64 / sample_rate_hz, sample_rate_hz);
         all.median_peak = median(all.events.iter().map(|event| event.peak));
         all
+    }
+
+    /// Finds what part of the crackles gives as many loud ones over `bed`, what texture makes of the recording's at a steady
+    /// level, as the recording has: an even bed hides fewer than the recording's own, and adds some.
+    pub(crate) fn calibrate(&mut self, bed: &[f64], sample_rate_hz: f64) {
+        let seconds = TRIALS as f64 * bed.len() as f64 / sample_rate_hz;
+        let count: usize = (0..TRIALS)
+            .map(|seed| {
+                let mut heard = play_steadily(self, seed, bed.len(), sample_rate_hz);
+                heard.iter_mut().zip(bed).for_each(|(crackle, bed)| *crackle += bed);
+                loud(&crackles(&[heard], sample_rate_hz))
+            })
+            .sum();
+        let share = self.loud_per_s * seconds / count.max(1) as f64;
+        self.share = share.clamp(LEAST_SHARE, 1.0);
+    }
+
+    /// Part of the runs that are played at density 1.
+    pub(super) fn share(&self) -> f64 {
+        self.share
     }
 
     fn cut(&mut self, crackle: &Found, waves: &[Vec<f64>], sample_rate_hz: f64) {
@@ -189,6 +220,11 @@ impl Crackles {
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.waves) + size_of_val(&*self.events) + size_of_val(&*self.runs)
     }
+}
+
+/// How many are loud.
+fn loud(found: &[Found]) -> usize {
+    found.iter().filter(|crackle| crackle.over_bed_db > LOUD_DB).count()
 }
 
 /// Coefficients of the cubic B-spline through `samples`, which are followed and preceded by silence (Unser, Aldroubi &

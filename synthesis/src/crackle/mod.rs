@@ -225,7 +225,8 @@ impl Crackle {
         let mean = (sum / count).max(LEAST_MEAN);
         let loudness = within(loudness, 0.0, LOUDEST) / mean;
         let follow = within(controls.follow, 0.0, 2.0);
-        let density = within(controls.density, 0.0, STREAMS as f64) * loudness.powf(DENSITY_EXPONENT * follow);
+        let density =
+            crackles.share() * within(controls.density, 0.0, STREAMS as f64) * loudness.powf(DENSITY_EXPONENT * follow);
         if loudness <= 0.0 || due.threshold >= density {
             return;
         }
@@ -249,6 +250,19 @@ impl Crackle {
             sides: [factor(BALANCE_DB * balance), factor(-BALANCE_DB * balance)],
         });
     }
+}
+
+/// What the layer makes of a drive of steady loudness.
+fn play_steadily(crackles: &Crackles, seed: u32, samples: usize, sample_rate_hz: f64) -> Vec<f64> {
+    const BLOCK: usize = 1024;
+    let mut layer = Crackle::new(sample_rate_hz, 1, 0, BLOCK);
+    let controls = CrackleControls { seed, ..CrackleControls::default() };
+    layer.reset(0);
+    let mut heard = vec![0.0; samples];
+    for block in heard.chunks_mut(BLOCK) {
+        layer.process(&[1.0; BLOCK][..block.len()], &controls, Some(crackles), &mut [block]);
+    }
+    heard
 }
 
 fn factor(db: f64) -> f64 {

@@ -215,6 +215,11 @@ impl Dictionary {
         self.crackles.as_ref()
     }
 
+    /// The same, to be calibrated before the dictionary is shared.
+    pub(crate) fn crackles_mut(&mut self) -> Option<&mut Crackles> {
+        self.crackles.as_mut()
+    }
+
     /// The recording's side of companding, to be changed before the dictionary is shared.
     pub(crate) fn profile_mut(&mut self) -> Option<&mut Profile> {
         self.profile.as_mut()
