@@ -27,6 +27,7 @@ pub mod crackle;
 pub mod drive;
 pub mod error;
 pub mod extend;
+pub mod fft;
 mod filter;
 mod loudness;
 pub mod mix;

@@ -1,6 +1,6 @@
 //! Power over frequency.
 
-use realfft::RealFftPlanner;
+use pyrophone_synthesis::fft::real_forward;
 
 /// Longest and shortest window in samples.
 const WINDOWS: (usize, usize) = (1 << 15, 1 << 10);
@@ -20,7 +20,7 @@ impl Spectrum {
         let window: Vec<f64> =
             (0..size).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / size as f64).cos()).collect();
         let energy: f64 = window.iter().map(|x| x * x).sum();
-        let transform = RealFftPlanner::<f64>::new().plan_fft_forward(size);
+        let transform = real_forward(size);
         let (mut time, mut frequency) = (transform.make_input_vec(), transform.make_output_vec());
         let mut bins = vec![0.0; size / 2 + 1];
         let starts: Vec<usize> = (0..=samples.len().saturating_sub(size)).step_by(size / 2).collect();

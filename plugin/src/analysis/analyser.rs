@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use pyrophone_synthesis::fft::{Complex32, RealToComplex, real_forward_f32};
 
 use super::bands::{BANDS, Bands};
 
@@ -20,7 +19,7 @@ pub struct Analyser {
     until_step: usize,
     step: usize,
     time: Vec<f32>,
-    spectrum: Vec<Complex<f32>>,
+    spectrum: Vec<Complex32>,
     power: Vec<f32>,
     density: [f32; BANDS],
 }
@@ -33,7 +32,7 @@ impl Analyser {
             .map(|n| (0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / length as f64).cos()) as f32)
             .collect();
         let energy: f32 = window.iter().map(|w| w * w).sum();
-        let transform = RealFftPlanner::new().plan_fft_forward(length);
+        let transform = real_forward_f32(length);
         let bins = length / 2 + 1;
         let step = ((step_s * sample_rate_hz).round() as usize).clamp(1, length);
         Self {

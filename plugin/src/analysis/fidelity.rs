@@ -5,8 +5,7 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use pyrophone_synthesis::fft::{Complex32, RealToComplex, real_forward_f32};
 
 /// Over how many seconds figures are told.
 const MEMORY_S: f64 = 8.0;
@@ -106,7 +105,7 @@ pub struct Lines {
     next: usize,
     until_step: usize,
     time: Vec<f32>,
-    spectrum: Vec<Complex<f32>>,
+    spectrum: Vec<Complex32>,
     power: Vec<f32>,
     part: f32,
     steps: usize,
@@ -131,7 +130,7 @@ impl Lines {
             let angle = TAU * n as f64 / length as f64;
             (0.35875 - 0.48829 * angle.cos() + 0.14128 * (2.0 * angle).cos() - 0.01168 * (3.0 * angle).cos()) as f32
         });
-        let transform = RealFftPlanner::new().plan_fft_forward(length);
+        let transform = real_forward_f32(length);
         let step_s = length as f64 / Self::OVERLAP as f64 / rate_hz;
         Self {
             window: window.collect(),

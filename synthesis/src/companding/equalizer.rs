@@ -1,6 +1,6 @@
 //! An equaliser towards a spectrum: minimum phase, so that it adds no latency.
 
-use realfft::num_complex::Complex64;
+use crate::fft::Complex64;
 
 use super::bands::centres_hz;
 use crate::extend::spectrum::Transform;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use realfft::num_complex::Complex64;
+use crate::fft::Complex64;
 
 use crate::extend::spectrum::Transform;
 

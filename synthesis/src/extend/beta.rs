@@ -15,7 +15,7 @@
 
 use std::f64::consts::TAU;
 
-use realfft::num_complex::Complex64;
+use crate::fft::Complex64;
 
 use super::band::{Band, triangle_power};
 

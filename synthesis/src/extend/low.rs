@@ -16,7 +16,7 @@ pub(crate) struct Low {
     sample_rate_hz: f64,
     /// Filters in force at the block's begin and end.
     filters: [Filter; 2],
-    input: Vec<realfft::num_complex::Complex64>,
+    input: Vec<crate::fft::Complex64>,
     taps: Vec<f64>,
     block: Vec<f64>,
 }

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
-use rustfft::{Fft, FftPlanner, num_complex::Complex64};
+use crate::fft::{self, Complex64, Fft};
 
 use super::beta::positive_root;
 use super::zoom::Zoom;
@@ -138,8 +138,7 @@ struct Work<'a> {
 impl<'a> Work<'a> {
     fn new(signal: &'a [f64], settings: &'a Settings) -> Self {
         let bins = signal.len().next_power_of_two();
-        let mut planner = FftPlanner::new();
-        let (forward, inverse) = (planner.plan_fft_forward(bins), planner.plan_fft_inverse(bins));
+        let (forward, inverse) = (fft::forward(bins), fft::inverse(bins));
         let axis = frequency_axis(bins, settings.sample_rate_hz);
         let (lower, upper) = blend_ramps(&axis, settings.blend_start_hz, settings.blend_end_hz);
         let mut noise = noise_spectrum(&axis, settings.alpha, &mut Pcg32::new(settings.seed));

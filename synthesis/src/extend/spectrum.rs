@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex64};
+use crate::fft::{Complex64, ComplexToReal, RealToComplex, real_forward, real_inverse};
 
 /// Forward and inverse transforms of one length, and zero-phase filters for them. Nothing
 /// allocates after `new`.
@@ -34,9 +34,7 @@ impl std::fmt::Debug for Transform {
 impl Transform {
     /// Transforms of `len` samples; `len` is even.
     pub fn new(len: usize) -> Self {
-        let mut planner = RealFftPlanner::new();
-        let forward = planner.plan_fft_forward(len);
-        let inverse = planner.plan_fft_inverse(len);
+        let (forward, inverse) = (real_forward(len), real_inverse(len));
         let scratch = forward.get_scratch_len().max(inverse.get_scratch_len());
         Self {
             len,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 
-use rustfft::{Fft, FftPlanner, num_complex::Complex64};
+use crate::fft::{self, Complex64, Fft};
 
 /// The chirp transform (Bluestein 1970): bins of a transform of `bins` samples, at the cost of
 /// transforms as long as signal and wanted bins together. Exact but for rounding.
@@ -24,8 +24,7 @@ impl Zoom {
     /// For signals of at most `samples` samples, and the bins in `wanted` of `bins`.
     pub fn new(bins: usize, wanted: Range<usize>, samples: usize) -> Self {
         let len = (samples + wanted.len()).next_power_of_two();
-        let mut planner = FftPlanner::new();
-        let (forward, inverse) = (planner.plan_fft_forward(len), planner.plan_fft_inverse(len));
+        let (forward, inverse) = (fft::forward(len), fft::inverse(len));
         // Phases in units of pi / bins, reduced as integers: their squares outgrow a double's angle.
         let phasor = |units: u128| Complex64::from_polar(1.0, PI * (units % (2 * bins as u128)) as f64 / bins as f64);
         let chirp = |n: usize| phasor(n as u128 * n as u128);
@@ -69,7 +68,7 @@ mod tests {
             (0..samples).map(|n| Complex64::new(White::new(1, 0).at(n), White::new(1, 1).at(n))).collect();
         let mut long = signal.clone();
         long.resize(bins, Complex64::default());
-        FftPlanner::new().plan_fft_forward(bins).process(&mut long);
+        fft::forward(bins).process(&mut long);
         let mut found = vec![Complex64::default(); wanted.len()];
         Zoom::new(bins, wanted.clone(), signal.len()).transform(signal.iter().copied(), &mut found);
         for (found, expected) in found.iter().zip(&long[wanted]) {

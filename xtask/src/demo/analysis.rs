@@ -1,6 +1,6 @@
 //! Power over frequency, and over time and frequency.
 
-use realfft::RealFftPlanner;
+use pyrophone_synthesis::fft::{Complex64, RealToComplex, real_forward};
 
 /// Lowest and highest frequency that is shown, in Hz.
 pub const BAND_HZ: (f64, f64) = (20.0, 20_000.0);
@@ -133,10 +133,10 @@ fn mean_between(bins: &[f64], bin_hz: f64, low_hz: f64, high_hz: f64) -> f64 {
 
 /// A windowed transform of one size (Hann).
 struct Transform {
-    fft: std::sync::Arc<dyn realfft::RealToComplex<f64>>,
+    fft: std::sync::Arc<dyn RealToComplex<f64>>,
     window: Vec<f64>,
     frame: Vec<f64>,
-    spectrum: Vec<realfft::num_complex::Complex<f64>>,
+    spectrum: Vec<Complex64>,
     bin_hz: f64,
     /// From squared magnitude to density.
     scale: f64,
@@ -144,7 +144,7 @@ struct Transform {
 
 impl Transform {
     fn new(size: usize, sample_rate_hz: u32) -> Self {
-        let fft = RealFftPlanner::new().plan_fft_forward(size);
+        let fft = real_forward(size);
         let window: Vec<f64> =
             (0..size).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / size as f64).cos()).collect();
         let energy: f64 = window.iter().map(|w| w * w).sum();
