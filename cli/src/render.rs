@@ -2,6 +2,7 @@
 
 mod play;
 mod source;
+mod training;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +14,7 @@ use pyrophone_settings::table::{DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, learn};
 use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Distribution, Shape};
+use pyrophone_synthesis::texture::Distribution;
 use pyrophone_synthesis::vortex::{Simulator, SpeedField};
 
 use self::play::{BLOCK_SAMPLES, Score, play};
@@ -22,7 +23,7 @@ use crate::args::RenderArgs;
 use crate::error::Error;
 use crate::progress::{Work, note};
 use crate::summary::Done;
-use crate::{input, output, texture};
+use crate::{input, output};
 
 /// Writes what the plugin makes of `input`, played from position 0, its latency cut off.
 pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
@@ -55,14 +56,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
             Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
         let recording = input::load(path, work)?;
         check_region(args.training_region, &recording, path)?;
-        // The paper's method takes a recording as it is.
-        let part = match structure.dynamics {
-            Dynamics::Paper => cut.as_recorded(&recording)?,
-            Dynamics::Companded => cut.of(&recording)?,
-        };
-        let training = input::at_rate(&part, main.sample_rate_hz, work)?;
-        let shape = Shape::at_rate(&structure, rate_hz);
-        let dictionary = texture::index(&training, path, &shape, structure.dynamics, work)?;
+        let dictionary = training::dictionary(&recording, path, &cut, rate_hz, &structure, work)?;
         drop(chain.swap_dictionary(Some(dictionary)));
     }
     simulate_gas(&mut chain)?;

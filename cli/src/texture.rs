@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use pyrophone_recording::{Note, Recording};
 use pyrophone_synthesis::Structure;
-use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::offline::{Options, synthesize};
 use pyrophone_synthesis::texture::{Dictionary, Shape};
 
@@ -25,7 +24,7 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
     let (signal, broadcast) = input::load_with_place(&args.input, work)?;
     let training = input::load_at(&args.training, signal.sample_rate_hz, work)?;
     output::check_format(&args.output, training.channels.len(), signal.sample_rate_hz)?;
-    let dictionary = index(&training, &args.training, &shape, Dynamics::Paper, work)?;
+    let dictionary = index(&training, &args.training, &shape, work)?;
     let drive = input::mean(&signal);
     let fire = {
         let stage = work.stage("texture");
@@ -38,31 +37,35 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
     Ok(Done::with_sound(&args.output, sound))
 }
 
-/// The dictionary of a training sound at its rate; fails where not one window of it has all that a
-/// search compares.
-pub fn index(
-    training: &Recording,
-    path: &Path,
-    shape: &Shape,
-    dynamics: Dynamics,
-    work: &Work,
-) -> Result<Arc<Dictionary>, Error> {
-    if training.notes.contains(&Note::ChannelsCancel) {
-        note(&format!("{}: {}", training.name, Note::ChannelsCancel));
-    }
+/// The dictionary of a training sound at its rate, for the published program.
+fn index(training: &Recording, path: &Path, shape: &Shape, work: &Work) -> Result<Arc<Dictionary>, Error> {
+    say_if_cancelling(training);
     let stage = work.stage("indexing");
     let channels = input::as_f64(&training.channels);
     let rate_hz = f64::from(training.sample_rate_hz);
-    let dictionary = Dictionary::for_dynamics(dynamics, &channels, rate_hz, shape, &|done| stage.at(done))
-        .map_err(Error::of_file(path))?;
-    if (0..shape.top()).all(|level| dictionary.index(level).is_none()) {
-        return Err(Error::Conflict(format!(
-            "{}: {} samples are too short for a window of texture; use a longer recording or fewer levels",
-            path.display(),
-            training.len_samples(),
-        )));
-    }
+    let dictionary =
+        Dictionary::new(&channels, rate_hz, shape, &|done| stage.at(done)).map_err(Error::of_file(path))?;
+    check_windows(&dictionary, path)?;
     Ok(Arc::new(dictionary))
+}
+
+/// Says so where the channels of what is learnt from cancel.
+pub fn say_if_cancelling(training: &Recording) {
+    if training.notes.contains(&Note::ChannelsCancel) {
+        note(&format!("{}: {}", training.name, Note::ChannelsCancel));
+    }
+}
+
+/// Refuses a dictionary of which not one window has all that a search compares.
+pub fn check_windows(dictionary: &Dictionary, path: &Path) -> Result<(), Error> {
+    if (0..dictionary.shape().top()).any(|level| dictionary.index(level).is_some()) {
+        return Ok(());
+    }
+    Err(Error::Conflict(format!(
+        "{}: {:.3} s are too short for a window of texture; use a longer recording or fewer levels",
+        path.display(),
+        dictionary.seconds(),
+    )))
 }
 
 /// Options out of range are refused before any file is read.

@@ -5,7 +5,7 @@ use pyrophone_synthesis::drive::{Drive, mitchell_netravali};
 
 use crate::error::{Error, in_range};
 
-/// The corner of the paper's high-pass (§3) in Hz.
+/// The corner of the paper's high-pass (§6) in Hz.
 pub const HIGH_PASS_HZ: f64 = 30.0;
 
 /// Where spectral extension takes over in the paper (§4), in Hz.

@@ -30,14 +30,6 @@ pub enum Error {
         /// What else would help.
         remedy: &'static str,
     },
-    /// Bytes that were kept are not what they should be.
-    #[error("{what} is damaged ({reason}); delete it, it will be made again")]
-    Damaged {
-        /// What was kept.
-        what: &'static str,
-        /// What does not fit.
-        reason: String,
-    },
     /// A signal holds a NaN or an infinity.
     #[error("{what} holds a value that is not a number at sample {at}; repair or re-export the file")]
     NotFinite {

@@ -4,7 +4,7 @@
 //!
 //! | module | does | source |
 //! |---|---|---|
-//! | [`drive`] | what the engines feed on: pressure, flux, a sidechain's envelope or a simulated flame, then the 30 Hz high-pass | Chadwick & James 2011, §3-4 |
+//! | [`drive`] | what the engines feed on: pressure, flux, a sidechain's envelope or a simulated flame, then the 30 Hz high-pass | Chadwick & James 2011, §3, §6 |
 //! | [`extend`] | spectral bandwidth extension | Chadwick & James 2011, §4 |
 //! | [`texture`] | synchronized texture synthesis | Chadwick & James 2011, §5 |
 //! | [`vortex`] | the whoosh of turbulent flow | Dobashi, Yamamoto & Nishita 2004 |
@@ -19,6 +19,7 @@
 //!
 //! This crate knows nothing of plugins, windows or files.
 
+mod bulk;
 mod ceiling;
 pub mod chain;
 pub mod companding;

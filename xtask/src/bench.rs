@@ -34,6 +34,8 @@ enum Bench {
     Flame,
     /// The editor's window, frame by frame
     Window,
+    /// Loading a recording, for the first time and in a session that is opened again
+    Reload,
 }
 
 /// Runs the benches.
@@ -44,6 +46,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
         (Bench::Extend, PACKAGE, "extend"),
         (Bench::Flame, "pyrophone-flame", "flame"),
         (Bench::Window, "pyrophone-plugin", "window"),
+        (Bench::Reload, "pyrophone-plugin", "reload"),
     ] {
         if is_wanted(bench) {
             let status = cargo::command().args(["bench", "--quiet", "--package", package, "--bench", name]).status()?;

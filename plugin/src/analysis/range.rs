@@ -26,7 +26,7 @@ impl Amplitudes {
 /// (9 to 15 dB), and of those that do not four lie below (1 to 7 dB), two above.
 pub const BUZZING_DB: f64 = 8.5;
 
-/// How far, in dB, windows are on average brought from their own level to the drive's by dynamic-range matching (§5.3, eq. 7),
+/// How far, in dB, windows are on average brought from their own level to the drive's by dynamic-range matching (§5.3, eq. 17),
 /// over all but the drive's quietest quarter. Many large factors in a row are what adds up to a buzz (§6). Both
 /// distributions ascend in equal steps of probability.
 pub fn mean_gain_db(drive: &[f32], recording: &[f32], scaling_alpha: f64) -> f64 {

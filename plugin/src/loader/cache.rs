@@ -6,10 +6,9 @@ use std::hash::Hash;
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
-use pyrophone_recording::{Cut, Recording};
-use pyrophone_synthesis::Structure;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_recording::Recording;
+use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_training::DictionaryKey;
 
 /// How often a loader that waits for another one looks whether it was called off.
 const GLANCE: Duration = Duration::from_millis(20);
@@ -19,38 +18,6 @@ pub static RECORDINGS: LazyLock<Cache<String, Recording>> = LazyLock::new(Cache:
 
 /// Dictionaries by what they are made of.
 pub static DICTIONARIES: LazyLock<Cache<DictionaryKey, Dictionary>> = LazyLock::new(Cache::default);
-
-/// What a dictionary is made of.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct DictionaryKey {
-    content_hash: String,
-    /// Start, end and gain of the part, and whether it is normalised.
-    cut: (Option<[u64; 2]>, u64, bool),
-    rate_bits: u64,
-    sizes: [usize; 3],
-    falloff_bits: u64,
-    dynamics: Dynamics,
-}
-
-impl DictionaryKey {
-    /// All that it is, as text: equal keys have equal texts, and different ones different texts.
-    pub fn text(&self) -> String {
-        format!("{self:?}")
-    }
-
-    /// The key of a part of a recording at a sample rate, for engines of a structure.
-    pub fn new(content_hash: &str, cut: &Cut, sample_rate_hz: f64, structure: &Structure) -> Self {
-        let shape = Shape::at_rate(structure, sample_rate_hz);
-        Self {
-            dynamics: structure.dynamics,
-            content_hash: content_hash.to_owned(),
-            cut: (cut.region_s.map(|region_s| region_s.map(f64::to_bits)), cut.gain_db.to_bits(), cut.normalise),
-            rate_bits: sample_rate_hz.to_bits(),
-            sizes: [shape.levels, shape.window, shape.feature],
-            falloff_bits: shape.falloff.to_bits(),
-        }
-    }
-}
 
 enum Entry<V> {
     /// Some loader is at it.

@@ -7,7 +7,6 @@
 //! | [`worker`] | the thread |
 //! | [`source`] | from a path or a session to a decoded recording |
 //! | [`cache`] | what instances of one process share |
-//! | [`store`] | dictionaries on disk, from one session to the next |
 //! | [`learner`] | the learned distribution |
 //! | [`motion`] | the speed field |
 //! | [`tape`] | the recording to be listened to |
@@ -22,7 +21,6 @@ pub mod mailbox;
 pub mod motion;
 pub mod source;
 pub mod status;
-pub mod store;
 pub mod tape;
 pub mod worker;
 

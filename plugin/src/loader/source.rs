@@ -37,6 +37,15 @@ impl From<Error> for Failure {
     }
 }
 
+impl From<pyrophone_training::Error> for Failure {
+    fn from(error: pyrophone_training::Error) -> Self {
+        match error {
+            pyrophone_training::Error::Cancelled => Self::CalledOff,
+            error => Self::Message(error.to_string()),
+        }
+    }
+}
+
 /// Opens the file that the user has chosen. With `keep`, the file itself goes into the reference
 /// where it is small enough.
 pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {

@@ -15,18 +15,17 @@ use pyrophone_settings::Recent;
 use pyrophone_settings::session::{self, Session};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::Chain;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_training::{DictionaryKey, Stage, Store, build};
 
 use super::Engine;
-use super::cache::{DICTIONARIES, DictionaryKey};
+use super::cache::DICTIONARIES;
 use super::learner::{Learner, shown_amplitudes};
 use super::link::{LoaderLink, Update};
 use super::mailbox::{Mailbox, Order};
 use super::motion::Motion;
 use super::source::{self, Failure, Found};
 use super::status::Status;
-use super::store::Store;
 use super::tape::Tape;
 use crate::analysis::Portrait;
 use crate::parameters::EffectParams;
@@ -497,29 +496,12 @@ impl Worker {
         job: &Job,
     ) -> Result<Option<(DictionaryKey, Arc<Dictionary>)>, Failure> {
         let Some(Engine { sample_rate_hz, .. }) = self.engine else { return Ok(None) };
-        let shape = Shape::at_rate(&job.wanted, sample_rate_hz);
         let key = self.key(recording, cut, &job.wanted, sample_rate_hz);
-        let make = || -> Result<Dictionary, Failure> {
-            let resampling = |done: f32| job.goes_on_indexing("Resampling", 0.2 + 0.2 * done);
-            // The paper's method takes a recording as it is.
-            let part = match job.wanted.dynamics {
-                Dynamics::Paper => cut.as_recorded(recording)?,
-                Dynamics::Companded => cut.of(recording)?,
-            };
-            let resampled = pyrophone_recording::resample(&part, sample_rate_hz.round() as u32, &resampling)?;
-            let channels: Vec<Vec<f64>> = resampled
-                .channels
-                .iter()
-                .map(|channel| channel.iter().map(|sample| f64::from(*sample)).collect())
-                .collect();
-            let indexing = |done: f32| job.goes_on_indexing("Indexing", 0.4 + 0.6 * done);
-            let dynamics = job.wanted.dynamics;
-            let made = Dictionary::for_dynamics(dynamics, &channels, sample_rate_hz, &shape, &indexing);
-            made.map_err(|error| match error {
-                pyrophone_synthesis::Error::Cancelled => Failure::CalledOff,
-                error => Failure::Message(format!("{}: {error}", recording.name)),
-            })
+        let progress = |stage: Stage, done: f32| match stage {
+            Stage::Resampling => job.goes_on_indexing("Resampling", 0.2 + 0.2 * done),
+            Stage::Indexing => job.goes_on_indexing("Indexing", 0.4 + 0.6 * done),
         };
+        let make = || build(recording, cut, sample_rate_hz, &job.wanted, &progress).map_err(Failure::from);
         let is_called_off = || !job.goes_on_indexing("Waiting for another instance", 0.4);
         let read_or_make = || -> Result<Dictionary, Failure> {
             if let Some(kept) = self.store.as_ref().and_then(|store| store.read(&key)) {

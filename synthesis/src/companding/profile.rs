@@ -4,6 +4,7 @@ use super::bands::Power;
 use super::equalizer::design_low_pass;
 use super::frames::frame_samples;
 use super::{MATCH_EXPONENT, MATCHED_HZ};
+use crate::bulk::bulk_fields;
 use crate::filter::{Section, section_gain};
 use crate::texture::dictionary::mean_of;
 use bitcode::{Decode, Encode};
@@ -24,6 +25,7 @@ const LOW_STEPS: usize = 20;
 #[derive(Debug, Clone, Encode, Decode)]
 pub struct Profile {
     /// Its loudness by frames, relative to the whole's.
+    #[bitcode(skip)]
     relative: Vec<f64>,
     frame_samples: usize,
     /// Index, in the dictionary's arrays, of its first sample.
@@ -41,6 +43,8 @@ pub struct Profile {
     /// Taps of the low-pass where the recording has one; else empty.
     pub(super) limit_taps: Vec<f64>,
 }
+
+bulk_fields!(Profile: relative);
 
 impl Profile {
     /// Takes the loudness out of `channels`, one at least and equally long, and says what it was.

@@ -4,6 +4,7 @@ use bitcode::{Decode, Encode};
 
 use super::detect::{Found, crackles};
 use super::play_steadily;
+use crate::bulk::bulk_fields;
 
 /// Crackles count as heard where so many a second stand so far above the bed, in dB: softer or rarer ones texture
 /// makes by itself.
@@ -60,6 +61,7 @@ pub struct Summary {
 pub struct Crackles {
     events: Vec<Event>,
     /// Cubic B-spline coefficients, event by event, channel by channel, [`PADDING`] more on both sides.
+    #[bitcode(skip)]
     waves: Vec<f32>,
     channels: usize,
     run_samples: usize,
@@ -73,6 +75,8 @@ pub struct Crackles {
     share: f64,
     summary: Summary,
 }
+
+bulk_fields!(Crackles: waves);
 
 /// Coefficients on both sides of a wave, in which its spline ends.
 pub(super) const PADDING: usize = 4;

@@ -1,7 +1,7 @@
 //! What the engines feed on.
 //!
 //! Main input as pressure or flux, an envelope on a rumble, or a flame of its own; then the high-pass (Chadwick &
-//! James 2011, §3: 30 Hz, before either engine). No latency.
+//! James 2011, §6: 30 Hz, before either engine). No latency.
 
 pub(crate) mod envelope;
 mod flame;

@@ -1,9 +1,10 @@
 //! A recording, ready to be searched: its pyramid, the windows of every level, and an index over
 //! them (§5.1-5.2).
 
-use bitcode::{Decode, Encode};
+use std::io::{self, Read, Write};
 use std::ops::Range;
 
+use bitcode::{Decode, Encode};
 use rayon::prelude::*;
 
 use super::distribution::{Distribution, Histogram};
@@ -12,6 +13,7 @@ use super::pyramid::{Pyramid, mirrored};
 use super::search::Index;
 use super::shape::{Padding, Shape};
 use crate::Error;
+use crate::bulk::{Bulk, bulk_fields, read_array, write_array};
 use crate::companding::{Profile, calibrate};
 use crate::crackle::{Crackles, split};
 use crate::loudness::integrated_lufs;
@@ -23,9 +25,13 @@ pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
 /// The part of an array that is needed.
 #[derive(Debug, Encode, Decode)]
 struct Kept {
+    #[bitcode(skip)]
     samples: Vec<f64>,
     first: usize,
 }
+
+bulk_fields!(Kept: samples);
+bulk_fields!(Dictionary: levels, channels, indices, profile, crackles);
 
 impl Kept {
     fn new(mut samples: Vec<f64>, needed: &Range<usize>) -> Self {
@@ -162,18 +168,28 @@ impl Dictionary {
         Ok(dictionary)
     }
 
-    /// The dictionary as bytes, to be kept and read back by [`from_bytes`](Self::from_bytes) of the same
-    /// [build](crate::BUILD): it is a copy of what is in memory, not a file format.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        bitcode::encode(self)
-    }
-
-    /// The dictionary in bytes that [`to_bytes`](Self::to_bytes) has made; whoever keeps them checks that they are whole.
+    /// Writes the dictionary, to be read back by [`read_from`](Self::read_from) of the same [build](crate::BUILD) on the same
+    /// machine: it is a copy of what is in memory, not a file format.
     ///
     /// # Errors
-    /// [`Error::Damaged`] where they are no dictionary.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
-        bitcode::decode(bytes).map_err(|error| Error::Damaged { what: "a kept dictionary", reason: error.to_string() })
+    /// Those of `out`.
+    pub fn write_to(&self, out: &mut dyn Write) -> io::Result<()> {
+        write_array(&bitcode::encode(self), out)?;
+        self.arrays().into_iter().try_for_each(|array| write_array(array.bytes(), out))
+    }
+
+    /// Reads what [`write_to`](Self::write_to) wrote. `len` is how many bytes there are at most: no more memory is taken.
+    /// Whoever keeps the bytes checks that they are whole; wrong ones may make a dictionary that sounds wrong.
+    ///
+    /// # Errors
+    /// Those of `from`, and [`io::ErrorKind::InvalidData`] where it holds no dictionary.
+    pub fn read_from(from: &mut dyn Read, len: u64) -> io::Result<Self> {
+        let (mut small, mut left) = (Vec::<u8>::new(), len);
+        read_array(&mut small, &mut left, from)?;
+        let invalid = |error: bitcode::Error| io::Error::new(io::ErrorKind::InvalidData, error.to_string());
+        let mut dictionary: Self = bitcode::decode(&small).map_err(invalid)?;
+        dictionary.arrays_mut().into_iter().try_for_each(|array| read_array(array, &mut left, from))?;
+        Ok(dictionary)
     }
 
     /// The shape it was made for.

@@ -212,7 +212,7 @@ impl RunningDistribution {
 /// Below this mean magnitude a window is not mapped.
 const LEAST_MEAN: f64 = 1e-4;
 
-/// §5.3, equation 7: the factor on the feature's coarse half whose mean magnitude is `mean`,
+/// §5.3, equation 17: the factor on the feature's coarse half whose mean magnitude is `mean`,
 /// where `fraction` tells how much of the drive lies below an amplitude. 1 where the window is
 /// too quiet to be mapped or the factor would be of no use.
 pub fn feature_factor(mean: f64, scaling_alpha: f64, fraction: impl Fn(f64) -> f64, recording: &Distribution) -> f64 {

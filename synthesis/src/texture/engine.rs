@@ -76,7 +76,7 @@ pub struct Texture {
 pub struct Match {
     /// Where the recording's window has its centre, in seconds from the recording's start.
     pub place_s: f32,
-    /// Mean magnitude of the drive about the window, and the factor that took it into the recording's range (§5.3, eq. 7).
+    /// Mean magnitude of the drive about the window, and the factor that took it into the recording's range (§5.3, eq. 17).
     pub magnitude: f32,
     /// See `magnitude`; 1 where nothing is mapped.
     pub factor: f32,

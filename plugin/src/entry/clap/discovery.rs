@@ -15,8 +15,7 @@ use clap_sys::universal_plugin_id::clap_universal_plugin_id;
 use clap_sys::version::CLAP_VERSION;
 use pyrophone_settings::preset::FACTORY;
 use pyrophone_settings::{Library, Preset};
-
-use crate::loader::store;
+use pyrophone_training::store;
 
 /// Makes the only provider.
 pub static PROVIDERS: clap_preset_discovery_factory =

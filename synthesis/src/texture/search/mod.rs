@@ -25,6 +25,7 @@ pub use query::{Answer, Budget, COMPARISON_COST, Searcher};
 
 use super::feature::Features;
 use crate::Error;
+use crate::bulk::bulk_fields;
 use axes::Axes;
 use tree::Tree;
 
@@ -46,6 +47,8 @@ pub struct Index {
     first_window: usize,
     windows: usize,
 }
+
+bulk_fields!(Index: tree);
 
 impl Index {
     /// Indexes `windows`, at least one, of `features`.

@@ -7,6 +7,7 @@ use super::block::{Frame, frame_of, nearest_code, value};
 use super::lanes::Lanes;
 use super::{LANES, Step};
 use crate::Error;
+use crate::bulk::bulk_fields;
 
 /// A node, or a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Encode, Decode)]
@@ -58,8 +59,11 @@ impl Child {
 pub struct Tree {
     axes: usize,
     leaves: Blocks,
+    #[bitcode(skip)]
     windows: Vec<[u32; LANES]>,
+    #[bitcode(skip)]
     slack: Vec<f32>,
+    #[bitcode(skip)]
     faces: Vec<[[f32; LANES]; 2]>,
     children: Vec<[Child; LANES]>,
     /// Where to begin.
@@ -69,9 +73,14 @@ pub struct Tree {
 /// Points of the leaves: for each leaf a frame, and codes for each axis.
 #[derive(Debug, Encode, Decode)]
 struct Blocks {
+    #[bitcode(skip)]
     frames: Vec<f32>,
+    #[bitcode(skip)]
     codes: Vec<[u8; LANES]>,
 }
+
+bulk_fields!(Tree: leaves, windows, slack, faces);
+bulk_fields!(Blocks: frames, codes);
 
 impl Blocks {
     #[inline(always)]

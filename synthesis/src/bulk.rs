@@ -1,0 +1,142 @@
+//! Large arrays written and read as they lie in memory.
+//!
+//! A dictionary of two minutes is some 200 MB of numbers: decoding them one by one takes longer than making the sound that
+//! they are for. What is small goes through `bitcode`, which skips fields that are [`Bulk`]; those follow as plain bytes, each
+//! array after its length, in the order in which [`Bulk`] names them.
+
+use std::io::{Error, ErrorKind, Read, Result, Write};
+
+use bytemuck::{Pod, allocation::try_zeroed_vec, cast_slice, cast_slice_mut};
+
+/// An array of plain numbers.
+pub(crate) trait Array {
+    /// Its bytes.
+    fn bytes(&self) -> &[u8];
+    /// Becomes as many zero bytes, to be overwritten. Fails where they are no whole number of elements, or too many for
+    /// the memory that there is.
+    fn become_zeroed(&mut self, len_bytes: usize) -> Result<&mut [u8]>;
+}
+
+impl<T: Pod> Array for Vec<T> {
+    fn bytes(&self) -> &[u8] {
+        cast_slice(self)
+    }
+
+    fn become_zeroed(&mut self, len_bytes: usize) -> Result<&mut [u8]> {
+        if !len_bytes.is_multiple_of(size_of::<T>()) {
+            return Err(Error::new(ErrorKind::InvalidData, "an array ends within an element"));
+        }
+        *self = try_zeroed_vec(len_bytes / size_of::<T>()).map_err(|()| Error::from(ErrorKind::OutOfMemory))?;
+        Ok(cast_slice_mut(self))
+    }
+}
+
+/// Something that holds large arrays, or is one.
+pub(crate) trait Bulk {
+    /// Its arrays, always in the same order.
+    fn arrays(&self) -> Vec<&dyn Array>;
+    /// The same, to be read into.
+    fn arrays_mut(&mut self) -> Vec<&mut dyn Array>;
+}
+
+impl<T: Pod> Bulk for Vec<T> {
+    fn arrays(&self) -> Vec<&dyn Array> {
+        vec![self]
+    }
+
+    fn arrays_mut(&mut self) -> Vec<&mut dyn Array> {
+        vec![self]
+    }
+}
+
+impl<T: Bulk> Bulk for Option<T> {
+    fn arrays(&self) -> Vec<&dyn Array> {
+        self.as_ref().map_or_else(Vec::new, Bulk::arrays)
+    }
+
+    fn arrays_mut(&mut self) -> Vec<&mut dyn Array> {
+        self.as_mut().map_or_else(Vec::new, Bulk::arrays_mut)
+    }
+}
+
+impl<T: Bulk> Bulk for [T] {
+    fn arrays(&self) -> Vec<&dyn Array> {
+        self.iter().flat_map(Bulk::arrays).collect()
+    }
+
+    fn arrays_mut(&mut self) -> Vec<&mut dyn Array> {
+        self.iter_mut().flat_map(Bulk::arrays_mut).collect()
+    }
+}
+
+/// Names the fields of a type that are [`Bulk`].
+macro_rules! bulk_fields {
+    ($type:ty: $($field:ident),+) => {
+        impl $crate::bulk::Bulk for $type {
+            fn arrays(&self) -> Vec<&dyn $crate::bulk::Array> {
+                let mut all = Vec::new();
+                $(all.extend(self.$field.arrays());)+
+                all
+            }
+
+            fn arrays_mut(&mut self) -> Vec<&mut dyn $crate::bulk::Array> {
+                let mut all = Vec::new();
+                $(all.extend(self.$field.arrays_mut());)+
+                all
+            }
+        }
+    };
+}
+pub(crate) use bulk_fields;
+
+/// Writes an array after its length in bytes.
+pub(crate) fn write_array(bytes: &[u8], out: &mut dyn Write) -> Result<()> {
+    out.write_all(&(bytes.len() as u64).to_le_bytes())?;
+    out.write_all(bytes)
+}
+
+/// Reads what [`write_array`] wrote. `left` is how many bytes there may be at most, and what remains of them: a damaged length
+/// must not take all memory.
+pub(crate) fn read_array(array: &mut dyn Array, left: &mut u64, from: &mut dyn Read) -> Result<()> {
+    let mut len = [0; 8];
+    from.read_exact(&mut len)?;
+    let len = u64::from_le_bytes(len);
+    *left = left.checked_sub(8).and_then(|left| left.checked_sub(len)).ok_or(ErrorKind::UnexpectedEof)?;
+    let len = usize::try_from(len).map_err(|_| ErrorKind::OutOfMemory)?;
+    from.read_exact(array.become_zeroed(len)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_come_back() {
+        let (mut numbers, mut lanes) = (vec![1.5f64, -0.0, f64::NAN], vec![[3u8; 16]; 2]);
+        let mut file = Vec::new();
+        for bytes in [numbers.bytes(), lanes.bytes(), &[]] {
+            write_array(bytes, &mut file).unwrap();
+        }
+        let expected = (numbers.bytes().to_vec(), lanes.clone());
+        let (mut left, mut from) = (file.len() as u64, file.as_slice());
+        let mut empty = vec![1u32];
+        for array in [&mut numbers as &mut dyn Array, &mut lanes, &mut empty] {
+            array.become_zeroed(0).unwrap();
+            read_array(array, &mut left, &mut from).unwrap();
+        }
+        assert_eq!((numbers.bytes().to_vec(), lanes), expected);
+        assert!(empty.is_empty() && left == 0);
+    }
+
+    #[test]
+    fn wrong_lengths_are_refused_before_memory_is_taken() {
+        let mut numbers: Vec<f64> = Vec::new();
+        for (len, bytes) in [(u64::MAX, 8), (1 << 40, 8), (16, 8), (12, 12)] {
+            let mut file = len.to_le_bytes().to_vec();
+            file.resize(8 + bytes, 0);
+            let mut left = file.len() as u64;
+            assert!(read_array(&mut numbers, &mut left, &mut file.as_slice()).is_err(), "{len}");
+        }
+        assert!(read_array(&mut numbers, &mut 100, &mut [0u8; 3].as_slice()).is_err());
+    }
+}

@@ -1,0 +1,74 @@
+//! From a part of a recording to its dictionary.
+
+use pyrophone_recording::{Cut, Recording, resample};
+use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::texture::{Dictionary, Shape};
+
+/// What is being done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// The part is brought to the engines' sample rate.
+    Resampling,
+    /// Its dictionary is made.
+    Indexing,
+}
+
+/// Why there is no dictionary.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The part is none, or cannot be brought to the sample rate.
+    #[error(transparent)]
+    Recording(pyrophone_recording::Error),
+    /// The engines refuse it.
+    #[error("{name}: {source}")]
+    Engine {
+        /// The recording's name.
+        name: String,
+        /// What they say.
+        source: pyrophone_synthesis::Error,
+    },
+    /// `progress` has called it off.
+    #[error("called off")]
+    Cancelled,
+}
+
+impl From<pyrophone_recording::Error> for Error {
+    fn from(error: pyrophone_recording::Error) -> Self {
+        match error {
+            pyrophone_recording::Error::Cancelled => Self::Cancelled,
+            other => Self::Recording(other),
+        }
+    }
+}
+
+/// The dictionary of the part `cut` of a recording, for engines of a structure at a sample rate in Hz. `progress` is told what is
+/// done and how much of that (0-1), and answers whether to go on.
+///
+/// The paper's method takes a recording as it is; the companded one without what lies below hearing.
+///
+/// # Errors
+/// [`Error::Recording`] where the part is none or its gain out of range, [`Error::Engine`] where it is too short or holds what is
+/// no number, [`Error::Cancelled`].
+pub fn build(
+    recording: &Recording,
+    cut: &Cut,
+    sample_rate_hz: f64,
+    structure: &Structure,
+    progress: &(dyn Fn(Stage, f32) -> bool + Sync),
+) -> Result<Dictionary, Error> {
+    let part = match structure.dynamics {
+        Dynamics::Paper => cut.as_recorded(recording)?,
+        Dynamics::Companded => cut.of(recording)?,
+    };
+    let resampled = resample(&part, sample_rate_hz.round() as u32, &|done| progress(Stage::Resampling, done))?;
+    let in_double = |channel: &Vec<f32>| channel.iter().map(|sample| f64::from(*sample)).collect();
+    let channels: Vec<Vec<f64>> = resampled.channels.iter().map(in_double).collect();
+    let shape = Shape::at_rate(structure, sample_rate_hz);
+    let indexing = |done: f32| progress(Stage::Indexing, done);
+    let made = Dictionary::for_dynamics(structure.dynamics, &channels, sample_rate_hz, &shape, &indexing);
+    made.map_err(|error| match error {
+        pyrophone_synthesis::Error::Cancelled => Error::Cancelled,
+        source => Error::Engine { name: recording.name.clone(), source },
+    })
+}
