@@ -28,6 +28,8 @@ fn render(folder: &Path, preset: &str, training: &Path, automation: Option<&Path
     command.args(["render", "--preset", preset, "--channels", &channels.to_string()]);
     command.arg("--input").arg(folder.join("input.wav")).arg("--training").arg(training);
     command.arg("--output").arg(&output);
+    // What many presets learn alike is learnt once.
+    command.env("PYROPHONE_CACHE", folder.join("cache"));
     if let Some(automation) = automation {
         command.arg("--automation").arg(automation);
     }
@@ -57,18 +59,21 @@ fn every_preset_in_every_format_with_and_without_automation() {
     for (inputs, layout) in [(1, MONO), (2, STEREO)] {
         let input = flame(7, inputs, 50_000);
         write_wav(&folder.path().join("input.wav"), &input, RATE_HZ as u32);
+        // An instance that lives on until the next one has its recording shares what was learnt with it.
+        let mut alive = Format::ALL.map(open);
         for factory in &presets {
             for automated in [false, true] {
-                let expected =
-                    render(folder.path(), &factory.name, &training, automated.then_some(csv.as_path()), inputs);
+                let automation = automated.then_some(csv.as_path());
+                let expected = render(folder.path(), &factory.name, &training, automation, inputs);
                 assert!(peak(&expected[0]) > 1e-3, "{} is silent", factory.name);
-                for format in Format::ALL {
+                let values = preset(&factory.name, &[]);
+                let is_learned = values.get(Id::DynamicRange) == 1.0;
+                let learned = is_learned.then(|| learned(&values, &input, RATE_HZ));
+                let session = session(Some(&training), learned);
+                for (alive, format) in alive.iter_mut().zip(Format::ALL) {
                     for block in [BlockSize::Fixed(64), BlockSize::Random { seed: 5, max: 3000 }] {
-                        let values = preset(&factory.name, &[]);
-                        let is_learned = values.get(Id::DynamicRange) == 1.0;
-                        let learned = is_learned.then(|| learned(&values, &input, RATE_HZ));
                         let mut plugin = open(format);
-                        load_session(plugin.as_mut(), &values, &session(Some(&training), learned));
+                        load_session(plugin.as_mut(), &values, &session);
                         await_recording(plugin.as_mut(), RATE_HZ, layout);
                         let automation = points.iter().filter(|_| automated).map(|(sample, id, text)| {
                             let id = numeric_id(id);
@@ -81,13 +86,11 @@ fn every_preset_in_every_format_with_and_without_automation() {
                             ..BounceOptions::new(RATE_HZ, layout)
                         };
                         let output = play(plugin.as_mut(), &input, &options);
+                        let context = format!("{}, {format}, {block:?}, automated {automated}", factory.name);
                         for (channel, (found, expected)) in output.iter().zip(&expected).enumerate() {
-                            let context = format!(
-                                "{}, {format}, {block:?}, automated {automated}, channel {channel}",
-                                factory.name
-                            );
-                            assert_eq!(differing(found, expected), 0, "{context}");
+                            assert_eq!(differing(found, expected), 0, "{context}, channel {channel}");
                         }
+                        *alive = plugin;
                     }
                 }
             }

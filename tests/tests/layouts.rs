@@ -28,13 +28,17 @@ const EFFECTS: usize = 3;
 
 struct Studio {
     folder: tempfile::TempDir,
+    /// While they have the recording, others need not learn from it anew.
+    _keepers: Vec<Box<dyn Plugin>>,
 }
 
 impl Studio {
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         recording(folder.path(), "fire.wav", 2, 40_000);
-        Self { folder }
+        let mut studio = Self { folder, _keepers: Vec::new() };
+        studio._keepers = Format::ALL.map(|format| studio.instance(format, "default", &[], STEREO)).into();
+        studio
     }
 
     fn instance(&self, format: Format, name: &str, changes: &[(&str, &str)], layout: Layout) -> Box<dyn Plugin> {
