@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone::loader::link::{AudioLink, Update};
 use pyrophone::loader::{Engine, Loader};
-use pyrophone::persist;
 use pyrophone_settings::Session;
 use pyrophone_settings::session::{FIELD, RecordingReference};
 use pyrophone_synthesis::chain::Channels;
@@ -56,14 +55,14 @@ fn has_dictionary(link: &mut AudioLink) -> bool {
 }
 
 /// Opens a session with a recording as a host does; prints CPU and wall seconds until the audio thread has it, and CPU
-/// seconds until its picture is there too.
+/// seconds until its picture is there too, for a window that is opened then.
 fn open_session(recording: &Path, waits_for_cache: Option<&Path>) {
     let content_hash = pyrophone_recording::content_hash(&std::fs::read(recording).unwrap());
     let (loader, params, mut link) = Loader::start(RepaintNotifier::new(), None);
     let path = recording.to_string_lossy().into_owned();
     let session =
         Session { recording: Some(RecordingReference { path, content_hash, embedded: None }), ..Session::default() };
-    let field = persist::encode(&session);
+    let field = serde_json::to_string(&session.to_json()).unwrap();
     let (cpu, wall) = (cpu_s(), Instant::now());
     nice_plug::prelude::Params::deserialize_fields(&*params, &[(FIELD.to_owned(), field)].into());
     let channels = Channels { input: 2, sidechain: 0, output: 2 };
@@ -75,6 +74,7 @@ fn open_session(recording: &Path, waits_for_cache: Option<&Path>) {
     }
     let (heard_cpu, heard_wall) = (cpu_s() - cpu, wall.elapsed().as_secs_f64());
     assert!(loader.wait(ticket, Some(PATIENCE)));
+    loader.handle().shared.is_watched.store(true, std::sync::atomic::Ordering::Relaxed);
     while loader.handle().status.view().portrait.is_none() {
         assert!(wall.elapsed() < PATIENCE);
         std::thread::sleep(Duration::from_millis(1));

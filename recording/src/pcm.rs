@@ -65,13 +65,42 @@ impl Pcm<'_> {
             return Err(Error::NoSamples { name: name.into() });
         }
         of.check_length(frames as u64, name)?;
-        let sample_bytes = self.coding.bytes();
+        // The kind of sample is decided once: deciding it for each takes ten times as long as converting it.
+        match self.coding {
+            Coding::Unsigned8 => self.convert(frames, of, progress, |[byte]| (f32::from(byte) - 128.0) / 128.0),
+            Coding::MuLaw => self.convert(frames, of, progress, |[byte]| from_mu_law(byte)),
+            Coding::ALaw => self.convert(frames, of, progress, |[byte]| from_a_law(byte)),
+            Coding::Float32 => self.convert(frames, of, progress, f32::from_le_bytes),
+            Coding::Float64 => self.convert(frames, of, progress, |bytes| f64::from_le_bytes(bytes) as f32),
+            Coding::Integer { bytes: 1, bits } => self.convert::<1>(frames, of, progress, integer(bits)),
+            Coding::Integer { bytes: 2, bits } => self.convert::<2>(frames, of, progress, integer(bits)),
+            Coding::Integer { bytes: 3, bits } => self.convert::<3>(frames, of, progress, integer(bits)),
+            Coding::Integer { bits, .. } => self.convert::<4>(frames, of, progress, integer(bits)),
+        }
+    }
+
+    /// Every channel's samples, of `N` bytes each, which `value` is given lowest first.
+    fn convert<const N: usize>(
+        &self,
+        frames: usize,
+        of: &Described,
+        progress: Progress,
+        value: impl Fn([u8; N]) -> f32,
+    ) -> Result<Vec<Vec<f32>>, Error> {
         let mut channels = vec![Vec::with_capacity(frames); of.channels];
-        let data = &self.data[..frames * sample_bytes * of.channels];
-        for block in data.chunks(BLOCK_FRAMES * sample_bytes * of.channels) {
-            for (index, samples) in channels.iter_mut().enumerate() {
-                let own = block.chunks_exact(sample_bytes).skip(index).step_by(of.channels);
-                samples.extend(own.map(|bytes| self.sample(bytes)));
+        let samples = &self.data.as_chunks().0[..frames * of.channels];
+        for block in samples.chunks(BLOCK_FRAMES * of.channels) {
+            for (index, channel) in channels.iter_mut().enumerate() {
+                let own = block.iter().skip(index).step_by(of.channels).copied();
+                if self.is_big_endian {
+                    let reversed = |mut bytes: [u8; N]| {
+                        bytes.reverse();
+                        bytes
+                    };
+                    channel.extend(own.map(|bytes| value(reversed(bytes))));
+                } else {
+                    channel.extend(own.map(&value));
+                }
             }
             if !progress(channels[0].len() as f32 / frames as f32) {
                 return Err(Error::Cancelled);
@@ -79,26 +108,18 @@ impl Pcm<'_> {
         }
         Ok(channels)
     }
+}
 
-    fn sample(&self, bytes: &[u8]) -> f32 {
-        match self.coding {
-            Coding::Unsigned8 => (f32::from(bytes[0]) - 128.0) / 128.0,
-            Coding::MuLaw => from_mu_law(bytes[0]),
-            Coding::ALaw => from_a_law(bytes[0]),
-            Coding::Float32 => f32::from_bits(self.word(bytes) as u32),
-            Coding::Float64 => f64::from_bits(self.word(bytes)) as f32,
-            Coding::Integer { bytes: count, bits } => {
-                // The sign bit at the top of a word, and back: that extends it.
-                let shift = 64 - 8 * count as u32;
-                let value = (self.word(bytes) << shift) as i64 >> shift;
-                (value as f64 / 2f64.powi(bits as i32 - 1)) as f32
-            }
-        }
-    }
-
-    fn word(&self, bytes: &[u8]) -> u64 {
-        let join = |word: u64, byte: &u8| word << 8 | u64::from(*byte);
-        if self.is_big_endian { bytes.iter().fold(0, join) } else { bytes.iter().rev().fold(0, join) }
+/// What an integer of `N` bytes means, of which `bits` make up full scale.
+fn integer<const N: usize>(bits: u32) -> impl Fn([u8; N]) -> f32 {
+    // A power of two: multiplying by it is as exact as dividing by full scale.
+    let step = 0.5f64.powi(bits as i32 - 1);
+    move |bytes| {
+        // The sign bit at the top of a word, and back: that extends it.
+        let mut word = [0; 4];
+        word[4 - N..].copy_from_slice(&bytes);
+        let value = i32::from_le_bytes(word) >> (32 - 8 * N);
+        (f64::from(value) * step) as f32
     }
 }
 
@@ -107,9 +128,15 @@ impl Pcm<'_> {
 /// Where the format leaves open whether they fill the upper or the lower bits, the samples tell: those in the lower
 /// bits never leave them, and a whole recording 48 dB below full scale is the less likely reading.
 pub(crate) fn padded(bits: usize, bytes: usize, is_big_endian: bool, data: &[u8]) -> Coding {
-    let wide = Pcm { coding: Coding::Integer { bytes, bits: 8 * bytes as u32 }, is_big_endian, data };
-    let most = 2f32.powi(bits as i32 - 8 * bytes as i32);
-    let is_low = data.chunks_exact(bytes).all(|sample| (-most..=most).contains(&wide.sample(sample)));
+    let whole = |sample: &[u8]| {
+        let join = |word: u64, byte: &u8| word << 8 | u64::from(*byte);
+        let word = if is_big_endian { sample.iter().fold(0, join) } else { sample.iter().rev().fold(0, join) };
+        // The sign bit at the top of a word, and back: that extends it.
+        let shift = 64 - 8 * bytes as u32;
+        (word << shift) as i64 >> shift
+    };
+    let most = 1i64 << (bits - 1);
+    let is_low = data.chunks_exact(bytes).all(|sample| (-most..=most).contains(&whole(sample)));
     Coding::Integer { bytes, bits: if is_low { bits as u32 } else { 8 * bytes as u32 } }
 }
 

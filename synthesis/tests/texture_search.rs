@@ -197,3 +197,20 @@ fn the_index_does_not_depend_on_the_number_of_threads() {
         }
     }
 }
+
+#[test]
+fn a_dictionary_that_was_kept_comes_back_whole() {
+    // Long enough for arrays whose memory is asked for in one go.
+    let samples: Vec<f64> = signal(&mut Random::new(31), 1, 560_000);
+    let shape = Shape::default();
+    let made = Dictionary::new(&[samples], 44_100.0, &shape, &|_| true).unwrap();
+    let mut bytes = Vec::new();
+    made.write_to(&mut bytes).unwrap();
+    let read = Dictionary::read_from(&mut bytes.as_slice(), bytes.len() as u64).unwrap();
+    let mut again = Vec::new();
+    read.write_to(&mut again).unwrap();
+    assert!(again == bytes, "what is read is what was written");
+    for len in [0, 7, 100, bytes.len() / 2, bytes.len() - 1] {
+        assert!(Dictionary::read_from(&mut &bytes[..len], len as u64).is_err(), "{len} bytes");
+    }
+}

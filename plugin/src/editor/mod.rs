@@ -34,6 +34,7 @@ pub mod theme;
 pub mod widgets;
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use egui::Rect;
 use nice_plug::prelude::ParamSetter;
@@ -121,6 +122,7 @@ impl NiceEguiApp for Window {
 
     fn editor_closed(&mut self) {
         self.host = None;
+        self.loader.shared.is_watched.store(false, Ordering::Relaxed);
         self.monitor.watch(false);
         self.levels.clear();
         self.recording.close_dialog();
@@ -140,6 +142,7 @@ impl Window {
     pub fn open(&mut self, context: &egui::Context, host: GuiContext) {
         theme::apply(context);
         self.host = Some(host);
+        self.loader.shared.is_watched.store(true, Ordering::Relaxed);
         self.is_seen = false;
     }
 

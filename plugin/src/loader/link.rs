@@ -68,6 +68,8 @@ pub struct Shared {
     pub learning: AtomicBool,
     /// Whether some of them were lost on the way.
     pub magnitudes_lost: AtomicBool,
+    /// Whether a window is open: what is drawn of a recording is made for it alone.
+    pub is_watched: AtomicBool,
     prepared: AtomicU64,
     prepared_latency_samples: AtomicU32,
 }

@@ -93,6 +93,8 @@ pub struct Worker {
     /// What could not be indexed, so that it is not tried again.
     failed: Option<DictionaryKey>,
     dictionary_is_sent: bool,
+    /// Whether what is drawn of the recording is not what it should be.
+    portrait_is_due: bool,
     prepared: Option<Engine>,
     learner: Learner,
     motion: Motion,
@@ -130,6 +132,7 @@ impl Worker {
             is_unkept: Cell::new(false),
             failed: None,
             dictionary_is_sent: true,
+            portrait_is_due: false,
             prepared: None,
             learner: Learner::default(),
             motion: Motion::default(),
@@ -169,6 +172,7 @@ impl Worker {
                 self.status.update(|view| view.progress = None);
             }
             self.send();
+            self.draw();
             if is_done.is_ok() {
                 self.mailbox.settle(batch.ticket);
                 self.keep();
@@ -409,8 +413,18 @@ impl Worker {
         }
     }
 
-    /// Shows what is drawn of the recording, and the part that is learnt from.
-    fn show_recording(&self) {
+    /// Shows the part that is learnt from, and has the recording drawn anew.
+    fn show_recording(&mut self) {
+        self.portrait_is_due = true;
+        self.status.update(|view| view.cut = self.session.cut);
+    }
+
+    /// Draws the recording, once what sounds is ready, and only for a window: a session of fifty instances opens none.
+    fn draw(&mut self) {
+        if !self.portrait_is_due || !self.link.shared.is_watched.load(Ordering::Relaxed) {
+            return;
+        }
+        self.portrait_is_due = false;
         let (cut, known) = (self.cut(), self.status.view().portrait);
         let portrait = self.recording.as_deref().map(|recording| {
             Arc::new(match known {
@@ -418,10 +432,7 @@ impl Worker {
                 None => Portrait::of(recording, &cut),
             })
         });
-        self.status.update(|view| {
-            view.portrait = portrait;
-            view.cut = self.session.cut;
-        });
+        self.status.update(|view| view.portrait = portrait);
     }
 
     /// Makes the dictionary of the recording for the structure that is wanted, and tells the audio
