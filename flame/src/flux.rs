@@ -29,7 +29,7 @@ impl Row {
     /// What was measured at a frame.
     pub fn new(frame: i64, measure: &Measure) -> Self {
         let Measure { flux, area, mean_curvature, .. } = *measure;
-        Self { frame, flux, area, mean_curvature: Some(mean_curvature) }
+        Self { frame, flux, area, mean_curvature }
     }
 }
 

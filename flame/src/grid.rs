@@ -65,6 +65,20 @@ impl Transform {
         std::array::from_fn(|axis| (0..3).map(|of| step[of] * self.rows[of][axis]).sum())
     }
 
+    /// The matrix that takes an area vector from index space to the world: the cofactors of the rows.
+    pub(crate) fn cofactors(&self) -> [[f64; 3]; 3] {
+        let [x, y, z] = self.rows;
+        [cross(y, z), cross(z, x), cross(x, y)]
+    }
+
+    /// From an index of `self` to one of `other`: `index * matrix + translation`.
+    pub(crate) fn to_index_of(&self, other: &Self) -> ([[f64; 3]; 3], [f64; 3]) {
+        let onto = |step: [f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|axis| (0..3).map(|of| step[of] * other.inverse[of][axis]).sum())
+        };
+        (self.rows.map(onto), other.to_index(self.translation))
+    }
+
     /// A gradient per index as a gradient per world unit.
     pub fn gradient_to_world(&self, gradient: [f64; 3]) -> [f64; 3] {
         self.inverse.map(|row| dot(row, gradient))

@@ -80,36 +80,134 @@ pub fn join(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     [std::array::from_fn(|axis| a[0][axis].min(b[0][axis])), std::array::from_fn(|axis| a[1][axis].max(b[1][axis]))]
 }
 
-/// Trilinear interpolation at a fractional index.
-fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
-    // Beyond this no grid has values, and an index would not fit its type.
-    if !index.iter().all(|i| i.abs() < f64::from(1 << 30)) {
-        return grid.background().map(f64::from);
+/// The velocity at many places that lie near each other, told as indices of some other grid: the samples around a place are
+/// kept for the next.
+pub(crate) enum Probe<'a> {
+    Collocated(Cells<'a, 3>),
+    Staggered(Box<[Cells<'a, 3>; 3]>),
+    Components(Box<[Cells<'a, 1>; 3]>),
+}
+
+impl<'a> Probe<'a> {
+    /// For places told as indices of a grid that lies in the world as `from` says.
+    pub fn new(velocity: &'a Velocity, from: &Transform) -> Self {
+        match velocity {
+            Velocity::Vectors(grid, Placement::Collocated) => Self::Collocated(Cells::new(grid, from, [0.0; 3])),
+            Velocity::Vectors(grid, Placement::Staggered) => {
+                let shift = |axis: usize| std::array::from_fn(|of| if of == axis { 0.5 } else { 0.0 });
+                Self::Staggered(Box::new([0, 1, 2].map(|axis| Cells::new(grid, from, shift(axis)))))
+            }
+            Velocity::Components(grids) => {
+                Self::Components(Box::new([0, 1, 2].map(|axis| Cells::new(&grids[axis], from, [0.0; 3]))))
+            }
+        }
     }
-    let base = index.map(|i| i.floor() as i32);
-    let fraction: [f64; 3] = std::array::from_fn(|axis| index[axis] - f64::from(base[axis]));
+
+    /// As [`Velocity::at`].
+    pub fn at(&mut self, index: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Collocated(cells) => cells.at(index),
+            Self::Staggered(cells) => std::array::from_fn(|axis| cells[axis].component_at(index, axis)),
+            Self::Components(cells) => std::array::from_fn(|axis| cells[axis].component_at(index, 0)),
+        }
+    }
+}
+
+/// A grid, and the samples around the last few places asked for.
+pub(crate) struct Cells<'a, const N: usize> {
+    grid: &'a Grid<N>,
+    rows: [[f64; 3]; 3],
+    translation: [f64; 3],
+    /// Of two neighbouring cells along any axis, both.
+    kept: [Cell<N>; 8],
+}
+
+/// The samples at the corners of a cell; corner 4x + 2y + z.
+#[derive(Clone, Copy)]
+struct Cell<const N: usize> {
+    base: Option<[i32; 3]>,
+    values: [[f64; 8]; N],
+}
+
+impl<'a, const N: usize> Cells<'a, N> {
+    fn new(grid: &'a Grid<N>, from: &Transform, shift: [f64; 3]) -> Self {
+        let (rows, translation) = from.to_index_of(grid.transform());
+        let translation = std::array::from_fn(|axis| translation[axis] + shift[axis]);
+        Self { grid, rows, translation, kept: [Cell { base: None, values: [[0.0; 8]; N] }; 8] }
+    }
+
+    fn at(&mut self, index: [f64; 3]) -> [f64; N] {
+        match self.cell(index) {
+            Some((values, fraction)) => values.map(|values| mix(&values, fraction)),
+            None => self.grid.background().map(f64::from),
+        }
+    }
+
+    fn component_at(&mut self, index: [f64; 3], component: usize) -> f64 {
+        match self.cell(index) {
+            Some((values, fraction)) => mix(&values[component], fraction),
+            None => f64::from(self.grid.background()[component]),
+        }
+    }
+
+    /// The cell that holds a place, and where in it the place lies; none beyond all indices.
+    fn cell(&mut self, place: [f64; 3]) -> Option<(&[[f64; 8]; N], [f64; 3])> {
+        let index: [f64; 3] = std::array::from_fn(|axis| {
+            (0..3).map(|of| place[of] * self.rows[of][axis]).sum::<f64>() + self.translation[axis]
+        });
+        if !is_indexable(index) {
+            return None;
+        }
+        let floor = index.map(f64::floor);
+        let base = floor.map(|i| i as i32);
+        let cell = &mut self.kept[base.iter().fold(0, |number, i| number << 1 | (i & 1) as usize)];
+        if cell.base != Some(base) {
+            *cell = Cell { base: Some(base), values: corners(self.grid, base) };
+        }
+        Some((&cell.values, std::array::from_fn(|axis| index[axis] - floor[axis])))
+    }
+}
+
+/// Whether an index fits its type; beyond, no grid has values.
+fn is_indexable(index: [f64; 3]) -> bool {
+    index.iter().all(|i| i.abs() < f64::from(1 << 30))
+}
+
+/// The samples at the corners of the cell at `base`.
+fn corners<const N: usize>(grid: &Grid<N>, base: [i32; 3]) -> [[f64; 8]; N] {
     // Mostly all eight voxels lie in one block, which then is looked up only once.
     let is_inner = base.iter().all(|i| i & (BLOCK - 1) != BLOCK - 1);
     let block = if is_inner { grid.block(base.map(|i| i.div_euclid(BLOCK))) } else { None };
     if is_inner && block.is_none() {
-        return grid.outside_blocks(base).map(f64::from);
+        return grid.outside_blocks(base).map(|value| [f64::from(value); 8]);
     }
-    let mut sum = [0.0; N];
-    for corner in 0..8i32 {
-        let offset = [corner >> 2, (corner >> 1) & 1, corner & 1];
-        let weight: f64 =
-            (0..3).map(|axis| if offset[axis] == 1 { fraction[axis] } else { 1.0 - fraction[axis] }).product();
-        if weight == 0.0 {
-            continue;
-        }
-        let index = std::array::from_fn(|axis| base[axis] + offset[axis]);
+    let mut values = [[0.0; 8]; N];
+    for corner in 0..8 {
+        let index = std::array::from_fn(|axis| base[axis] + (corner >> (2 - axis) & 1));
         let value = match block {
             Some(block) => block[slot(index)],
             None => grid.value(index),
         };
-        for (sum, value) in sum.iter_mut().zip(value) {
-            *sum += weight * f64::from(value);
+        for (values, value) in values.iter_mut().zip(value) {
+            values[corner as usize] = f64::from(value);
         }
     }
-    sum
+    values
+}
+
+/// Trilinear interpolation between a cell's corners.
+fn mix(corners: &[f64; 8], [x, y, z]: [f64; 3]) -> f64 {
+    let lines: [f64; 4] = std::array::from_fn(|n| corners[2 * n] * (1.0 - z) + corners[2 * n + 1] * z);
+    let planes = [lines[0] * (1.0 - y) + lines[1] * y, lines[2] * (1.0 - y) + lines[3] * y];
+    planes[0] * (1.0 - x) + planes[1] * x
+}
+
+/// Trilinear interpolation at a fractional index.
+fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
+    if !is_indexable(index) {
+        return grid.background().map(f64::from);
+    }
+    let floor = index.map(f64::floor);
+    let fraction = std::array::from_fn(|axis| index[axis] - floor[axis]);
+    corners(grid, floor.map(|i| i as i32)).map(|corners| mix(&corners, fraction))
 }

@@ -14,7 +14,12 @@ fn unit() -> Transform {
 }
 
 fn measure(frame: &Frame) -> Measure {
-    Front::new(0.5, 3).unwrap().measure(frame).unwrap()
+    Front::new(0.5, 3).unwrap().measure_with_curvature(frame).unwrap()
+}
+
+/// Nothing, its curvature asked for.
+fn nothing_found() -> Measure {
+    Measure { mean_curvature: Some(0.0), ..Measure::default() }
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -46,7 +51,7 @@ fn an_expanding_ball_has_its_flux_area_and_curvature() {
         if radius >= 16 {
             assert!((found.flux / (2.0 * area) - 1.0).abs() < 0.005, "{radius}: {found:?}");
             assert!((found.area / area - 1.0).abs() < 0.005, "{radius}: {found:?}");
-            assert!((found.mean_curvature - 1.0).abs() < 0.005, "{radius}: {found:?}");
+            assert!((found.mean_curvature.unwrap() - 1.0).abs() < 0.005, "{radius}: {found:?}");
         }
     }
     // Second order: half the voxel, a quarter of the error.
@@ -139,7 +144,7 @@ proptest! {
         let swirl = |at: [f64; 3]| [(0.3 * at[1]).sin(), 0.1 * at[0], (0.2 * at[0]).cos()];
         let plain = measure(&frame(blobs(20, &spots, unit()), flow(20, unit(), swirl)));
         let there = measure(&frame(blobs(20, &spots, turned), flow(20, turned, |at| turned.turn(swirl(at)))));
-        let numbers = |found: &Measure| [found.flux, found.area, found.mean_curvature];
+        let numbers = |found: &Measure| [found.flux, found.area, found.mean_curvature.unwrap()];
         for (a, b) in numbers(&plain).into_iter().zip(numbers(&there)) {
             prop_assert!((a - b).abs() <= 1e-5 * (1.0 + plain.area), "{:?} {:?}", plain, there);
         }
@@ -307,9 +312,9 @@ fn plateaus_at_the_iso_value_make_no_surface_of_rounding() {
 #[test]
 fn no_flame_is_nothing_and_an_endless_one_an_error() {
     let nothing = measure(&frame(Grid::new([0.0], unit()), wind([1.0; 3])));
-    assert_eq!(nothing, Measure::default());
+    assert_eq!(nothing, nothing_found());
     let below = measure(&frame(field(12, unit(), |_| 0.49), wind([1.0; 3])));
-    assert_eq!(below, Measure::default());
+    assert_eq!(below, nothing_found());
     let front = Front::new(0.5, 3).unwrap();
     let endless = front.measure(&frame(Grid::new([1.0], unit()), wind([1.0; 3])));
     assert!(matches!(endless, Err(Error::Unbounded { .. })));
@@ -345,6 +350,57 @@ fn placements_agree_on_a_linear_flow() {
     let components = measure(&frame(grid(), Velocity::Components(Box::new(split)))).flux;
     assert!(expected.abs() > 100.0);
     assert!((staggered / expected - 1.0).abs() < 1e-5 && (components / expected - 1.0).abs() < 1e-5);
+}
+
+/// Flux, the same by absolute values, and area, triangle by triangle in world units.
+fn sum_of_triangles(frame: &Frame, refine: usize) -> [f64; 3] {
+    let mesh = Front::new(0.5, refine).unwrap().mesh(&frame.field).unwrap();
+    let mut sums = [0.0; 3];
+    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| mesh.vertices[v as usize])) {
+        let (ab, ac): ([f64; 3], [f64; 3]) =
+            (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
+        let surface: [f64; 3] =
+            std::array::from_fn(|i| 0.5 * (ab[(i + 1) % 3] * ac[(i + 2) % 3] - ab[(i + 2) % 3] * ac[(i + 1) % 3]));
+        let velocity = frame.velocity.at(std::array::from_fn(|i| (a[i] + b[i] + c[i]) / 3.0));
+        let flux: f64 = (0..3).map(|i| velocity[i] * surface[i]).sum();
+        sums = [sums[0] + flux, sums[1] + flux.abs(), sums[2] + distance(surface, [0.0; 3])];
+    }
+    sums
+}
+
+#[test]
+fn measures_equal_the_sum_of_their_triangles() {
+    let turned = Transform::new([[0.3, 0.1, 0.0], [-0.1, 0.4, 0.05], [0.0, -0.02, -0.25]], [5.0, -3.0, 1.0]).unwrap();
+    let swirl = |at: [f64; 3]| [(0.7 * at[1]).sin(), 0.1 * at[0] - at[2], (0.5 * at[0]).cos()];
+    let spots = [([0.3, 0.4, 0.5], 3.0), ([0.7, 0.6, 0.4], 4.0), ([0.6, 0.2, 0.8], 2.0)];
+    for (of_field, of_flow) in [(unit(), unit()), (turned, turned), (unit(), turned)] {
+        let Velocity::Vectors(vectors, _) = flow(24, of_flow, swirl) else { unreachable!() };
+        let components = [0, 1, 2].map(|axis| field(24, of_flow, |at| swirl(at)[axis]));
+        for velocity in [
+            Velocity::Vectors(vectors.clone(), Placement::Collocated),
+            Velocity::Vectors(vectors.clone(), Placement::Staggered),
+            Velocity::Components(Box::new(components.clone())),
+        ] {
+            let frame = frame(blobs(24, &spots, of_field), velocity);
+            for refine in [1, 3] {
+                let found = Front::new(0.5, refine).unwrap().measure(&frame).unwrap();
+                let [flux, passing, area] = sum_of_triangles(&frame, refine);
+                assert!(found.triangles > 100 && found.mean_curvature.is_none());
+                assert!((found.area / area - 1.0).abs() < 1e-9, "{refine}: {found:?}, area {area}");
+                assert!((found.flux - flux).abs() <= 1e-9 * passing, "{refine}: {found:?}, flux {flux} of {passing}");
+            }
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_measures_the_same() {
+    let frame = ball(32);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| Front::new(0.5, 3).unwrap().measure(&frame).unwrap())
+    };
+    assert_eq!(on(1), on(4));
 }
 
 #[test]

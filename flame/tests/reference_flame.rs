@@ -24,7 +24,7 @@ fn flux_and_area_of_the_reference_flame() {
     assert_eq!(numbers, rows.iter().map(|row| row[0]).collect::<Vec<_>>());
     let found: Vec<_> = (0..sequence.len())
         .into_par_iter()
-        .map(|index| front.measure(&sequence.read(index, &selection).unwrap()).unwrap())
+        .map(|index| front.measure_with_curvature(&sequence.read(index, &selection).unwrap()).unwrap())
         .collect();
     let rms = |values: &mut dyn Iterator<Item = f64>| (values.map(|x| x * x).sum::<f64>() / rows.len() as f64).sqrt();
     let pairs = || found.iter().zip(&rows);
@@ -33,7 +33,7 @@ fn flux_and_area_of_the_reference_flame() {
     assert!(flux_error <= 0.015, "{flux_error}");
     for (found, row) in pairs() {
         assert!((found.area / row[2] - 1.0).abs() <= 0.01, "frame {}: {found:?}", row[0]);
-        assert!((1.5..7.0).contains(&found.mean_curvature), "frame {}: {found:?}", row[0]);
+        assert!((1.5..7.0).contains(&found.mean_curvature.unwrap()), "frame {}: {found:?}", row[0]);
     }
     println!("flux {:.3} %, {} triangles", 100.0 * flux_error, found[0].triangles);
 }

@@ -219,7 +219,10 @@ fn a_step_of_alpha_or_scaling_is_heard_within_a_window() {
     let input = channels(8, 1, 30_000);
     let channels = Channels { input: 1, sidechain: 0, output: 1 };
     let step = 12_345usize;
-    for (what, window) in [("alpha", 500), ("scaling_alpha", 128)] {
+    // A window of the level below the top is 64 samples to either side; windows of the next finer one, which read it up to a
+    // feature's reach ahead, may be other ones too.
+    let reach = Shape::default().reach() << 4;
+    for (what, window) in [("alpha", 500), ("scaling_alpha", 64 + reach)] {
         let before_step = plain();
         let mut after_step = before_step;
         match what {

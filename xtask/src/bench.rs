@@ -2,13 +2,12 @@
 
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 
-use crate::{cargo, project, setup};
+use crate::{cargo, instructions, setup};
 
 /// The package with the benches; each is a program that prints tables.
 const PACKAGE: &str = "pyrophone-synthesis";
@@ -16,16 +15,21 @@ const PACKAGE: &str = "pyrophone-synthesis";
 const PERFORMANCE: &str = "docs/performance.md";
 const BEGIN: &str = "<!-- figures: cargo xtask bench search -->\n";
 const END: &str = "<!-- end of figures -->\n";
+/// Where the costs are kept.
+const COST_BEGIN: &str = "<!-- costs: cargo xtask bench all -->\n";
+const COST_END: &str = "<!-- end of costs -->\n";
 
 /// Which benches to run.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Only this one; `search` also writes its tables into docs/performance.md
+    /// Only this one; `all` and `search` also write their tables into docs/performance.md
     bench: Option<Bench>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
 enum Bench {
+    /// Every row of the table of costs: engines, blocks, starts, memory, flames, instructions
+    All,
     /// Spectral bandwidth extension
     Extend,
     /// The texture engine, its search, its dictionary, and the whole effect block by block
@@ -36,11 +40,20 @@ enum Bench {
     Window,
     /// Loading a recording, for the first time and in a session that is opened again
     Reload,
+    /// Instructions of one second of each engine; keeps them for `cargo xtask test` to compare with
+    Instructions,
 }
 
 /// Runs the benches.
 pub fn run(args: &Args) -> Result<ExitCode> {
     setup::ensure(&setup::BUILD)?;
+    if args.bench == Some(Bench::All) {
+        return costs();
+    }
+    if args.bench == Some(Bench::Instructions) {
+        instructions::keep()?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let is_wanted = |bench: Bench| args.bench.is_none_or(|only| only == bench);
     for (bench, package, name) in [
         (Bench::Extend, PACKAGE, "extend"),
@@ -56,13 +69,27 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if is_wanted(Bench::Search) {
         let mut figures =
             printed(cargo::command().args(["bench", "--quiet", "--package", PACKAGE, "--bench", "search"]))?;
-        let instructions = instructions()?;
+        let instructions = instructions::table()?;
         print!("{instructions}");
         figures.push_str(&instructions);
         if args.bench == Some(Bench::Search) {
-            keep(&figures)?;
+            keep(&figures, BEGIN, END)?;
         }
     }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The table of costs.
+fn costs() -> Result<ExitCode> {
+    let bench =
+        |package: &str| printed(cargo::command().args(["bench", "--quiet", "--package", package, "--bench", "cost"]));
+    let mut table = bench(PACKAGE)?;
+    // The rest goes on with the same table.
+    let flames = bench("pyrophone-flame")?;
+    table.extend(flames.lines().skip(2).map(|line| format!("{line}\n")));
+    table.push('\n');
+    table.push_str(&instructions::table()?);
+    keep(&table, COST_BEGIN, COST_END)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -81,60 +108,13 @@ fn printed(command: &mut Command) -> Result<String> {
     Ok(text)
 }
 
-/// Instructions for one second of sound, which do not depend on what else the machine does.
-fn instructions() -> Result<String> {
-    let mut table =
-        "### Instructions\n\nCounted by callgrind (which offers programs AVX2, not AVX-512) over one fixed second \
-                     of sound: the searches alone.\n\n"
-            .to_owned();
-    if Command::new("valgrind").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_err() {
-        table.push_str("Not counted: valgrind is not installed (`apt-get install valgrind`).\n\n");
-        return Ok(table);
-    }
-    table.push_str("| search | pair | million instructions |\n|---|---|---|\n");
-    let program = bench_program()?;
-    for search in ["exact", "bounded"] {
-        let counts = project::target_dir().join("callgrind.out");
-        let mut valgrind = Command::new("valgrind");
-        valgrind.arg("--tool=callgrind").arg(format!("--callgrind-out-file={}", counts.display()));
-        valgrind.args(["--collect-atstart=no", "--toggle-collect=*counted_second*"]);
-        valgrind.arg(&program).args(["instructions", search]).stderr(Stdio::null());
-        let output = valgrind.output().context("calling valgrind")?;
-        ensure!(output.status.success(), "valgrind failed on {}", program.display());
-        let printed = String::from_utf8_lossy(&output.stdout).into_owned();
-        let pair = printed.split_whitespace().next().context("the bench named no pair")?;
-        let text = std::fs::read_to_string(&counts).with_context(|| counts.display().to_string())?;
-        let Some(total) = text.lines().find_map(|line| line.strip_prefix("totals: ")) else {
-            bail!("{} holds no total", counts.display());
-        };
-        let total: f64 = total.trim().parse().context("callgrind's total")?;
-        writeln!(table, "| {search} | {pair} | {:.1} |", total / 1e6)?;
-    }
-    table.push('\n');
-    Ok(table)
-}
-
-/// The bench as a program with its functions' names.
-fn bench_program() -> Result<PathBuf> {
-    let mut build = cargo::command();
-    build.args(["bench", "--quiet", "--package", PACKAGE, "--bench", "search", "--no-run", "--message-format=json"]);
-    let output = build.env("CARGO_PROFILE_BENCH_STRIP", "none").stderr(Stdio::inherit()).output()?;
-    ensure!(output.status.success(), "the bench does not build; see above");
-    let messages = String::from_utf8_lossy(&output.stdout).into_owned();
-    let executable = messages.lines().rev().find_map(|line| {
-        let (_, rest) = line.split_once("\"executable\":\"")?;
-        Some(PathBuf::from(rest.split_once('"')?.0))
-    });
-    executable.context("cargo named no program")
-}
-
 /// Puts the figures where the page keeps them.
-fn keep(figures: &str) -> Result<()> {
+fn keep(figures: &str, begin_mark: &str, end_mark: &str) -> Result<()> {
     let page = std::fs::read_to_string(PERFORMANCE).context(PERFORMANCE)?;
-    let (Some(begin), Some(end)) = (page.find(BEGIN), page.find(END)) else {
+    let (Some(begin), Some(end)) = (page.find(begin_mark), page.find(end_mark)) else {
         bail!("{PERFORMANCE} has no place for figures");
     };
-    let page = format!("{}{BEGIN}\n{figures}{}", &page[..begin], &page[end..]);
+    let page = format!("{}{begin_mark}\n{figures}{}", &page[..begin], &page[end..]);
     std::fs::write(PERFORMANCE, page).context(PERFORMANCE)?;
     println!("written to {PERFORMANCE}");
     Ok(())

@@ -7,6 +7,7 @@ mod bench;
 mod bundle;
 mod cargo;
 mod install;
+mod instructions;
 mod project;
 mod setup;
 mod test;

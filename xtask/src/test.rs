@@ -7,7 +7,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 
 use crate::bundle::{self, Profile};
-use crate::{cargo, project, setup, validators};
+use crate::{cargo, instructions, project, setup, validators};
 
 /// End-to-end tests: real bundles in real hosts.
 const END_TO_END: &str = "pyrophone-tests";
@@ -48,6 +48,11 @@ pub fn run() -> Result<ExitCode> {
     }
     for (sanitizer, test) in SANITIZED {
         tally.sanitized(sanitizer, ENGINES, test)?;
+    }
+    if instructions::can_count() {
+        tally.step("instruction counts", instructions::compare);
+    } else {
+        tally.skip("instruction counts", "valgrind is not installed (`apt-get install valgrind`)");
     }
     Ok(tally.conclude())
 }

@@ -16,21 +16,21 @@ const REACH: usize = BLOCK as usize + 3;
 /// What the samples' rounding may add to the bounds of a cell, as a part of its largest value.
 const ROUNDING: f64 = 1e-12;
 
-/// Hands over, in ascending order of blocks and of cells in them, every cell whose spline can cross `level`.
-///
-/// Fails where tiles have so much surface, or lie so far away, that they cannot be meant.
-pub(super) fn visit(field: &Grid<1>, level: f64, mut visit: impl FnMut([i32; 3], &Patch)) -> Result<(), Error> {
+/// Hands over, in ascending order of blocks and of cells in them, every cell of these blocks whose spline can cross
+/// `level`.
+pub(super) fn visit(field: &Grid<1>, keys: &[[i32; 3]], level: f64, mut visit: impl FnMut([i32; 3], &Patch)) {
     let mut seen = Neighbourhood::new();
-    for key in candidates(field)? {
-        if seen.gather(field, key) {
+    for key in keys {
+        if seen.gather(field, *key) {
             seen.crossed(level, |cell, patch| visit(std::array::from_fn(|axis| key[axis] * BLOCK + cell[axis]), patch));
         }
     }
-    Ok(())
 }
 
 /// Keys of the blocks of cells that see more than one value: all that see a block, or a tile and what is not that tile.
-fn candidates(field: &Grid<1>) -> Result<Vec<[i32; 3]>, Error> {
+///
+/// Fails where tiles have so much surface, or lie so far away, that they cannot be meant.
+pub(super) fn candidates(field: &Grid<1>) -> Result<Vec<[i32; 3]>, Error> {
     let tile_blocks: u128 = field.tiles().map(|(_, log2, _)| shell_blocks(log2)).sum();
     if tile_blocks > MAX_TILE_BLOCKS {
         return Err(Error::TooLarge { found: tile_blocks, allowed: MAX_TILE_BLOCKS });

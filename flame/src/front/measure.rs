@@ -1,11 +1,14 @@
 //! Flux through the flame front, its area and its curvature (Chadwick & James 2011, §3).
 
+use rayon::prelude::*;
+
 use super::cells;
-use super::spline::{Lattice, Patch};
-use super::tetrahedra::{Crossing, march};
+use super::spline::{Lattice, MAX_REFINE, Patch};
+use super::tetrahedra::{Crossing, march, mark};
 use crate::error::{Error, in_range};
 use crate::frame::Frame;
 use crate::grid::{Grid, cross, dot, length};
+use crate::velocity::Probe;
 
 /// The surface on which a smoothed field equals `iso`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,8 +25,8 @@ pub struct Measure {
     /// The front's area.
     pub area: f64,
     /// Mean over the area of the mean curvature, per unit of length; positive for a ball of flame. 0 where there is no
-    /// front.
-    pub mean_curvature: f64,
+    /// front; none where it was not asked for: it costs as much as all the rest.
+    pub mean_curvature: Option<f64>,
     /// Triangles that the front was made of.
     pub triangles: u64,
 }
@@ -32,14 +35,37 @@ pub struct Measure {
 /// be taken for something small: scaled to a peak it would be heard as noise.
 const ROUNDING: f64 = 1e-9;
 
-/// A triangle of the front.
-pub(super) struct Triangle {
-    /// Its corners, as places on the lattice: cell times `refine`, plus steps.
-    pub corners: [([i64; 3], usize); 3],
-    /// Its corners' indices.
-    pub indices: [[f64; 3]; 3],
-    /// Its centre as fractions of its cell.
-    pub within: [f64; 3],
+/// Blocks of cells that are measured in one go. Every block has sums of its own, which are added in order, whoever made them.
+const BLOCKS_PER_PART: usize = 32;
+
+/// A corner of a triangle of the front.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Corner {
+    /// Its place on the lattice: cell times `refine` plus steps, and the edge's direction.
+    pub place: ([i64; 3], usize),
+    /// Its index.
+    pub index: [f64; 3],
+}
+
+/// What a part of the front adds up to.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    flux: f64,
+    /// All that passes, in and out.
+    passing: f64,
+    area: f64,
+    triangles: u64,
+}
+
+impl Sums {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            flux: self.flux + other.flux,
+            passing: self.passing + other.passing,
+            area: self.area + other.area,
+            triangles: self.triangles + other.triangles,
+        }
+    }
 }
 
 impl Front {
@@ -47,53 +73,95 @@ impl Front {
     /// enough for sound: errors fall with the square of `refine`, work grows with it or faster.
     pub fn new(iso: f64, refine: usize) -> Result<Self, Error> {
         in_range("the iso value", iso, -1e9, 1e9)?;
-        in_range("the refinement", refine as f64, 1.0, 16.0)?;
+        in_range("the refinement", refine as f64, 1.0, MAX_REFINE as f64)?;
         Ok(Self { iso, refine })
     }
 
-    /// Flux, area and curvature of one step; zeros where there is no surface. The same frame gives the same numbers, bit
-    /// for bit.
+    /// Flux and area of one step; zeros where there is no surface. The same frame gives the same numbers, bit
+    /// for bit, on any number of threads; large frames are shared out among those of the caller's pool.
     ///
+    /// # Errors
     /// Fails where the flame has no bounds (the field's background burns), where a value is not finite, and where the
     /// field's tiles are too large to be meant.
     pub fn measure(&self, frame: &Frame) -> Result<Measure, Error> {
         if !frame.velocity.is_finite() {
             return Err(Error::NotFinite { what: "velocity" });
         }
-        let transform = frame.field.transform();
-        let mirrored = if transform.is_mirrored() { -1.0 } else { 1.0 };
-        let mut sum = Measure::default();
-        let (mut bending, mut passing) = (0.0, 0.0);
-        self.walk(&frame.field, |triangle, patch| {
-            let [a, b, c] = triangle.indices.map(|index| transform.to_world(index));
-            let (ab, ac): ([f64; 3], [f64; 3]) =
-                (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
-            let surface = cross(ab, ac).map(|part| 0.5 * mirrored * part);
-            let area = length(surface);
-            let centre = std::array::from_fn(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
-            let flux = dot(frame.velocity.at(centre), surface);
-            sum.flux += flux;
-            passing += flux.abs();
-            sum.area += area;
-            sum.triangles += 1;
-            let (gradient, hessian) = patch.derivatives(triangle.within);
-            let hessian = hessian.map(|row| transform.gradient_to_world(row));
-            let columns = std::array::from_fn(|i| transform.gradient_to_world(hessian.map(|row| row[i])));
-            bending += area * mean_curvature(transform.gradient_to_world(gradient), columns);
-        })?;
-        if sum.flux.abs() <= ROUNDING * passing {
-            sum.flux = 0.0;
+        let level = self.level(&frame.field)?;
+        let keys = cells::candidates(&frame.field)?;
+        let parts = keys.par_chunks(BLOCKS_PER_PART).flat_map_iter(|keys| self.measure_blocks(frame, keys, level));
+        let blocks: Vec<Sums> = parts.collect();
+        let Sums { mut flux, passing, area, triangles } = blocks.into_iter().fold(Sums::default(), Sums::plus);
+        if flux.abs() <= ROUNDING * passing {
+            flux = 0.0;
         }
-        if sum.area > 0.0 {
-            sum.mean_curvature = bending / sum.area;
-        }
-        let finite = [sum.flux, sum.area, sum.mean_curvature].iter().all(|value| value.is_finite());
-        if finite { Ok(sum) } else { Err(Error::NotFinite { what: "flux" }) }
+        let is_finite = flux.is_finite() && area.is_finite();
+        if is_finite { Ok(Measure { flux, area, mean_curvature: None, triangles }) } else { Err(NOT_FINITE) }
     }
 
-    /// Hands over every triangle with the spline of its cell, in an order that depends on the field alone. Triangles
-    /// turn counter-clockwise as seen from outside, in index space.
-    pub(super) fn walk(&self, field: &Grid<1>, mut visit: impl FnMut(&Triangle, &Patch)) -> Result<(), Error> {
+    /// The same with the front's curvature.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure).
+    pub fn measure_with_curvature(&self, frame: &Frame) -> Result<Measure, Error> {
+        let measure = self.measure(frame)?;
+        let transform = frame.field.transform();
+        let cofactors = transform.cofactors();
+        let (mut bending, mut area) = (0.0, 0.0);
+        self.walk(&frame.field, |cell, corners, patch| {
+            let indices = corners.map(|corner| corner.index);
+            let of_triangle = length(apply(area_vector(&indices), &cofactors));
+            let within = std::array::from_fn(|axis| {
+                indices.iter().map(|index| index[axis] - f64::from(cell[axis])).sum::<f64>() / 3.0
+            });
+            let (gradient, hessian) = patch.derivatives(within);
+            let hessian = hessian.map(|row| transform.gradient_to_world(row));
+            let columns = std::array::from_fn(|i| transform.gradient_to_world(hessian.map(|row| row[i])));
+            bending += of_triangle * mean_curvature(transform.gradient_to_world(gradient), columns);
+            area += of_triangle;
+        })?;
+        let mean_curvature = if area > 0.0 { bending / area } else { 0.0 };
+        if mean_curvature.is_finite() {
+            Ok(Measure { mean_curvature: Some(mean_curvature), ..measure })
+        } else {
+            Err(NOT_FINITE)
+        }
+    }
+
+    /// Measures the surface in some blocks of cells, each by itself: all in index space but for the length of an area.
+    fn measure_blocks(&self, frame: &Frame, keys: &[[i32; 3]], level: f64) -> Vec<Sums> {
+        let transform = frame.field.transform();
+        let sign = if transform.is_mirrored() { -1.0 } else { 1.0 };
+        let cofactors = transform.cofactors().map(|row| row.map(|part| sign * part));
+        let mut velocity = Probe::new(&frame.velocity, transform);
+        let per_step = 1.0 / self.refine as f64;
+        let mut lattice = Lattice::new(self.refine);
+        let mut rows = Vec::new();
+        let point = |crossing: Crossing| within_cell(&crossing, per_step);
+        let mut measure = |key: &[i32; 3]| {
+            let mut sums = Sums::default();
+            cells::visit(&frame.field, std::slice::from_ref(key), level, |cell, patch| {
+                lattice.sample(patch);
+                mark(&lattice.values, self.refine, level, &mut rows);
+                let cell = cell.map(f64::from);
+                march(&lattice.values, &rows, self.refine, level, point, |corners| {
+                    let surface = apply(area_vector(&corners), &cofactors);
+                    let [a, b, c] = corners;
+                    let centre = std::array::from_fn(|axis| cell[axis] + (a[axis] + b[axis] + c[axis]) / 3.0);
+                    let flux = dot(velocity.at(centre), surface);
+                    sums.flux += flux;
+                    sums.passing += flux.abs();
+                    sums.area += length(surface);
+                    sums.triangles += 1;
+                });
+            });
+            sums
+        };
+        keys.iter().map(&mut measure).collect()
+    }
+
+    /// The level at which the surface of `field` lies.
+    fn level(&self, field: &Grid<1>) -> Result<f64, Error> {
         if !field.is_finite() {
             return Err(Error::NotFinite { what: "field" });
         }
@@ -101,26 +169,55 @@ impl Front {
         // are `f32` and cannot lie on the level itself.
         let level = self.iso + self.iso.abs() * 2f64.powi(-30);
         let background = f64::from(field.background()[0]);
-        if background > level {
-            return Err(Error::Unbounded { background, iso: self.iso });
-        }
-        let refine = self.refine as f64;
-        let mut lattice = Lattice::new(self.refine);
-        cells::visit(field, level, |cell, patch| {
-            lattice.sample(patch);
-            march(&lattice.values, self.refine, level, |crossings| {
-                let indices = crossings.map(|crossing| index(cell, &crossing, refine));
-                let within = std::array::from_fn(|axis| {
-                    indices.iter().map(|index| index[axis] - f64::from(cell[axis])).sum::<f64>() / 3.0
-                });
-                let corners = crossings.map(|Crossing { low, direction, .. }| {
-                    let place = |axis: usize| i64::from(cell[axis]) * self.refine as i64 + low[axis] as i64;
-                    (std::array::from_fn(place), direction)
-                });
-                visit(&Triangle { corners, indices, within }, patch);
-            });
-        })
+        if background > level { Err(Error::Unbounded { background, iso: self.iso }) } else { Ok(level) }
     }
+
+    /// Hands over every triangle with its cell and the cell's spline, in an order that depends on the field alone. Triangles
+    /// turn counter-clockwise as seen from outside, in index space.
+    pub(super) fn walk(
+        &self,
+        field: &Grid<1>,
+        mut visit: impl FnMut([i32; 3], [Corner; 3], &Patch),
+    ) -> Result<(), Error> {
+        let level = self.level(field)?;
+        let refine = self.refine as i64;
+        let mut lattice = Lattice::new(self.refine);
+        let mut rows = Vec::new();
+        cells::visit(field, &cells::candidates(field)?, level, |cell, patch| {
+            lattice.sample(patch);
+            mark(&lattice.values, self.refine, level, &mut rows);
+            let corner = |crossing: Crossing| Corner {
+                place: (
+                    std::array::from_fn(|axis| i64::from(cell[axis]) * refine + crossing.low[axis] as i64),
+                    crossing.direction,
+                ),
+                index: index(cell, &crossing, refine as f64),
+            };
+            march(&lattice.values, &rows, self.refine, level, corner, |corners| visit(cell, corners, patch));
+        });
+        Ok(())
+    }
+}
+
+const NOT_FINITE: Error = Error::NotFinite { what: "flux" };
+
+/// Half the product of two of a triangle's edges.
+fn area_vector([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
+    let (ab, ac): ([f64; 3], [f64; 3]) = (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
+    cross(ab, ac).map(|part| 0.5 * part)
+}
+
+/// A row vector times a matrix.
+fn apply(vector: [f64; 3], rows: &[[f64; 3]; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| vector[0] * rows[0][axis] + vector[1] * rows[1][axis] + vector[2] * rows[2][axis])
+}
+
+/// Where in its cell an edge is crossed, 0-1 along each axis.
+fn within_cell(crossing: &Crossing, per_step: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| {
+        let along = ((crossing.direction >> (2 - axis)) & 1) as f64 * crossing.share;
+        (crossing.low[axis] as f64 + along) * per_step
+    })
 }
 
 /// Index at which an edge is crossed; the same, bit for bit, from all cells at the edge.

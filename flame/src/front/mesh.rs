@@ -23,10 +23,10 @@ impl Front {
         let mirrored = transform.is_mirrored();
         let mut mesh = Mesh::default();
         let mut numbers = HashMap::new();
-        self.walk(field, |triangle, _| {
-            let mut corners = [0, 1, 2].map(|corner| {
-                *numbers.entry(triangle.corners[corner]).or_insert_with(|| {
-                    mesh.vertices.push(transform.to_world(triangle.indices[corner]));
+        self.walk(field, |_, corners, _| {
+            let mut corners = corners.map(|corner| {
+                *numbers.entry(corner.place).or_insert_with(|| {
+                    mesh.vertices.push(transform.to_world(corner.index));
                     (mesh.vertices.len() - 1) as u32
                 })
             });

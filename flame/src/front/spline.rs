@@ -36,7 +36,7 @@ pub(super) struct Patch {
 impl Patch {
     /// Bounds of the spline in the cell: those of its Bézier coefficients, whose convex hull it does not leave.
     pub fn bounds(&self) -> (f64, f64) {
-        let mut bezier = vec_of(64);
+        let mut bezier = [0.0; 64];
         transform(&self.coefficients, &BEZIER, &mut bezier);
         bezier.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
     }
@@ -67,6 +67,9 @@ impl Patch {
     }
 }
 
+/// Most steps along an edge.
+pub(super) const MAX_REFINE: usize = 16;
+
 /// The points at which a cell's spline is sampled: `refine` steps along each edge, both ends included.
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
@@ -81,7 +84,7 @@ impl Lattice {
         // The neighbouring cell's first weights: both cells get the same numbers on the face between them.
         let [a, b, c, _] = weights(0.0);
         table.push([0.0, a, b, c]);
-        let values = vec_of((refine + 1).pow(3));
+        let values = vec![0.0; (refine + 1).pow(3)];
         Self { weights: table, values }
     }
 
@@ -94,7 +97,8 @@ impl Lattice {
 fn transform(cube: &[f64; 64], table: &[[f64; 4]], out: &mut [f64]) {
     let size = table.len();
     // A plane at a time, so that a large table needs no more room than its output.
-    let mut lines = vec_of(4 * size);
+    let mut lines = [0.0; 4 * (MAX_REFINE + 1)];
+    let lines = &mut lines[..4 * size];
     for (x, plane_out) in table.iter().zip(out.chunks_exact_mut(size * size)) {
         let mut plane = [0.0; 16];
         for (yz, value) in plane.iter_mut().enumerate() {
@@ -111,8 +115,4 @@ fn transform(cube: &[f64; 64], table: &[[f64; 4]], out: &mut [f64]) {
             }
         }
     }
-}
-
-fn vec_of(size: usize) -> Vec<f64> {
-    vec![0.0; size]
 }

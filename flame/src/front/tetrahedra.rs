@@ -25,8 +25,31 @@ const INSIDE_FIRST: [[usize; 4]; 16] = [
     [0, 1, 2, 3],
 ];
 
+/// Edges of the tetrahedra: of a cube's edges, its faces' diagonals and its own.
+const EDGES: usize = 19;
+
+/// Per corner and per other corner of greater number: the number of the edge between them.
+const EDGE: [[u8; 8]; 8] = {
+    let mut numbers = [[0; 8]; 8];
+    let (mut from, mut number) = (0, 0);
+    while from < 8 {
+        let mut to = from + 1;
+        while to < 8 {
+            // One corner lies beyond the other along all axes in which they differ.
+            if from & to == from {
+                numbers[from][to] = number;
+                number += 1;
+            }
+            to += 1;
+        }
+        from += 1;
+    }
+    assert!(number as usize == EDGES);
+    numbers
+};
+
 /// Where the surface crosses an edge of the lattice.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Crossing {
     /// The edge's lower end: steps of the lattice from the cell's corner.
     pub low: [usize; 3],
@@ -36,39 +59,64 @@ pub(super) struct Crossing {
     pub share: f64,
 }
 
+/// The bits of [`march`]: for every row along z of `(refine + 1)^3` values, bit z where the value lies above `level`.
+pub(super) fn mark(values: &[f64], refine: usize, level: f64, rows: &mut Vec<u32>) {
+    let bits = |row: &[f64]| row.iter().enumerate().fold(0, |bits, (z, value)| bits | u32::from(*value > level) << z);
+    rows.clear();
+    rows.extend(values.chunks_exact(refine + 1).map(bits));
+}
+
 /// Hands over every triangle of the surface `values = level` in a cell of `refine` steps, whose `(refine + 1)^3` values
-/// have x slowest. Inside is above the level; the triangles turn counter-clockwise as seen from outside.
-pub(super) fn march(values: &[f64], refine: usize, level: f64, mut triangle: impl FnMut([Crossing; 3])) {
+/// have x slowest and are marked in `rows`. Inside is above the level; the triangles turn counter-clockwise as seen from outside.
+/// `point` makes of a crossing what triangles have for corners, once for all triangles of a cube.
+pub(super) fn march<P: Copy + Default>(
+    values: &[f64],
+    rows: &[u32],
+    refine: usize,
+    level: f64,
+    mut point: impl FnMut(Crossing) -> P,
+    mut triangle: impl FnMut([P; 3]),
+) {
     let row = refine + 1;
     let plane = row * row;
-    for x in 0..refine {
-        for y in 0..refine {
-            for z in 0..refine {
-                let at = x * plane + y * row + z;
-                let corners: [f64; 8] =
-                    std::array::from_fn(|c| values[at + (c >> 2) * plane + ((c >> 1) & 1) * row + (c & 1)]);
-                let inside = corners.iter().enumerate().fold(0, |set, (c, v)| set | (usize::from(*v > level) << c));
-                if inside != 0 && inside != 255 {
-                    march_cube([x, y, z], &corners, inside, level, &mut triangle);
-                }
-            }
+    let cubes = (1u32 << refine) - 1;
+    for (x, y) in (0..refine).flat_map(|x| (0..refine).map(move |y| (x, y))) {
+        let sides = [rows[x * row + y], rows[x * row + y + 1], rows[(x + 1) * row + y], rows[(x + 1) * row + y + 1]];
+        let any = sides.iter().fold(0, |any, side| any | side);
+        let all = sides.iter().fold(u32::MAX, |all, side| all & side);
+        let mut cut = (any | any >> 1) & !(all & all >> 1) & cubes;
+        while cut != 0 {
+            let z = cut.trailing_zeros() as usize;
+            cut &= cut - 1;
+            let inside = sides.iter().rev().fold(0, |set, side| set << 2 | (side >> z & 3) as usize);
+            let at = x * plane + y * row + z;
+            let corners: [f64; 8] =
+                std::array::from_fn(|c| values[at + (c >> 2) * plane + ((c >> 1) & 1) * row + (c & 1)]);
+            march_cube([x, y, z], &corners, inside, level, &mut point, &mut triangle);
         }
     }
 }
 
-fn march_cube(
+fn march_cube<P: Copy + Default>(
     low: [usize; 3],
     corners: &[f64; 8],
     inside: usize,
     level: f64,
-    triangle: &mut impl FnMut([Crossing; 3]),
+    point: &mut impl FnMut(Crossing) -> P,
+    triangle: &mut impl FnMut([P; 3]),
 ) {
+    let (mut points, mut known) = ([P::default(); EDGES], 0u32);
     // Always from the lower end: all cubes at an edge find the same point on it.
-    let crossing = |one: usize, other: usize| {
+    let mut crossing = |one: usize, other: usize| {
         let (from, to) = (one.min(other), one.max(other));
-        let low = std::array::from_fn(|axis| low[axis] + ((from >> (2 - axis)) & 1));
-        let share = (level - corners[from]) / (corners[to] - corners[from]);
-        Crossing { low, direction: to - from, share }
+        let edge = usize::from(EDGE[from][to]);
+        if known >> edge & 1 == 0 {
+            known |= 1 << edge;
+            let low = std::array::from_fn(|axis| low[axis] + ((from >> (2 - axis)) & 1));
+            let share = (level - corners[from]) / (corners[to] - corners[from]);
+            points[edge] = point(Crossing { low, direction: to - from, share });
+        }
+        points[edge]
     };
     for tetrahedron in KUHN {
         let set = tetrahedron.iter().enumerate().fold(0, |set, (bit, corner)| set | (((inside >> corner) & 1) << bit));
@@ -124,7 +172,7 @@ mod tests {
         for inside in 1..255usize {
             let corners: [f64; 8] = std::array::from_fn(|c| if (inside >> c) & 1 == 1 { 1.0 } else { -1.0 });
             let mut cuts = 0;
-            march_cube([0; 3], &corners, inside, 0.0, &mut |triangle| {
+            march_cube([0; 3], &corners, inside, 0.0, &mut |crossing| crossing, &mut |triangle: [Crossing; 3]| {
                 cuts += 1;
                 let points = triangle.map(|crossing| {
                     assert_eq!(crossing.share, 0.5);

@@ -42,12 +42,21 @@ impl Turbulence {
             // are drawn evenly over the ball.
             let amplitude = magnitude.powf(-11.0 / 6.0) / norm;
             let phase = std::f64::consts::TAU * random.uniform();
+            // Few phases occur: they are whole parts of a turn.
+            let last = SIZE as i32 - 1;
+            let lowest: i32 = wave.iter().map(|k| k.min(&0) * last).sum();
+            let highest: i32 = wave.iter().map(|k| k.max(&0) * last).sum();
+            let add = |parts: i32| {
+                let turns = f64::from(parts) / SIZE as f64;
+                let wave = amplitude * (std::f64::consts::TAU * turns + phase).cos();
+                direction.map(|along| (wave * along) as f32)
+            };
+            let added: Vec<[f32; 3]> = (lowest..=highest).map(add).collect();
             for (index, value) in tile.iter_mut().enumerate() {
                 let position = [index / (SIZE * SIZE), index / SIZE % SIZE, index % SIZE];
-                let turns: f64 = (0..3).map(|a| f64::from(wave[a]) * position[a] as f64 / SIZE as f64).sum();
-                let wave = amplitude * (std::f64::consts::TAU * turns + phase).cos();
-                for a in 0..3 {
-                    value[a] += (wave * direction[a]) as f32;
+                let parts: i32 = (0..3).map(|a| wave[a] * position[a] as i32).sum();
+                for (value, added) in value.iter_mut().zip(added[(parts - lowest) as usize]) {
+                    *value += added;
                 }
             }
         }

@@ -1,14 +1,12 @@
 //! What the search of texture synthesis costs, as Markdown tables. Nothing is asserted: machines differ, and are noisy.
 //!
 //! Pairs come from the reference folder (`PYROPHONE_REFERENCE`, else `../shared/reference` from the project's root);
-//! without it two made-up ones are used. `-- instructions NAME` runs one fixed second of sound, for callgrind;
-//! `-- companded` makes the table of the companded mode alone.
+//! without it two made-up ones are used. `-- companded` makes the table of the companded mode alone.
 
 mod blocks;
 #[path = "../../tests/common/brute.rs"]
 mod brute;
 mod growth;
-mod instructions;
 mod pairs;
 #[path = "../../tests/common/queries.rs"]
 mod queries;
@@ -34,12 +32,6 @@ fn shortest(mut work: impl FnMut() -> f64) -> f64 {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|x| x != "--bench").collect();
-    if let [command, search] = arguments.as_slice()
-        && command == "instructions"
-    {
-        instructions::run(search);
-        return;
-    }
     let pairs = pairs::all();
     if arguments == ["companded"] {
         blocks::companded_table(&pairs);

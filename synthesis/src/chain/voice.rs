@@ -233,8 +233,11 @@ impl Voice {
             // A layer that is off need not be computed.
             extend.noise_amount = 0.0;
         }
+        let is_low_wanted = controls.mix.low != 0.0 || (stands_in && controls.mix.texture != 0.0);
         let low = &mut self.layers.low[..samples];
-        with_blocks(&mut self.layers.extension, samples, |noise| self.extend.process(drive, &extend, low, noise));
+        with_blocks(&mut self.layers.extension, samples, |noise| {
+            self.extend.process_wanted(drive, &extend, is_low_wanted, low, noise);
+        });
 
         let mut texture = controls.texture;
         if controls.mix.texture == 0.0 {

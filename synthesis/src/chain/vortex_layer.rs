@@ -13,6 +13,9 @@ const SOURCES: usize = 500;
 /// Speed of the eddies in live gas, as a multiple of the mean over a sub-volume.
 const LIVE_SPEED: f64 = 2.5;
 
+/// Seconds, beside twice the latency, after which a layer that is off has fallen silent.
+const HOLD_S: f64 = 0.5;
+
 /// The field that tells the sources' speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Told {
@@ -38,6 +41,9 @@ pub struct VortexLayer {
     /// Whether it has a simulation.
     is_live: bool,
     delays: Vec<Delay<f64>>,
+    /// Samples for which it is rendered on after it was switched off, and how many are left.
+    hold_samples: usize,
+    left_samples: usize,
 }
 
 impl VortexLayer {
@@ -56,6 +62,8 @@ impl VortexLayer {
             told: Told::Nothing,
             is_live: false,
             delays: vec![Delay::new(rest_samples); channels],
+            hold_samples: 2 * latency_samples + (HOLD_S * sample_rate_hz) as usize,
+            left_samples: 0,
         })
     }
 
@@ -95,11 +103,28 @@ impl VortexLayer {
     /// Starts anew at `position` of the host's timeline.
     pub fn reset(&mut self, position: i64) {
         self.vortex.reset(position);
+        self.left_samples = 0;
         self.delays.iter_mut().for_each(Delay::reset);
     }
 
-    /// Makes the layer of one chunk.
+    /// Makes the layer of one chunk. A layer that has been off for long is passed over.
     pub fn process(&mut self, drive: &[f64], controls: &Controls, outputs: &mut [&mut [f64]]) {
+        if controls.mix.vortex != 0.0 {
+            self.left_samples = drive.len() + self.hold_samples;
+        }
+        let samples = drive.len().min(self.left_samples);
+        self.left_samples -= samples;
+        if samples > 0 {
+            self.render(&drive[..samples], controls, outputs);
+        }
+        if samples < drive.len() {
+            // By now the delays hold nothing but silence.
+            outputs.iter_mut().for_each(|output| output[samples..].fill(0.0));
+            self.vortex.skip(drive.len() - samples);
+        }
+    }
+
+    fn render(&mut self, drive: &[f64], controls: &Controls, outputs: &mut [&mut [f64]]) {
         let effective = self.effective(controls);
         // Whatever is exchanged here has another owner, so nothing is freed.
         let wanted = controls.vortex.texture.min(TEXTURES.len() - 1);
@@ -114,7 +139,7 @@ impl VortexLayer {
         }
         self.vortex.process(drive, &effective, outputs);
         for (delay, output) in self.delays.iter_mut().zip(outputs) {
-            delay.process(output);
+            delay.process(&mut output[..drive.len()]);
         }
     }
 

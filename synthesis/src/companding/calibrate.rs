@@ -62,9 +62,8 @@ pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progre
     let plain = trials.pop().unwrap_or_default();
     let mut equalized = plain.clone();
     let mut equalizer = Equalizer::new(rate_hz, 1);
-    for at in 0..equalized.len() {
-        equalizer.process(&taps, 1.0, &mut [&mut equalized], at);
-    }
+    let samples = equalized.len();
+    equalizer.process(&taps, 1.0, &mut [&mut equalized], 0..samples);
     let distance = |signal: &[f64]| distance_db(&levels_db(signal), &goal_db);
     let helps = distance(&equalized) < distance(&plain);
     let (heard, taps) = if helps { (equalized, taps) } else { (plain, Vec::new()) };

@@ -1,4 +1,11 @@
 //! An equaliser towards a spectrum: minimum phase, so that it adds no latency.
+//!
+//! Convolution in parts (Gardner, "Efficient Convolution without Input-Output Delay", 1995): the first taps directly, all
+//! others by transforms of blocks of [`BLOCK`] samples, which are due only one block later. So work grows with
+//! the sample rate and not with its square, and is the same in every block. Blocks stand on the samples counted since the
+//! reset, whatever pieces the sound comes in.
+
+use std::ops::Range;
 
 use crate::fft::Complex64;
 
@@ -14,6 +21,8 @@ const STOP_DB: f64 = 30.0;
 const TAPS: f64 = 512.0;
 /// Length of the transform for designing, in taps; long, so that the cepstrum does not wrap.
 const DESIGN_FACTOR: usize = 16;
+/// Samples of a block, and taps that are applied directly.
+const BLOCK: usize = 64;
 /// Time constant in seconds with which the amount follows its control.
 const SMOOTHING_S: f64 = 0.02;
 
@@ -68,18 +77,74 @@ fn interpolate(places: &[f64], values: &[f64], at: f64) -> f64 {
     }
 }
 
-/// Taps summed at once, in a fixed order whatever the machine.
+/// The number of taps is a multiple of this.
 const STRIDE: usize = 8;
+
+/// Samples that the first taps are applied to at once.
+const AT_ONCE: usize = 16;
+
+/// Bins of a block's spectrum, rounded up for vectors.
+const BINS: usize = (BLOCK + 1).next_multiple_of(STRIDE);
+
+/// A spectrum, its parts in arrays of their own.
+#[derive(Debug, Clone, Copy)]
+struct Spectrum {
+    re: [f64; BINS],
+    im: [f64; BINS],
+}
+
+impl Spectrum {
+    const ZERO: Self = Self { re: [0.0; BINS], im: [0.0; BINS] };
+
+    fn of(transform: &mut Transform) -> Self {
+        transform.forward();
+        let mut spectrum = Self::ZERO;
+        for (bin, value) in transform.spectrum.iter().enumerate() {
+            (spectrum.re[bin], spectrum.im[bin]) = (value.re, value.im);
+        }
+        spectrum
+    }
+
+    /// Adds a product.
+    #[inline(always)]
+    fn add(&mut self, a: &Self, b: &Self) {
+        for bin in 0..BINS {
+            self.re[bin] += a.re[bin] * b.re[bin] - a.im[bin] * b.im[bin];
+            self.im[bin] += a.re[bin] * b.im[bin] + a.im[bin] * b.re[bin];
+        }
+    }
+}
+
+/// What is kept of a channel.
+#[derive(Debug, Clone)]
+struct Channel {
+    /// Whole blocks of the past, the one under way, and as much as is filtered at once.
+    line: Vec<f64>,
+    /// Spectra of two blocks at a time, the newest at `newest` and older ones after it, round the end.
+    spectra: Vec<Spectrum>,
+    newest: usize,
+    /// What all but the first taps make of the past, for the block under way.
+    tail: [f64; BLOCK],
+}
 
 /// Filters channels with taps that may be exchanged, wholly or in part.
 #[derive(Debug)]
 pub struct Equalizer {
-    /// The last samples of every channel, each kept twice so that they always lie in a row.
-    histories: Vec<Vec<f64>>,
+    channels: Vec<Channel>,
+    transform: Transform,
     length: usize,
-    at: usize,
+    /// The taps in use, or none; they are taken over at a block's begin.
+    taps: Vec<f64>,
+    /// Spectra of the taps beyond the first block's, a block each.
+    parts: Vec<Spectrum>,
+    /// Samples of the block under way.
+    filled: usize,
     amount: Smoothed,
     fresh: bool,
+    /// Whether the block under way is filtered.
+    is_on: bool,
+    /// Whether the channels' spectra are those of their past.
+    is_followed: bool,
     /// Samples for which every channel has been silent.
     silent_samples: usize,
 }
@@ -88,12 +153,24 @@ impl Equalizer {
     /// An equaliser for `channels`.
     pub fn new(sample_rate_hz: f64, channels: usize) -> Self {
         let length = design(&[0.0], sample_rate_hz).len();
+        let parts = length.div_ceil(BLOCK) - 1;
+        let channel = Channel {
+            line: vec![0.0; (parts + 2) * BLOCK + AT_ONCE],
+            spectra: vec![Spectrum::ZERO; parts],
+            newest: 0,
+            tail: [0.0; BLOCK],
+        };
         Self {
-            histories: vec![vec![0.0; 2 * length]; channels],
+            channels: vec![channel; channels],
+            transform: Transform::new(2 * BLOCK),
             length,
-            at: 0,
+            taps: Vec::with_capacity(length),
+            parts: vec![Spectrum::ZERO; parts],
+            filled: BLOCK,
             amount: Smoothed::new(SMOOTHING_S, sample_rate_hz),
             fresh: true,
+            is_on: false,
+            is_followed: false,
             silent_samples: length,
         }
     }
@@ -105,44 +182,152 @@ impl Equalizer {
 
     /// Back to silence.
     pub fn reset(&mut self) {
-        self.histories.iter_mut().for_each(|history| history.fill(0.0));
-        self.at = 0;
+        self.channels.iter_mut().for_each(|channel| channel.line.fill(0.0));
+        self.filled = BLOCK;
         self.fresh = true;
+        self.is_on = false;
+        self.is_followed = false;
         self.silent_samples = self.length;
     }
 
-    /// Filters one sample of every channel with `taps`, made by [`design`], by `amount` (0-1).
-    #[inline]
-    pub fn process(&mut self, taps: &[f64], amount: f64, channels: &mut [&mut [f64]], at: usize) {
-        if self.fresh {
+    /// Filters the samples in `range` of every channel with `taps`, made by [`design`], by `amount` (0-1).
+    pub fn process(&mut self, taps: &[f64], amount: f64, channels: &mut [&mut [f64]], range: Range<usize>) {
+        if std::mem::take(&mut self.fresh) {
             self.amount.value = amount;
-            self.fresh = false;
         }
-        let amount = self.amount.next(amount);
-        let silent = channels.iter().all(|channel| channel[at] == 0.0);
-        self.silent_samples = if silent { self.silent_samples.saturating_add(1) } else { 0 };
-        self.at = if self.at == 0 { self.length - 1 } else { self.at - 1 };
-        let is_heard = amount != 0.0 && taps.len() == self.length && self.silent_samples < self.length;
-        for (channel, history) in channels.iter_mut().zip(&mut self.histories) {
-            let input = channel[at];
-            history[self.at] = input;
-            history[self.at + self.length] = input;
+        let mut start = range.start;
+        while start < range.end {
+            if self.filled == BLOCK {
+                self.begin(taps, amount);
+            }
+            let end = range.end.min(start + BLOCK - self.filled);
+            self.filter(amount, channels, start..end);
+            start = end;
+        }
+    }
+
+    /// Begins a block.
+    fn begin(&mut self, taps: &[f64], amount: f64) {
+        self.filled = 0;
+        for channel in &mut self.channels {
+            channel.line.copy_within(BLOCK.., 0);
+        }
+        let is_silent = self.silent_samples >= self.length;
+        self.is_on = taps.len() == self.length && (amount != 0.0 || self.amount.value != 0.0);
+        if !self.is_on || is_silent {
+            // Of silence nothing is left to be heard; otherwise the past is gone through once it is wanted again.
+            self.channels.iter_mut().for_each(|channel| channel.tail = [0.0; BLOCK]);
+            self.is_followed = false;
+        }
+        if !self.is_on {
+            return;
+        }
+        if self.taps != taps {
+            self.set_taps(taps);
+        }
+        if !is_silent {
+            let every = !std::mem::replace(&mut self.is_followed, true);
+            for channel in &mut self.channels {
+                channel.follow(&mut self.transform, every);
+                channel.set_tail(&mut self.transform, &self.parts);
+            }
+        }
+    }
+
+    fn set_taps(&mut self, taps: &[f64]) {
+        self.taps.clear();
+        self.taps.extend_from_slice(taps);
+        for (part, taps) in self.parts.iter_mut().zip(taps[BLOCK..].chunks(BLOCK)) {
+            self.transform.time.fill(0.0);
+            for (value, tap) in self.transform.time.iter_mut().zip(taps) {
+                *value = tap / (2 * BLOCK) as f64;
+            }
+            *part = Spectrum::of(&mut self.transform);
+        }
+    }
+
+    /// Filters samples that lie within one block.
+    fn filter(&mut self, amount: f64, channels: &mut [&mut [f64]], range: Range<usize>) {
+        let (at, count) = (self.filled, range.len());
+        self.filled += count;
+        // Of every sample the amount; none where all has been silent for long, so that silence is exact.
+        let mut shares = [0.0; BLOCK];
+        for (share, i) in shares.iter_mut().zip(range.clone()) {
+            let is_silent = channels.iter().all(|channel| channel[i] == 0.0);
+            self.silent_samples = if is_silent { self.silent_samples.saturating_add(1) } else { 0 };
+            if self.is_on {
+                let amount = self.amount.next(amount);
+                *share = if self.silent_samples < self.length { amount } else { 0.0 };
+            }
+        }
+        let is_heard = shares[..count].iter().any(|share| *share != 0.0);
+        for (channel, kept) in channels.iter_mut().zip(&mut self.channels) {
+            let block = &mut channel[range.clone()];
+            let now = kept.begin() + at;
+            kept.line[now..now + count].copy_from_slice(block);
             if is_heard {
-                let filtered = dot(taps, &history[self.at..self.at + self.length]);
-                channel[at] = input + amount * (filtered - input);
+                let filtered = head(&self.taps[..BLOCK], &kept.line, now, count);
+                for (i, sample) in block.iter_mut().enumerate() {
+                    let filtered = filtered[i] + kept.tail[at + i];
+                    *sample += shares[i] * (filtered - *sample);
+                }
             }
         }
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; STRIDE];
-    for (a, b) in a.as_chunks::<STRIDE>().0.iter().zip(b.as_chunks::<STRIDE>().0) {
-        for i in 0..STRIDE {
-            sums[i] += a[i] * b[i];
+impl Channel {
+    /// Where the block under way begins in the line.
+    fn begin(&self) -> usize {
+        self.line.len() - AT_ONCE - BLOCK
+    }
+
+    /// Takes the last block into the spectra, or `every` block of the past.
+    fn follow(&mut self, transform: &mut Transform, every: bool) {
+        let (parts, end) = (self.spectra.len(), self.begin());
+        self.newest = (self.newest + parts - 1) % parts;
+        for age in 0..if every { parts } else { 1 } {
+            let from = end - (age + 2) * BLOCK;
+            transform.time.copy_from_slice(&self.line[from..from + 2 * BLOCK]);
+            self.spectra[(self.newest + age) % parts] = Spectrum::of(transform);
         }
     }
-    sums.iter().sum()
+
+    fn set_tail(&mut self, transform: &mut Transform, parts: &[Spectrum]) {
+        let (older, newer) = self.spectra.split_at(self.newest);
+        let mut sum = Spectrum::ZERO;
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || newer.iter().chain(older).zip(parts).for_each(|(past, part)| sum.add(past, part)),
+        );
+        for (bin, value) in transform.spectrum.iter_mut().enumerate() {
+            *value = Complex64::new(sum.re[bin], sum.im[bin]);
+        }
+        transform.inverse();
+        self.tail.copy_from_slice(&transform.time[BLOCK..]);
+    }
+}
+
+/// What the first taps make of `line` from `from` on.
+fn head(taps: &[f64], line: &[f64], from: usize, count: usize) -> [f64; BLOCK] {
+    let mut out = [0.0; BLOCK];
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for (piece, out) in
+                out[..count.next_multiple_of(AT_ONCE)].as_chunks_mut::<AT_ONCE>().0.iter_mut().enumerate()
+            {
+                for (delay, tap) in taps.iter().enumerate() {
+                    // Beyond `count` this reads what is to come, of which nothing is heard.
+                    let past = &line[from + piece * AT_ONCE - delay..][..AT_ONCE];
+                    for (sum, sample) in out.iter_mut().zip(past) {
+                        *sum += tap * sample;
+                    }
+                }
+            }
+        },
+    );
+    out
 }
 
 #[cfg(test)]
@@ -201,7 +386,7 @@ mod tests {
         let mut signal = vec![1.0; 20_000];
         for i in 0..signal.len() {
             let amount = if i / 5000 % 2 == 0 { 0.0 } else { 1.0 };
-            equalizer.process(&taps, amount, &mut [&mut signal], i);
+            equalizer.process(&taps, amount, &mut [&mut signal], i..i + 1);
         }
         let largest = signal.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         assert!((signal[9999] - 2.0).abs() < 0.02 && largest < 2e-3, "{largest}");
@@ -213,15 +398,75 @@ mod tests {
         let mut equalizer = Equalizer::new(RATE_HZ, 1);
         let mut signal: Vec<f64> = (0..3000).map(|i| if i < 1000 { (f64::from(i) * 0.1).sin() } else { 0.0 }).collect();
         let untouched = signal.clone();
-        for i in 0..signal.len() {
-            equalizer.process(&taps, 0.0, &mut [&mut signal], i);
-        }
+        let all = 0..signal.len();
+        equalizer.process(&taps, 0.0, &mut [&mut signal], all.clone());
         assert_eq!(signal, untouched);
         equalizer.reset();
-        for i in 0..signal.len() {
-            equalizer.process(&taps, 1.0, &mut [&mut signal], i);
-        }
+        equalizer.process(&taps, 1.0, &mut [&mut signal], all);
         assert!((signal[500] / untouched[500] - 2.0).abs() < 0.02);
         assert!(signal[1000 + equalizer.tail_samples()..].iter().all(|x| *x == 0.0));
+    }
+
+    fn noise(samples: usize) -> Vec<f64> {
+        let mut noise = vec![0.0; samples];
+        crate::noise::White::new(3, 4).fill(0, &mut noise);
+        noise
+    }
+
+    #[test]
+    fn equals_the_plain_convolution_at_every_rate() {
+        for rate_hz in [44_100.0, 48_000.0, 96_000.0] {
+            let tilt: Vec<f64> = (0..23).map(|i| f64::from(i) - 11.0).collect();
+            let taps = design(&tilt, rate_hz);
+            let input = noise(6_000);
+            let mut output = input.clone();
+            let mut equalizer = Equalizer::new(rate_hz, 1);
+            equalizer.process(&taps, 1.0, &mut [&mut output], 0..input.len());
+            let scale = taps.iter().map(|tap| tap.abs()).sum::<f64>();
+            for (i, found) in output.iter().enumerate() {
+                let expected: f64 = taps.iter().zip(input[..=i].iter().rev()).map(|(tap, x)| tap * x).sum();
+                assert!((found - expected).abs() < 1e-13 * scale, "{rate_hz} Hz, {i}: {found} instead of {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn output_does_not_depend_on_how_the_sound_is_cut() {
+        let taps = [design(&[6.0; 23], RATE_HZ), design(&[-3.0; 23], RATE_HZ), Vec::new()];
+        // Silence, other taps and other amounts, at places that lie in no block's middle.
+        let run = |cut: usize| {
+            let mut equalizer = Equalizer::new(RATE_HZ, 2);
+            let (mut left, mut right) = (noise(12_000), noise(12_000));
+            left[5_000..7_000].fill(0.0);
+            right[5_000..7_000].fill(0.0);
+            let mut at = 0;
+            while at < left.len() {
+                let amount = [0.0, 1.0, 0.4, 1.0, 0.0][at / 1_000 % 5];
+                let end = (at + cut).min((at / 1_000 + 1) * 1_000);
+                equalizer.process(&taps[at / 3_000 % 3], amount, &mut [&mut left, &mut right], at..end);
+                at = end;
+            }
+            (left, right)
+        };
+        let whole = run(1_000);
+        for cut in [1, 7, 64, 333] {
+            assert!(run(cut) == whole, "cut into {cut}");
+        }
+    }
+
+    #[test]
+    fn comes_on_as_if_it_had_always_run() {
+        let taps = design(&(0..23).map(|i| f64::from(i) - 11.0).collect::<Vec<f64>>(), RATE_HZ);
+        let run = |first: f64| {
+            let mut equalizer = Equalizer::new(RATE_HZ, 1);
+            let mut signal = noise(16_000);
+            equalizer.process(&taps, first, &mut [&mut signal], 0..3_000);
+            equalizer.process(&taps, 1.0, &mut [&mut signal], 3_000..16_000);
+            signal
+        };
+        let (always, later) = (run(1.0), run(0.0));
+        // A quarter of a second later the amount has arrived, to the last bit but for the way its rounding went.
+        let error = always[15_000..].iter().zip(&later[15_000..]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-9, "{error}");
     }
 }

@@ -290,37 +290,29 @@ impl Companding {
         let samples = channels.first().map_or(0, |channel| channel.len());
         let mut drive = std::mem::take(&mut self.drive_block);
         self.drive.process(&mut drive[..samples]);
+        let taps = profile.map_or(&[] as &[f64], |profile| &profile.taps);
         let mut start = 0;
         while start < samples {
             let (controls, end) = self.run(start, samples, self.latency_samples);
+            for (i, drive) in drive.iter_mut().enumerate().take(end).skip(start) {
+                let sample = self.now - (samples - i) as i64 - self.latency_samples;
+                let place = self.place(sample, 1);
+                let (gain, low_gain) = self.output_gains_at(place, &controls, profile);
+                self.relative_block[i] = self.relative_at(place, &controls);
+                channels.iter_mut().for_each(|channel| channel[i] *= gain);
+                *drive *= low_gain;
+            }
+            let limit_taps = profile.map_or(&[] as &[f64], |profile| &profile.limit_taps);
+            self.band_limit.process(limit_taps, 1.0, channels, start..end);
+            let spectrum_match = within(controls.companding.spectrum_match, 0.0, 1.0);
+            self.equalizer.process(taps, spectrum_match, channels, start..end);
             self.low_end.aim(controls.companding.low_end_hz);
             for (i, drive) in drive.iter().enumerate().take(end).skip(start) {
-                let sample = self.now - (samples - i) as i64 - self.latency_samples;
-                self.expand_sample(sample, &controls, profile, *drive, channels, i);
+                self.low_end.process(*drive, channels, i);
             }
             start = end;
         }
         self.drive_block = drive;
-    }
-
-    #[inline]
-    fn expand_sample(
-        &mut self,
-        sample: i64,
-        controls: &TextureControls,
-        profile: Option<&Profile>,
-        drive: f64,
-        channels: &mut [&mut [f64]],
-        at: usize,
-    ) {
-        let place = self.place(sample, 1);
-        let (gain, low_gain) = self.output_gains_at(place, controls, profile);
-        self.relative_block[at] = self.relative_at(place, controls);
-        channels.iter_mut().for_each(|channel| channel[at] *= gain);
-        self.band_limit.process(profile.map_or(&[], |profile| &profile.limit_taps), 1.0, channels, at);
-        let taps = profile.map_or(&[] as &[f64], |profile| &profile.taps);
-        self.equalizer.process(taps, within(controls.companding.spectrum_match, 0.0, 1.0), channels, at);
-        self.low_end.process(drive * low_gain, channels, at);
     }
 
     /// The first block's controls are taken at once.

@@ -45,18 +45,22 @@ impl Band {
     /// 0 Hz. A trapezoid is a box of the cutoff smeared by a box of the width, so its transform is
     /// a product of two sinc functions.
     pub fn low_pass(&self, sample_rate_hz: f64, taps: &mut [f64]) {
+        self.low_pass_taps(sample_rate_hz, 0, taps);
+        normalise(taps);
+    }
+
+    /// Some of these taps, from number `first` on, before [`normalise`].
+    pub(crate) fn low_pass_taps(&self, sample_rate_hz: f64, first: usize, taps: &mut [f64]) {
         for (tap, value) in taps.iter_mut().enumerate() {
-            let seconds = tap as f64 / sample_rate_hz;
+            let seconds = (first + tap) as f64 / sample_rate_hz;
             *value = sinc(2.0 * self.cutoff_hz * seconds) * sinc(self.width_hz * seconds);
         }
-        normalise(taps);
     }
 
     /// Taps 0, 1, ... of the linear-phase high-pass b2, cut to `taps.len()`, with gain 0 at 0 Hz.
     pub fn high_pass(&self, sample_rate_hz: f64, taps: &mut [f64]) {
         self.low_pass(sample_rate_hz, taps);
-        taps.iter_mut().for_each(|value| *value = -*value);
-        taps[0] += 1.0;
+        complement(taps);
     }
 
     /// Taps 0, 1, ... of the envelope's low-pass: a Butterworth filter of order 2 run forward and
@@ -72,9 +76,15 @@ impl Band {
 }
 
 /// Scales the taps 0, 1, ... of a symmetric filter to gain 1 at 0 Hz.
-fn normalise(taps: &mut [f64]) {
+pub(crate) fn normalise(taps: &mut [f64]) {
     let sum = 2.0 * taps.iter().sum::<f64>() - taps[0];
     taps.iter_mut().for_each(|value| *value /= sum);
+}
+
+/// Makes of the taps 0, 1, ... of a symmetric filter those of what it takes away.
+pub(crate) fn complement(taps: &mut [f64]) {
+    taps.iter_mut().for_each(|value| *value = -*value);
+    taps[0] += 1.0;
 }
 
 fn sinc(x: f64) -> f64 {

@@ -83,9 +83,7 @@ impl Fitter {
 
     /// Takes the window's band and its drive times triangle (2 half-widths, centre at half).
     pub fn set_drive(&mut self, band: &Band, windowed: &[f64]) {
-        if self.band != Some(*band) {
-            self.set_band(band);
-        }
+        self.set_band(band);
         self.drive = self.turn.spectrum(windowed);
     }
 
@@ -108,7 +106,11 @@ impl Fitter {
         if applied.is_finite() { (raw, applied) } else { (0.0, 0.0) }
     }
 
-    fn set_band(&mut self, band: &Band) {
+    /// Takes the band ahead.
+    pub fn set_band(&mut self, band: &Band) {
+        if self.band == Some(*band) {
+            return;
+        }
         for node in 0..NODES {
             let deviations = (node as f64 - (NODES - 1) as f64 / 2.0) * 0.4;
             let frequency_hz = band.cutoff_hz + deviations * self.sigma_hz;

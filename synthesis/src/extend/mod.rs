@@ -11,7 +11,7 @@
 //! | `low` | the drive below the blend |
 //! | [`noise`] | endless power-law noise |
 //! | [`beta`] | the fit, and the rule that tames its outliers |
-//! | `high` | one window of noise |
+//! | `high` | windows of noise |
 //! | [`mod@reference`] | the whole-file algorithm in double precision, as published |
 
 pub mod band;
@@ -27,11 +27,11 @@ mod zoom;
 
 use band::Band;
 use beta::Fit;
-use high::High;
+use high::{High, Surroundings};
 use layout::Layout;
-use low::Low;
+use low::{DESIGN_PARTS, Half, Low};
 use noise::{NoiseSource, PowerLaw};
-use window::{History, Overlap, next_on_grid};
+use window::{History, Overlap, into_hop};
 
 use crate::controls::ExtendControls;
 use crate::error::{Error, in_range};
@@ -43,6 +43,18 @@ const MAX_CHANNELS: usize = 10;
 
 /// Drive below this amplitude counts as silence, which keeps denormals out.
 const SILENCE: f64 = 1e-30;
+
+/// Seconds, beside the latency, for which the low part is made on after nobody wants it: levels that follow their controls
+/// have fallen to nothing by then.
+const LOW_HOLD_S: f64 = 0.5;
+
+/// Parts of a hop between which the low part's events lie.
+const LOW_PARTS: usize = 16;
+/// The event at which a block's second half begins, in the middle of a hop.
+const LOW_SECOND: usize = LOW_PARTS / 2;
+/// Events of the low part in a hop: half a block in three, the next filter's design, and the other half.
+const LOW_EVENTS: usize = LOW_SECOND + 3;
+const _: () = assert!(3 + DESIGN_PARTS == LOW_SECOND);
 
 /// The streaming engine.
 ///
@@ -59,7 +71,18 @@ pub struct Extend<N = PowerLaw> {
     controls: Timeline<ExtendControls>,
     /// Position of the first sample after reset.
     origin: i64,
+    /// Position of the latest drive that was not 0.
+    last_loud: i64,
+    /// Samples after a window was due at which each step towards the next is done.
+    step_offsets: Vec<usize>,
+    /// Samples from a block of the low part's begin until its first half's drive has arrived, and from then on to each event.
+    low_start: usize,
+    low_offsets: [usize; LOW_EVENTS],
     low_out: Overlap,
+    /// Position up to which the low part is made, and whether its last block was.
+    low_until: i64,
+    is_low_on: bool,
+    low_hold_samples: i64,
     noise_out: Vec<Overlap>,
     fits: Vec<Fit>,
     /// The first channel's factors of windows since they were taken.
@@ -90,15 +113,26 @@ impl<N: NoiseSource> Extend<N> {
         // The oldest sample still needed: a low block's filter, or a window's envelope.
         let keep = (layout.half_width + 2 * layout.low_reach).max(2 * (layout.half_width + layout.envelope_reach));
         let span = layout.latency + layout.half_width + layout.high_reach;
+        let high = High::new(&layout, channels, sample_rate_hz, structure.fit_width_hz);
+        let (hop, steps) = (layout.half_width, high.steps(source.steps()));
+        // Halves need the controls at the block's end; where windows are longer than the filter, these come too late.
+        let first_half = if layout.low_reach < hop { hop } else { hop.div_ceil(2) };
         let mut extend = Self {
             source,
+            step_offsets: (0..steps).map(|step| (step * hop / steps).clamp(1, (hop - 1).max(1))).collect(),
+            low_start: layout.low_reach + first_half,
+            low_offsets: std::array::from_fn(|event| event * hop / LOW_PARTS),
             low: Low::new(&layout, sample_rate_hz),
-            high: High::new(&layout, sample_rate_hz, structure.fit_width_hz),
+            high,
             drive: History::new(keep),
             chunk: vec![0.0; layout.half_width],
             controls: Timeline::new(layout.latency + layout.half_width, ExtendControls::default()),
             origin: 0,
+            last_loud: i64::MIN,
             low_out: Overlap::new(span),
+            low_until: 0,
+            is_low_on: true,
+            low_hold_samples: (layout.latency + layout.half_width) as i64 + (LOW_HOLD_S * sample_rate_hz) as i64,
             noise_out: (0..channels).map(|_| Overlap::new(span)).collect(),
             fits: vec![Fit::default(); channels],
             betas: Vec::with_capacity(BETA_CAPACITY),
@@ -130,10 +164,15 @@ impl<N: NoiseSource> Extend<N> {
         // Room for years of sound on either side.
         let position = position.clamp(-(1 << 60), 1 << 60);
         self.origin = position;
+        self.last_loud = i64::MIN;
+        self.low.reset();
+        self.high.reset();
         self.drive.reset(position);
         self.controls.reset(ExtendControls::default());
         let front = position - self.layout.latency as i64;
         self.low_out.reset(front);
+        self.low_until = i64::MIN;
+        self.is_low_on = true;
         self.noise_out.iter_mut().for_each(|out| out.reset(front));
         self.fits.fill(Fit::default());
         self.betas.clear();
@@ -143,36 +182,104 @@ impl<N: NoiseSource> Extend<N> {
     /// those in force at its centre. `low` and every channel of `noise` are as long as `drive`, and
     /// delayed by the latency.
     pub fn process(&mut self, drive: &[f64], controls: &ExtendControls, low: &mut [f64], noise: &mut [&mut [f64]]) {
+        self.process_wanted(drive, controls, true, low, noise);
+    }
+
+    /// The same with a low part that may not be wanted: half a second and the latency after it was wanted last it is no
+    /// longer made, and `low` is 0. When it is wanted again it fades in at once, and is whole before that sound comes out.
+    pub fn process_wanted(
+        &mut self,
+        drive: &[f64],
+        controls: &ExtendControls,
+        is_low_wanted: bool,
+        low: &mut [f64],
+        noise: &mut [&mut [f64]],
+    ) {
         let count = noise.iter().map(|channel| channel.len()).fold(drive.len().min(low.len()), usize::min);
+        if is_low_wanted {
+            self.low_until = (self.drive.end() + count as i64).saturating_add(self.low_hold_samples);
+        }
         let mut done = 0;
         while done < count {
             let position = self.drive.end();
-            let hop = self.layout.half_width;
-            let next_window = next_on_grid(position, self.layout.envelope_reach, hop);
-            let next_low = next_on_grid(position, self.layout.low_reach, hop);
-            let step = ((next_window.min(next_low) - position) as usize).min(count - done);
-
-            let chunk = &mut self.chunk[..step];
-            for (kept, sample) in chunk.iter_mut().zip(&drive[done..]) {
-                *kept = if sample.abs() < SILENCE { 0.0 } else { *sample };
-            }
-            self.drive.push(chunk);
-            self.controls.push(*controls, step);
+            let step = ((self.next_event(position) - position) as usize).min(count - done);
+            self.take(&drive[done..done + step], controls);
             self.low_out.take(&mut low[done..done + step]);
             for (out, channel) in self.noise_out.iter_mut().zip(noise.iter_mut()) {
                 out.take(&mut channel[done..done + step]);
             }
             done += step;
+            self.work(position + step as i64);
+        }
+    }
 
-            let end = position + step as i64;
-            if end == next_window {
-                self.process_window((end - self.layout.envelope_reach as i64).div_euclid(hop as i64) - 1);
+    /// Takes the drive up to the next event.
+    fn take(&mut self, drive: &[f64], controls: &ExtendControls) {
+        let chunk = &mut self.chunk[..drive.len()];
+        for (kept, sample) in chunk.iter_mut().zip(drive) {
+            *kept = if sample.abs() < SILENCE { 0.0 } else { *sample };
+        }
+        if let Some(last) = chunk.iter().rposition(|sample| *sample != 0.0) {
+            self.last_loud = self.drive.end() + last as i64;
+        }
+        self.drive.push(chunk);
+        self.controls.push(*controls, drive.len());
+    }
+
+    /// The first position after `position` at which there is something to do: a function of the position alone.
+    fn next_event(&self, position: i64) -> i64 {
+        let hop = self.layout.half_width;
+        let into = into_hop(position, self.layout.envelope_reach, hop);
+        let next_step = self.step_offsets[self.steps_by(into)..].first().copied().unwrap_or(hop);
+        let into_low = into_hop(position, self.low_start, hop);
+        let next_low = self.low_offsets.iter().copied().find(|offset| *offset > into_low).unwrap_or(hop);
+        position + (next_step - into).min(next_low - into_low) as i64
+    }
+
+    /// Steps that are planned for the first `into` samples after a window was due.
+    fn steps_by(&self, into: usize) -> usize {
+        self.step_offsets.partition_point(|offset| *offset <= into)
+    }
+
+    /// Does what is to be done once the drive has come up to `end`.
+    fn work(&mut self, end: i64) {
+        let hop = self.layout.half_width;
+        let into = into_hop(end, self.layout.envelope_reach, hop);
+        let window = (end - into as i64 - self.layout.envelope_reach as i64) / hop as i64 - 1;
+        if into == 0 {
+            self.process_window(window);
+        } else {
+            self.work_ahead(window + 1, into);
+        }
+        let into = into_hop(end, self.low_start, hop);
+        let block = end - (self.low_start + into) as i64;
+        for event in 0..LOW_EVENTS {
+            if self.low_offsets[event] == into {
+                self.low_event(event, block);
             }
-            if end == next_low {
-                let start = end - (self.layout.low_reach + hop) as i64;
-                let (from, to) = (self.band_at(start), self.band_at(start + hop as i64));
-                self.low.process(start, &self.drive, &from, &to, &mut self.low_out);
+        }
+    }
+
+    /// Samples of the first half of a block of the low part.
+    fn first_half(&self) -> usize {
+        self.low_start - self.layout.low_reach
+    }
+
+    /// Does the steps towards `window` that are planned for `into` samples after the one before.
+    fn work_ahead(&mut self, window: i64, into: usize) {
+        let hop = self.layout.half_width;
+        let planned = self.steps_by(into);
+        let centre = window * hop as i64;
+        let controls = self.controls_at(centre);
+        let start = centre - hop as i64;
+        // After a silence, or a reset within a hop, two at a time catch up; what is left is done when the window is due.
+        for _ in 0..2 {
+            let is_silent = self.high.is_ahead() && self.last_loud < start;
+            if self.high.done() >= planned || is_silent {
+                return;
             }
+            let mut with = Surroundings { drive: &self.drive, source: &mut self.source, out: &mut self.noise_out };
+            self.high.step((start, &controls), &mut with);
         }
     }
 
@@ -192,9 +299,44 @@ impl<N: NoiseSource> Extend<N> {
         self.betas.drain(..)
     }
 
+    /// One of the events of the low part's block from `start` on.
+    fn low_event(&mut self, event: usize, start: i64) {
+        let hop = self.layout.half_width;
+        match event {
+            0 | LOW_SECOND => self.begin_low(start, event == 0),
+            1 => self.low.filter_from(&mut self.low_out),
+            2 => self.low.filter_to(&mut self.low_out),
+            _ if event < LOW_SECOND => {
+                // The end of the next block, if its controls are known yet.
+                let at = start + 2 * hop as i64;
+                if self.is_low_on && at < self.drive.end() {
+                    self.low.design(event - 3, &self.band_at(at));
+                }
+            }
+            _ if event == LOW_SECOND + 1 => self.low.filter_from(&mut self.low_out),
+            _ => self.low.filter_to(&mut self.low_out),
+        }
+    }
+
+    /// Begins half a block.
+    fn begin_low(&mut self, block: i64, is_first: bool) {
+        let (hop, first) = (self.layout.half_width, self.first_half());
+        let is_on = self.drive.end() <= self.low_until;
+        let was_on = std::mem::replace(&mut self.is_low_on, is_on);
+        if is_on && (is_first || first < hop) {
+            let (offset, len) = if is_first { (0, first) } else { (first, hop - first) };
+            let (from, to) = (self.band_at(block), self.band_at(block + hop as i64));
+            let half = Half { start: block + offset as i64, offset, len, from, to, fades_in: !was_on };
+            self.low.begin(half, &self.drive);
+        }
+    }
+
     fn process_window(&mut self, window: i64) {
-        let controls = self.controls_at(window * self.layout.half_width as i64);
-        self.high.process(window, &self.drive, &controls, &mut self.source, &mut self.fits, &mut self.noise_out);
+        let centre = window * self.layout.half_width as i64;
+        let controls = self.controls_at(centre);
+        let start = centre - self.layout.half_width as i64;
+        let mut with = Surroundings { drive: &self.drive, source: &mut self.source, out: &mut self.noise_out };
+        self.high.process((window, start), &controls, &mut with, &mut self.fits);
         if self.betas.len() < BETA_CAPACITY {
             self.betas.push(self.fits[0].applied as f32);
         }

@@ -1,6 +1,8 @@
 //! Power-law noise that never ends (§4): white noise, a function of (seed, channel, position),
 //! shaped to frequency^(-alpha/2) above the blend.
 
+use std::ops::Range;
+
 use super::band::Band;
 use super::layout::Layout;
 use super::spectrum::Transform;
@@ -18,6 +20,15 @@ pub trait NoiseSource {
     /// Amplitude density of the noise at the cutoff, the ramp left out: the root of the mean power
     /// of a stretch's Fourier transform per sample of the stretch.
     fn level(&self, controls: &ExtendControls) -> f64;
+
+    /// Steps in which a window's noise can be made ahead; 0 where it cannot.
+    fn steps(&self) -> usize {
+        0
+    }
+
+    /// Does one of these steps for the window whose noise [`fill`](Self::fill) will be asked for next, in order. Whatever has
+    /// not been done by then, `fill` does.
+    fn prepare(&mut self, _step: usize, _start: i64, _controls: &ExtendControls) {}
 }
 
 /// The product's noise, of unit density at the cutoff.
@@ -32,10 +43,14 @@ pub struct PowerLaw {
     band: Option<Band>,
     shape: Vec<f64>,
     taps: Vec<f64>,
+    /// The shape being designed, and the steps of it that are done.
+    design: Option<(Band, usize)>,
+    /// The block being made, its channel, and the steps of it that are done.
+    making: Option<(usize, Kind, usize)>,
     /// Blocks stand on multiples of their length, so that a block is the same whoever asks for it.
     block_len: usize,
-    /// One per channel.
-    blocks: Vec<Block>,
+    /// Per channel the latest of even and of odd number.
+    blocks: Vec<[Block; 2]>,
     /// White noise around the block: one stream shared by all channels, then one of each.
     streams: Vec<Stream>,
 }
@@ -51,19 +66,52 @@ impl PowerLaw {
             reach,
             log_frequency: (0..transform.bins()).map(|bin| (bin as f64 * bin_hz).ln()).collect(),
             band: None,
+            design: None,
+            making: None,
             shape: vec![0.0; transform.bins()],
             taps: vec![0.0; reach + 1],
             block_len: 2 * layout.half_width,
-            blocks: (0..channels).map(|_| Block { kind: None, samples: vec![0.0; 2 * layout.half_width] }).collect(),
+            blocks: (0..channels).map(|_| [0, 1].map(|_| Block::new(2 * layout.half_width))).collect(),
             streams: (0..=channels as u32).map(|stream| Stream::new(stream, layout.transform_len)).collect(),
             transform,
         }
     }
 
+    fn kind(&self, number: i64, controls: &ExtendControls) -> Kind {
+        // One channel alone has no width.
+        let own = if self.blocks.len() == 1 { 0.0 } else { within(controls.width, 0.0, 1.0) };
+        Kind { number, band: Band::new(controls), seed: controls.seed, own }
+    }
+
+    fn block(&mut self, channel: usize, number: i64) -> &mut Block {
+        &mut self.blocks[channel][number.rem_euclid(2) as usize]
+    }
+
+    /// Makes a block that was not made ahead.
     fn make(&mut self, channel: usize, kind: &Kind) {
+        (self.design, self.making) = (None, None);
         if self.band != Some(kind.band) {
-            self.set_band(&kind.band);
+            (0..DESIGN_STEPS).for_each(|step| self.design_step(step, &kind.band));
         }
+        (0..BLOCK_STEPS).for_each(|step| self.block_step(step, channel, kind));
+    }
+
+    fn block_step(&mut self, step: usize, channel: usize, kind: &Kind) {
+        match step {
+            0 => self.white(channel, kind),
+            1 => self.transform.forward(),
+            _ => {
+                self.transform.filter(&self.shape);
+                let (reach, len) = (self.reach, self.block_len);
+                let block = &mut self.blocks[channel][kind.number.rem_euclid(2) as usize];
+                block.samples.copy_from_slice(&self.transform.time[reach..reach + len]);
+                block.kind = Some(*kind);
+            }
+        }
+    }
+
+    /// White noise for a block.
+    fn white(&mut self, channel: usize, kind: &Kind) {
         let from = kind.number * self.block_len as i64 - self.reach as i64;
         let count = self.block_len + 2 * self.reach;
         let time = &mut self.transform.time;
@@ -76,51 +124,97 @@ impl PowerLaw {
                 time.iter_mut().zip(white).for_each(|(sum, white)| *sum += gain * white);
             }
         }
-        self.transform.forward();
-        self.transform.filter(&self.shape);
-        let block = &mut self.blocks[channel];
-        block.samples.copy_from_slice(&self.transform.time[self.reach..self.reach + self.block_len]);
-        block.kind = Some(*kind);
     }
 
     /// Samples the wanted response, cuts it to the filter's length and tapers its last quarter, so
     /// that blocks join without a seam.
-    fn set_band(&mut self, band: &Band) {
+    fn design_step(&mut self, step: usize, band: &Band) {
+        self.band = None;
+        if step < BIN_STEPS {
+            let bins = self.transform.bins();
+            self.set_bins(step * bins / BIN_STEPS..(step + 1) * bins / BIN_STEPS, band);
+        } else if step == BIN_STEPS {
+            self.transform.inverse();
+            let scale = 1.0 / self.transform.len() as f64;
+            for (tap, value) in self.taps.iter_mut().enumerate() {
+                let along = (tap as f64 / (self.reach + 1) as f64 - 0.75).max(0.0) * 4.0;
+                *value = self.transform.time[tap] * scale * (0.5 + 0.5 * (std::f64::consts::PI * along).cos());
+            }
+        } else {
+            self.transform.response(&self.taps, &mut self.shape);
+            self.band = Some(*band);
+        }
+    }
+
+    fn set_bins(&mut self, bins: Range<usize>, band: &Band) {
         let bin_hz = self.sample_rate_hz / self.transform.len() as f64;
         let log_cutoff = band.cutoff_hz.ln();
-        for (bin, (value, log_hz)) in self.transform.spectrum.iter_mut().zip(&self.log_frequency).enumerate() {
+        for bin in bins {
             let upper = if bin == 0 { 0.0 } else { band.upper(bin as f64 * bin_hz) };
-            let gain = if upper == 0.0 { 0.0 } else { upper * (-0.5 * band.alpha * (log_hz - log_cutoff)).exp() };
-            *value = gain.into();
+            let falls = -0.5 * band.alpha * (self.log_frequency[bin] - log_cutoff);
+            let gain = if upper == 0.0 { 0.0 } else { upper * falls.exp() };
+            self.transform.spectrum[bin] = gain.into();
         }
-        self.transform.inverse();
-        let scale = 1.0 / self.transform.len() as f64;
-        for (tap, value) in self.taps.iter_mut().enumerate() {
-            let along = (tap as f64 / (self.reach + 1) as f64 - 0.75).max(0.0) * 4.0;
-            *value = self.transform.time[tap] * scale * (0.5 + 0.5 * (std::f64::consts::PI * along).cos());
-        }
-        self.transform.response(&self.taps, &mut self.shape);
-        self.band = Some(*band);
     }
 }
 
+/// Steps in which the bins of a shape are set.
+const BIN_STEPS: usize = 4;
+/// Steps of designing a shape: its bins, to time and back.
+const DESIGN_STEPS: usize = BIN_STEPS + 2;
+/// Steps of making a block: white noise, forward, and back.
+const BLOCK_STEPS: usize = 3;
+
 impl NoiseSource for PowerLaw {
     fn fill(&mut self, channel: usize, start: i64, controls: &ExtendControls, out: &mut [f64]) {
-        // One channel alone has no width.
-        let own = if self.blocks.len() == 1 { 0.0 } else { within(controls.width, 0.0, 1.0) };
         let len = self.block_len as i64;
         let mut done = 0;
         while done < out.len() {
             let at = start + done as i64;
             let offset = at.rem_euclid(len) as usize;
-            let kind = Kind { number: at.div_euclid(len), band: Band::new(controls), seed: controls.seed, own };
-            if self.blocks[channel].kind != Some(kind) {
+            let kind = self.kind(at.div_euclid(len), controls);
+            if self.block(channel, kind.number).kind != Some(kind) {
                 self.make(channel, &kind);
             }
-            let piece = &self.blocks[channel].samples[offset..];
+            let piece = &self.block(channel, kind.number).samples[offset..];
             let count = piece.len().min(out.len() - done);
             out[done..done + count].copy_from_slice(&piece[..count]);
             done += count;
+        }
+    }
+
+    fn steps(&self) -> usize {
+        DESIGN_STEPS + self.blocks.len() * 2 * BLOCK_STEPS
+    }
+
+    fn prepare(&mut self, step: usize, start: i64, controls: &ExtendControls) {
+        let band = Band::new(controls);
+        let Some(step) = step.checked_sub(DESIGN_STEPS) else {
+            if step == 0 {
+                self.making = None;
+                self.design = (self.band != Some(band)).then_some((band, 0));
+            }
+            if self.design == Some((band, step)) {
+                self.design = Some((band, step + 1));
+                self.design_step(step, &band);
+            }
+            return;
+        };
+        let (channel, step) = (step / (2 * BLOCK_STEPS), step % (2 * BLOCK_STEPS));
+        let (which, step) = ((step / BLOCK_STEPS) as i64, step % BLOCK_STEPS);
+        // A window that begins with a block ends with it.
+        let is_asked = which == 0 || start.rem_euclid(self.block_len as i64) != 0;
+        // At width 0 all channels are the first.
+        if !is_asked || channel > 0 && controls.width <= 0.0 || self.band != Some(band) {
+            return;
+        }
+        let kind = self.kind(start.div_euclid(self.block_len as i64) + which, controls);
+        if step == 0 {
+            self.making = (self.block(channel, kind.number).kind != Some(kind)).then_some((channel, kind, 0));
+        }
+        if self.making == Some((channel, kind, step)) {
+            self.making = Some((channel, kind, step + 1));
+            self.block_step(step, channel, &kind);
         }
     }
 
@@ -140,11 +234,17 @@ struct Kind {
     own: f64,
 }
 
-/// A channel's latest block. Windows overlap, so the next one mostly begins with it.
+/// A channel's block.
 #[derive(Debug)]
 struct Block {
     kind: Option<Kind>,
     samples: Vec<f64>,
+}
+
+impl Block {
+    fn new(len: usize) -> Self {
+        Self { kind: None, samples: vec![0.0; len] }
+    }
 }
 
 /// The stretch of one white stream that was last asked for; the next one overlaps it.

@@ -10,10 +10,9 @@ pub fn triangle(half_width: usize) -> Vec<f64> {
     (0..2 * half_width).map(|i| 1.0 - (i as f64 - h).abs() / h).collect()
 }
 
-/// The first position after `position` that is `offset` plus a multiple of `hop`.
-pub(crate) fn next_on_grid(position: i64, offset: usize, hop: usize) -> i64 {
-    let hop = hop as i64;
-    position + hop - (position - offset as i64).rem_euclid(hop)
+/// Samples from the latest position that is `offset` plus a multiple of `hop` to `position`.
+pub(crate) fn into_hop(position: i64, offset: usize, hop: usize) -> usize {
+    (position - offset as i64).rem_euclid(hop as i64) as usize
 }
 
 /// The latest samples of a signal, read by their position on the timeline.
@@ -131,10 +130,10 @@ mod tests {
 
     #[test]
     fn the_grid_is_absolute() {
-        assert_eq!(next_on_grid(0, 0, 10), 10);
-        assert_eq!(next_on_grid(9, 0, 10), 10);
-        assert_eq!(next_on_grid(-1, 0, 10), 0);
-        assert_eq!(next_on_grid(-25, 3, 10), -17);
+        assert_eq!(into_hop(0, 0, 10), 0);
+        assert_eq!(into_hop(9, 0, 10), 9);
+        assert_eq!(into_hop(-1, 0, 10), 9);
+        assert_eq!(into_hop(-25, 3, 10), 2);
     }
 
     #[test]

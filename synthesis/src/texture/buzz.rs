@@ -10,6 +10,8 @@ use crate::filter::{Section, section_gain};
 
 /// Hops that a repeat may last: torch on its own recording repeats after six.
 const HOPS: usize = 16;
+/// Hops that are kept.
+const ROWS: usize = HOPS + 1;
 /// Where, in a hop's 64ths, the lags beside the hops lie: off the hops of finer levels too.
 const BESIDE: usize = 23;
 /// Corner in Hz of what is listened to: flames' own rumble lies below.
@@ -35,9 +37,10 @@ pub struct Buzz {
     low: Section,
     low_gain: f64,
     last: f64,
-    /// What was heard in the last `HOPS` + 1 hops; `at` is the oldest.
-    past: Vec<f64>,
-    at: usize,
+    /// What was heard in the last `ROWS` hops: for every place in a hop a column of them, newest first from `newest` on, kept
+    /// twice so that hops in a row always lie in a row.
+    past: Vec<[f64; 2 * ROWS]>,
+    newest: usize,
     part: f64,
     power: f64,
     /// Mean products with what was heard 1 to `HOPS` hops before, and beside.
@@ -60,8 +63,8 @@ impl Buzz {
             low: Section::default(),
             low_gain: section_gain(LOW_HZ.min(0.4 * sample_rate_hz), sample_rate_hz),
             last: 0.0,
-            past: vec![0.0; (HOPS + 1) * hop],
-            at: 0,
+            past: vec![[0.0; 2 * ROWS]; hop],
+            newest: 0,
             part: 1.0 - (-1.0 / (HEARD_S * sample_rate_hz)).exp(),
             power: 0.0,
             on_grid: [0.0; HOPS],
@@ -78,8 +81,8 @@ impl Buzz {
     pub fn reset(&mut self) {
         self.low.reset();
         self.last = 0.0;
-        self.past.fill(0.0);
-        self.at = 0;
+        self.past.fill([0.0; 2 * ROWS]);
+        self.newest = 0;
         self.filled = 0;
         self.energy = 0.0;
         self.share = 1.0;
@@ -101,22 +104,23 @@ impl Buzz {
     pub fn push(&mut self, sample: f64) {
         // Fire falls by some 6 to 9 dB an octave: its differences are nearly white, so all lines count alike.
         let heard = self.low.process(self.low_gain, sample - std::mem::replace(&mut self.last, sample)).high;
-        let ago = |lag: usize| {
-            let place = self.at + self.past.len() - lag;
-            self.past[if place < self.past.len() { place } else { place - self.past.len() }]
-        };
+        // `lag` hops before, and `lag` hops and a part of one.
+        let place = self.filled;
         let beside = self.hop * BESIDE / 64;
+        let (column, earlier) = if place >= beside { (place - beside, 0) } else { (place + self.hop - beside, 1) };
+        let ago = &self.past[place][self.newest + 1..][..HOPS];
+        let ago_beside = &self.past[column][self.newest + 1 + earlier..][..HOPS];
         for hops in 0..HOPS {
-            let lag = (hops + 1) * self.hop;
-            self.on_grid[hops] += self.part * (heard * ago(lag) - self.on_grid[hops]);
-            self.beside[hops] += self.part * (heard * ago(lag + beside) - self.beside[hops]);
+            self.on_grid[hops] += self.part * (heard * ago[hops] - self.on_grid[hops]);
+            self.beside[hops] += self.part * (heard * ago_beside[hops] - self.beside[hops]);
         }
         self.power += self.part * (heard * heard - self.power);
-        self.past[self.at] = heard;
-        self.at = if self.at + 1 < self.past.len() { self.at + 1 } else { 0 };
+        self.past[place][self.newest] = heard;
+        self.past[place][self.newest + ROWS] = heard;
         self.energy += heard * heard;
         self.filled += 1;
         if self.filled == self.hop {
+            self.newest = (self.newest + ROWS - 1) % ROWS;
             self.follow();
         }
     }

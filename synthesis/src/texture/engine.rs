@@ -309,21 +309,30 @@ impl Texture {
         }
         self.timeline.push(*controls, drive.len());
         self.top_magnitudes.clear();
-        for (i, sample) in drive.iter().enumerate() {
-            if let Some((index, value)) = self.pyramid.push(*sample) {
-                self.take_top(index, value, loudness.map(|loudness| loudness[i]));
-            }
-            for l in (0..self.shape.top()).rev() {
-                if self.now == self.levels[l].due {
-                    self.match_window(l);
+        let mut done = 0;
+        while done < drive.len() {
+            let due = self.levels.iter().map(|level| level.due).min().unwrap_or(i64::MAX);
+            let end = drive.len().min(done + (due - self.now + 1).max(1) as usize);
+            for i in done..end {
+                if let Some((index, value)) = self.pyramid.push(drive[i]) {
+                    self.take_top(index, value, loudness.map(|loudness| loudness[i]));
                 }
             }
             let ready = self.now - self.latency_samples;
-            for (output, ring) in outputs.iter_mut().zip(&self.outputs) {
-                output[i] = if ready >= self.origin { ring.get(ready) } else { 0.0 };
+            let last = ready + (end - done) as i64 - 1;
+            (ready..last).for_each(|ready| self.listen(controls.scaling_auto, ready));
+            self.now += (end - done) as i64;
+            for l in (0..self.shape.top()).rev() {
+                if self.levels[l].due == self.now - 1 {
+                    self.match_window(l);
+                }
             }
-            self.listen(controls.scaling_auto, ready);
-            self.now += 1;
+            // A window adds nothing to what was ready before it was matched, so all can be read now.
+            for (output, ring) in outputs.iter_mut().zip(&self.outputs) {
+                ring.copy(ready, self.origin, &mut output[done..end]);
+            }
+            self.listen(controls.scaling_auto, last);
+            done = end;
         }
         self.scaling_alpha = controls.scaling_alpha * self.buzz.share();
     }

@@ -245,6 +245,14 @@ impl Vortex {
         }
     }
 
+    /// Lets `samples` go by unheard, at next to no cost; what comes next begins as after a [`reset`](Self::reset).
+    pub fn skip(&mut self, samples: usize) {
+        if !self.is_fresh {
+            self.reset(self.position);
+        }
+        self.position += samples as i64;
+    }
+
     /// Renders one block of any length into `outputs`, whose channels are as long as `drive`; channels that the layout
     /// does not have stay silent. A hop works with the `controls` in force at its first sample. Where a field tells the
     /// speeds, `drive` is of no account but for its length.

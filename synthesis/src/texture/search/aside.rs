@@ -2,13 +2,16 @@
 
 use super::tree::Child;
 
+/// A box of one of the shells.
+pub type Place = (u8, Child);
+
 /// Boxes with their bounds, in no order. Putting one in costs next to nothing, and happens up to
 /// sixteen times as often as taking the nearest out, which looks through all.
 #[derive(Debug)]
 pub struct Aside {
     /// Bounds' bits: those of numbers that are not negative are in the numbers' order.
     bounds: Vec<u32>,
-    children: Vec<Child>,
+    places: Vec<Place>,
 }
 
 /// Bounds looked at together.
@@ -17,31 +20,31 @@ const CHUNK: usize = 32;
 impl Aside {
     /// Room for `capacity` boxes; more are not remembered.
     pub fn new(capacity: usize) -> Self {
-        Self { bounds: Vec::with_capacity(capacity), children: Vec::with_capacity(capacity) }
+        Self { bounds: Vec::with_capacity(capacity), places: Vec::with_capacity(capacity) }
     }
 
     /// Forgets all.
     #[inline(always)]
     pub fn clear(&mut self) {
         self.bounds.clear();
-        self.children.clear();
+        self.places.clear();
     }
 
     /// Remembers a box; `bound` is not negative.
     #[inline(always)]
-    pub fn push(&mut self, bound: f32, child: Child) {
+    pub fn push(&mut self, bound: f32, place: Place) {
         if self.bounds.len() < self.bounds.capacity() {
             self.bounds.push(bound.to_bits());
-            self.children.push(child);
+            self.places.push(place);
         }
     }
 
     /// Takes out the latest put in whose bound is at most `limit`; those passed over are forgotten.
     #[inline(always)]
-    pub fn pop_latest(&mut self, limit: f32) -> Option<(f32, Child)> {
-        while let (Some(bound), Some(child)) = (self.bounds.pop(), self.children.pop()) {
+    pub fn pop_latest(&mut self, limit: f32) -> Option<(f32, Place)> {
+        while let (Some(bound), Some(place)) = (self.bounds.pop(), self.places.pop()) {
             if f32::from_bits(bound) <= limit {
-                return Some((f32::from_bits(bound), child));
+                return Some((f32::from_bits(bound), place));
             }
         }
         None
@@ -49,7 +52,7 @@ impl Aside {
 
     /// Takes out the nearest, if its bound is at most `limit`.
     #[inline(always)]
-    pub fn pop_nearest(&mut self, limit: f32) -> Option<(f32, Child)> {
+    pub fn pop_nearest(&mut self, limit: f32) -> Option<(f32, Place)> {
         let least = self.bounds.iter().copied().min().filter(|least| f32::from_bits(*least) <= limit)?;
         let mut at = 0;
         for chunk in self.bounds.chunks(CHUNK) {
@@ -61,7 +64,7 @@ impl Aside {
             at += chunk.len();
         }
         self.bounds.swap_remove(at);
-        Some((f32::from_bits(least), self.children.swap_remove(at)))
+        Some((f32::from_bits(least), self.places.swap_remove(at)))
     }
 }
 
@@ -74,12 +77,12 @@ mod tests {
     fn the_nearest_comes_out_first() {
         let mut aside = Aside::new(100);
         let bound = |i: u32| (i * 37 % 101) as f32 * 0.5;
-        (0..100).for_each(|i| aside.push(bound(i), Child::of_node(i as usize)));
-        aside.push(0.0, Child::of_node(100));
+        (0..100).for_each(|i| aside.push(bound(i), (1, Child::of_node(i as usize))));
+        aside.push(0.0, (1, Child::of_node(100)));
         let mut expected: Vec<f32> = (0..100).map(bound).collect();
         expected.sort_by(f32::total_cmp);
         for expected in expected {
-            let (found, child) = aside.pop_nearest(f32::INFINITY).unwrap();
+            let (found, (_, child)) = aside.pop_nearest(f32::INFINITY).unwrap();
             assert_eq!(found, expected);
             let Kind::Node(node) = child.kind() else { panic!("{child:?}") };
             assert_eq!(bound(node as u32), expected);
@@ -91,11 +94,11 @@ mod tests {
     fn what_lies_beyond_the_limit_stays_out() {
         let mut aside = Aside::new(4);
         for (i, bound) in [3.0, 1.0, 2.0, 4.0].into_iter().enumerate() {
-            aside.push(bound, Child::of_node(i));
+            aside.push(bound, (0, Child::of_node(i)));
         }
         assert_eq!(aside.pop_nearest(0.5), None);
-        assert_eq!(aside.pop_latest(2.5), Some((2.0, Child::of_node(2))));
-        assert_eq!(aside.pop_latest(2.5), Some((1.0, Child::of_node(1))));
+        assert_eq!(aside.pop_latest(2.5), Some((2.0, (0, Child::of_node(2)))));
+        assert_eq!(aside.pop_latest(2.5), Some((1.0, (0, Child::of_node(1)))));
         assert_eq!(aside.pop_latest(2.5), None);
     }
 }

@@ -16,7 +16,9 @@ const SAMPLE: usize = 8192;
 const CHUNK: usize = 4096;
 /// Axes projected onto at once.
 const GROUP: usize = 16;
-/// Part of the variance that the axes may leave out.
+/// Stages in a group.
+const STAGES: usize = GROUP / STAGE;
+/// Part of the variance that a shell's axes may leave out.
 const LEFT_OUT: f64 = 2e-2;
 
 /// An orthonormal frame of the directions in which features vary most.
@@ -25,17 +27,27 @@ pub struct Axes {
     mean: Vec<f64>,
     /// For each group of axes, for each dimension of a feature, its part in those axes; 0 beyond the last.
     parts: Vec<[f64; GROUP]>,
-    /// Numbers of a point: its coordinates along the axes, then the length of what they leave out;
-    /// a multiple of `STAGE`.
-    count: usize,
 }
 
-/// A level's windows along its axes.
-pub struct Points {
-    /// Numbers of every window, one window after the other.
-    pub coordinates: Vec<f32>,
-    /// Largest distance of a window from the mean.
-    pub radius: f32,
+/// A feature along the axes.
+#[derive(Debug, Clone)]
+pub struct Projection {
+    /// Its coordinates.
+    coordinates: [f32; AXES_MAX],
+    /// For every number of axes that a shell may have, the length of what all but the last leave out.
+    rests: [f32; AXES_MAX / STAGE],
+    /// Its distance from the mean.
+    pub length: f64,
+}
+
+impl Projection {
+    /// The point in `axes` numbers, a multiple of `STAGE`: coordinates, then the length of what they leave out.
+    #[inline(always)]
+    pub fn point(&self, axes: usize) -> [f32; AXES_MAX] {
+        let mut point = self.coordinates;
+        point[axes - 1] = self.rests[axes / STAGE - 1];
+        point
+    }
 }
 
 impl Axes {
@@ -54,46 +66,70 @@ impl Axes {
         let eigen = SymmetricEigen::new(covariance(features, &sampled, &mean));
         let mut order: Vec<usize> = (0..dimensions).collect();
         order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]).then(a.cmp(b)));
-        let variances = order.iter().map(|axis| eigen.eigenvalues[*axis].max(0.0));
-        let total: f64 = variances.clone().sum();
-        let mut left = total;
-        let enough = variances.take_while(|variance| {
-            let more = left > LEFT_OUT * total;
-            left -= variance;
-            more
-        });
-        let count = (enough.count() + 1).next_multiple_of(STAGE).min(AXES_MAX);
-        let mut parts = vec![[0.0; GROUP]; dimensions * count.div_ceil(GROUP)];
-        for (axis, column) in order.into_iter().take(count - 1).enumerate() {
+        let mut parts = vec![[0.0; GROUP]; dimensions * (AXES_MAX / GROUP)];
+        for (axis, column) in order.into_iter().take(AXES_MAX - 1).enumerate() {
             let group = &mut parts[axis / GROUP * dimensions..][..dimensions];
             for (dimension, part) in group.iter_mut().enumerate() {
                 part[axis % GROUP] = eigen.eigenvectors[(dimension, column)];
             }
         }
-        Self { mean, parts, count }
+        Self { mean, parts }
     }
 
-    /// Numbers of a point.
-    pub fn count(&self) -> usize {
-        self.count
+    /// Forgets all axes that points of `axes` numbers do not need.
+    pub fn keep(&mut self, axes: usize) {
+        self.parts.truncate(axes.div_ceil(GROUP) * self.mean.len());
     }
 
-    /// Projects `feature`; answers the point, 0 beyond its numbers, and the feature's distance from the mean.
-    #[inline(always)]
-    pub fn project(&self, feature: &[f64]) -> ([f32; AXES_MAX], f64) {
-        let square: f64 = feature.iter().zip(&self.mean).map(|(x, mean)| (x - mean) * (x - mean)).sum();
-        let mut point = [0.0; AXES_MAX];
-        let mut explained = 0.0;
-        for (part, point) in self.parts.chunks_exact(self.mean.len()).zip(point.as_chunks_mut().0) {
-            explained += self.project_onto(part, feature, point);
+    /// Numbers that the points of `windows` need: coordinates enough to leave out next to nothing of how the windows
+    /// differ, and the length of the rest. Windows 60 dB below others differ in directions that those hardly have.
+    pub fn needed(&self, features: &Features<'_>, windows: &[u32]) -> usize {
+        let mut feature = vec![0.0; self.mean.len()];
+        let stride = windows.len().div_ceil(SAMPLE).max(1);
+        let (mut sums, mut squares) = ([0.0; AXES_MAX], [0.0; AXES_MAX]);
+        let (mut beyond, mut count) = (0.0, 0.0);
+        for window in windows.iter().step_by(stride) {
+            features.write(*window as usize, &mut feature);
+            let projection = self.project(&feature);
+            for (axis, x) in projection.coordinates.iter().enumerate() {
+                sums[axis] += f64::from(*x);
+                squares[axis] += f64::from(*x) * f64::from(*x);
+            }
+            beyond += f64::from(projection.rests[AXES_MAX / STAGE - 1]).powi(2);
+            count += 1.0;
         }
-        point[self.count - 1] = (square - explained).max(0.0).sqrt() as f32;
-        (point, square.sqrt())
+        let variances: Vec<f64> =
+            sums.iter().zip(&squares).map(|(sum, square)| (square / count - (sum / count).powi(2)).max(0.0)).collect();
+        let total = variances.iter().sum::<f64>() + beyond / count;
+        let left = |axes: usize| variances[axes - 1..].iter().sum::<f64>() + beyond / count;
+        let enough = (STAGE..AXES_MAX).step_by(STAGE).find(|axes| left(*axes) <= LEFT_OUT * total);
+        enough.unwrap_or(AXES_MAX)
     }
 
-    /// Projects onto some axes; answers the square of the projection.
+    /// Projects `feature`.
     #[inline(always)]
-    fn project_onto(&self, part: &[[f64; GROUP]], feature: &[f64], point: &mut [f32; GROUP]) -> f64 {
+    pub fn project(&self, feature: &[f64]) -> Projection {
+        let square: f64 = feature.iter().zip(&self.mean).map(|(x, mean)| (x - mean) * (x - mean)).sum();
+        let mut coordinates = [0.0; AXES_MAX];
+        let mut rests = [0.0; AXES_MAX / STAGE];
+        let mut explained = 0.0;
+        let groups = coordinates.as_chunks_mut::<GROUP>().0.iter_mut().zip(rests.as_chunks_mut::<STAGES>().0);
+        for (part, (coordinates, rests)) in self.parts.chunks_exact(self.mean.len()).zip(groups) {
+            let squares = self.project_onto(part, feature, coordinates);
+            for (rest, squares) in rests.iter_mut().zip(squares.as_chunks::<STAGE>().0) {
+                // The last number of a stage may be the rest instead of a coordinate.
+                let [a, b, c, d, e, f, g, last] = *squares;
+                explained += ((a + b) + (c + d)) + ((e + f) + g);
+                *rest = (square - explained).max(0.0).sqrt() as f32;
+                explained += last;
+            }
+        }
+        Projection { coordinates, rests, length: square.sqrt() }
+    }
+
+    /// Projects onto some axes; answers the squares of the coordinates.
+    #[inline(always)]
+    fn project_onto(&self, part: &[[f64; GROUP]], feature: &[f64], point: &mut [f32; GROUP]) -> [f64; GROUP] {
         // Two sums side by side: additions need not wait for each other.
         let (mut even, mut odd) = ([0.0f64; GROUP], [0.0f64; GROUP]);
         let (parts, last_part) = part.as_chunks::<2>();
@@ -111,48 +147,44 @@ impl Axes {
                 even[axis] += (x - mean) * part[axis];
             }
         }
-        let mut square = 0.0;
-        for axis in 0..GROUP {
+        std::array::from_fn(|axis| {
             let x = even[axis] + odd[axis];
-            square += x * x;
             point[axis] = x as f32;
-        }
-        square
+            x * x
+        })
     }
 
-    /// Projects the features of all `windows`.
-    pub fn project_all(&self, features: &Features<'_>, windows: Range<usize>) -> Points {
-        let mut coordinates = vec![0.0; windows.len() * self.count];
+    /// The points of `windows` in `axes` numbers, one after the other, and their largest distance from the mean.
+    pub fn points(&self, features: &Features<'_>, windows: &[u32], axes: usize) -> (Vec<f32>, f32) {
+        let mut points = vec![0.0; windows.len() * axes];
         let machine = Machine::best();
-        let chunks = coordinates.par_chunks_mut(CHUNK * self.count).enumerate();
-        let radii = chunks.map(|(chunk, out)| {
-            let first_window = windows.start + chunk * CHUNK;
-            machine.run(Projection { axes: self, features, first_window, out })
-        });
+        let chunks = points.par_chunks_mut(CHUNK * axes).zip(windows.par_chunks(CHUNK));
+        let radii = chunks.map(|(out, windows)| machine.run(Points { axes: self, features, windows, out }));
         let radius = radii.reduce(|| 0.0, f32::max);
-        Points { coordinates, radius }
+        (points, radius)
     }
 }
 
-struct Projection<'a> {
+struct Points<'a> {
     axes: &'a Axes,
     features: &'a Features<'a>,
-    first_window: usize,
+    windows: &'a [u32],
     out: &'a mut [f32],
 }
 
-impl Work for Projection<'_> {
+impl Work for Points<'_> {
     type Done = f32;
 
     #[inline(always)]
     fn with<L: Lanes>(self, _: L) -> f32 {
         let mut feature = vec![0.0; self.features.shape.feature_len()];
         let mut radius = 0.0f32;
-        for (i, out) in self.out.chunks_exact_mut(self.axes.count).enumerate() {
-            self.features.write(self.first_window + i, &mut feature);
-            let (point, length) = self.axes.project(&feature);
-            out.copy_from_slice(&point[..out.len()]);
-            radius = radius.max(length as f32);
+        let axes = self.out.len() / self.windows.len();
+        for (window, out) in self.windows.iter().zip(self.out.chunks_exact_mut(axes)) {
+            self.features.write(*window as usize, &mut feature);
+            let projection = self.axes.project(&feature);
+            out.copy_from_slice(&projection.point(axes)[..axes]);
+            radius = radius.max(projection.length as f32);
         }
         radius
     }

@@ -1,9 +1,10 @@
 //! Arithmetic on sixteen numbers at once, chosen at run time: AVX-512, AVX2, or what the compiler
 //! makes of plain arrays (on ARM that is NEON, which is always there).
 //!
-//! Paths may round differently; everything computed here is a bound that allows for it.
+//! Paths may round differently; everything computed here in floating point is a bound that allows for it.
 
 use super::LANES;
+use super::codes::{QUAD, Quad};
 
 /// Bounds are checked against the limit after every so many axes.
 pub const STAGE: usize = 8;
@@ -12,13 +13,13 @@ pub const STAGE: usize = 8;
 pub trait Lanes: Copy {
     /// Sixteen single-precision numbers.
     type Singles: Copy;
+    /// Sixteen integers.
+    type Integers: Copy;
     /// Eight double-precision numbers.
     type Doubles: Copy;
 
     /// The same number sixteen times.
     fn splat(self, x: f32) -> Self::Singles;
-    /// Codes as numbers.
-    fn codes(self, codes: &[u8; LANES]) -> Self::Singles;
     /// Sixteen numbers from memory.
     fn load(self, numbers: &[f32; LANES]) -> Self::Singles;
     /// a - b
@@ -31,6 +32,12 @@ pub trait Lanes: Copy {
     fn within(self, a: Self::Singles, limit: f32) -> u32;
     /// As an array.
     fn array(self, a: Self::Singles) -> [f32; LANES];
+    /// Squares of sixteen windows less four times the products of their codes and the query's steps.
+    fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: &[i32; LANES]) -> Self::Integers;
+    /// A bit for every integer that is at most `limit`.
+    fn at_most(self, a: Self::Integers, limit: i32) -> u32;
+    /// As an array.
+    fn integers(self, a: Self::Integers) -> [i32; LANES];
     /// Eight zeros.
     fn zeros(self) -> Self::Doubles;
     /// sum + (a - b)^2
@@ -47,15 +54,12 @@ pub struct Portable;
 
 impl Lanes for Portable {
     type Singles = [f32; LANES];
+    type Integers = [i32; LANES];
     type Doubles = [f64; 8];
 
     #[inline(always)]
     fn splat(self, x: f32) -> Self::Singles {
         [x; LANES]
-    }
-    #[inline(always)]
-    fn codes(self, codes: &[u8; LANES]) -> Self::Singles {
-        codes.map(f32::from)
     }
     #[inline(always)]
     fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles {
@@ -82,6 +86,24 @@ impl Lanes for Portable {
         a
     }
     #[inline(always)]
+    fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: &[i32; LANES]) -> Self::Integers {
+        let mut sums = [0i32; LANES];
+        for (codes, query) in codes.iter().zip(query) {
+            for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<QUAD>().0) {
+                *sum += (0..QUAD).map(|axis| i32::from(codes[axis]) * i32::from(query[axis])).sum::<i32>();
+            }
+        }
+        std::array::from_fn(|lane| squares[lane] - 4 * sums[lane])
+    }
+    #[inline(always)]
+    fn at_most(self, a: Self::Integers, limit: i32) -> u32 {
+        a.iter().enumerate().fold(0, |bits, (lane, x)| bits | u32::from(*x <= limit) << lane)
+    }
+    #[inline(always)]
+    fn integers(self, a: Self::Integers) -> [i32; LANES] {
+        a
+    }
+    #[inline(always)]
     fn zeros(self) -> Self::Doubles {
         [0.0; 8]
     }
@@ -99,12 +121,14 @@ impl Lanes for Portable {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use std::arch::x86_64::{__m128i, __m256, __m256d, __m512, __m512d, _CMP_LE_OQ, _MM_HINT_T0, _mm_prefetch};
+    use std::arch::x86_64::{
+        __m256, __m256d, __m256i, __m512, __m512d, __m512i, _CMP_LE_OQ, _MM_HINT_T0, _mm_prefetch,
+    };
 
     use bytemuck::cast;
     use pulp::x86::{V3, V4};
 
-    use super::{LANES, Lanes};
+    use super::{LANES, Lanes, QUAD, Quad};
 
     /// Fetches 256 bytes.
     #[inline(always)]
@@ -118,15 +142,12 @@ mod x86 {
 
     impl Lanes for V4 {
         type Singles = __m512;
+        type Integers = __m512i;
         type Doubles = __m512d;
 
         #[inline(always)]
         fn splat(self, x: f32) -> __m512 {
             self.avx512f._mm512_set1_ps(x)
-        }
-        #[inline(always)]
-        fn codes(self, codes: &[u8; LANES]) -> __m512 {
-            self.avx512f._mm512_cvtepi32_ps(self.avx512f._mm512_cvtepu8_epi32(cast(*codes)))
         }
         #[inline(always)]
         fn mul_add(self, a: __m512, b: __m512, c: __m512) -> __m512 {
@@ -153,6 +174,26 @@ mod x86 {
             cast(a)
         }
         #[inline(always)]
+        fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: &[i32; LANES]) -> __m512i {
+            let ones = self.avx512f._mm512_set1_epi32(0x0001_0001);
+            let mut sum = self.avx512f._mm512_setzero_si512();
+            for (codes, query) in codes.iter().zip(query) {
+                let query = self.avx512f._mm512_set1_epi32(cast(*query));
+                // Two products of at most 127 squared fit into sixteen bits.
+                let pairs = self.avx512bw._mm512_maddubs_epi16(cast(*codes), query);
+                sum = self.avx512f._mm512_add_epi32(sum, self.avx512bw._mm512_madd_epi16(pairs, ones));
+            }
+            self.avx512f._mm512_sub_epi32(cast(*squares), self.avx512f._mm512_slli_epi32::<2>(sum))
+        }
+        #[inline(always)]
+        fn at_most(self, a: __m512i, limit: i32) -> u32 {
+            u32::from(self.avx512f._mm512_cmple_epi32_mask(a, self.avx512f._mm512_set1_epi32(limit)))
+        }
+        #[inline(always)]
+        fn integers(self, a: __m512i) -> [i32; LANES] {
+            cast(a)
+        }
+        #[inline(always)]
         fn zeros(self) -> __m512d {
             self.avx512f._mm512_setzero_pd()
         }
@@ -173,18 +214,12 @@ mod x86 {
 
     impl Lanes for V3 {
         type Singles = [__m256; 2];
+        type Integers = [__m256i; 2];
         type Doubles = [__m256d; 2];
 
         #[inline(always)]
         fn splat(self, x: f32) -> Self::Singles {
             [self.avx._mm256_set1_ps(x); 2]
-        }
-        #[inline(always)]
-        fn codes(self, codes: &[u8; LANES]) -> Self::Singles {
-            let codes: __m128i = cast(*codes);
-            let low = self.avx2._mm256_cvtepu8_epi32(codes);
-            let high = self.avx2._mm256_cvtepu8_epi32(self.sse2._mm_unpackhi_epi64(codes, codes));
-            [self.avx._mm256_cvtepi32_ps(low), self.avx._mm256_cvtepi32_ps(high)]
         }
         #[inline(always)]
         fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles {
@@ -210,6 +245,36 @@ mod x86 {
         }
         #[inline(always)]
         fn array(self, a: Self::Singles) -> [f32; LANES] {
+            cast(a)
+        }
+        #[inline(always)]
+        fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: &[i32; LANES]) -> Self::Integers {
+            let ones = self.avx._mm256_set1_epi16(1);
+            let mut sums = [self.avx._mm256_setzero_si256(); 2];
+            for (codes, query) in codes.iter().zip(query) {
+                let codes: [__m256i; 2] = cast(*codes);
+                let query = self.avx._mm256_set1_epi32(cast(*query));
+                for (sum, codes) in sums.iter_mut().zip(codes) {
+                    // Two products of at most 127 squared fit into sixteen bits.
+                    let pairs = self.avx2._mm256_maddubs_epi16(codes, query);
+                    *sum = self.avx2._mm256_add_epi32(*sum, self.avx2._mm256_madd_epi16(pairs, ones));
+                }
+            }
+            let squares: [__m256i; 2] = cast(*squares);
+            let less = |square, sum| self.avx2._mm256_sub_epi32(square, self.avx2._mm256_slli_epi32::<2>(sum));
+            [less(squares[0], sums[0]), less(squares[1], sums[1])]
+        }
+        #[inline(always)]
+        fn at_most(self, a: Self::Integers, limit: i32) -> u32 {
+            let limit = self.avx._mm256_set1_epi32(limit);
+            let above = |x| {
+                let beyond = self.avx2._mm256_cmpgt_epi32(x, limit);
+                self.avx._mm256_movemask_ps(self.avx._mm256_castsi256_ps(beyond)) as u32
+            };
+            !(above(a[0]) | above(a[1]) << 8) & 0xFFFF
+        }
+        #[inline(always)]
+        fn integers(self, a: Self::Integers) -> [i32; LANES] {
             cast(a)
         }
         #[inline(always)]

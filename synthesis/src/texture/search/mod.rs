@@ -3,8 +3,12 @@
 //! Features have some fifty dimensions, but few of them are real. So every window is kept as its
 //! coordinates along the level's principal axes, as many as its sound needs, and the length of what
 //! they leave out; the distance in these numbers never exceeds the true one. They are stored as
-//! bytes, in blocks of sixteen windows that lie near each other, and a tree of bounding boxes,
-//! sixteen children wide, leads to the blocks. Sixteen bounds are computed at once.
+//! integers of seven bits, in leaves of sixteen windows that lie near each other, and a tree of bounding boxes,
+//! sixteen children wide, leads to the leaves. Sixteen bounds are computed at once.
+//!
+//! Windows of different loudness lie in *shells*, one for every 12 dB of the feature's length, each with a tree of
+//! its own. So a noise floor far below the rest is coded in steps of its own and along as many axes as it needs, though of
+//! the recording's variance it is nothing; and since no window is nearer than the two lengths differ, most shells are passed over.
 //!
 //! Only windows whose bound lies below the best distance found so far are looked at in full: first
 //! in whatever order of arithmetic is fastest, and if that cannot tell, in double precision in the
@@ -14,8 +18,10 @@
 mod aside;
 mod axes;
 mod block;
+mod codes;
 mod lanes;
 mod query;
+mod shells;
 mod tree;
 
 use bitcode::{Decode, Encode};
@@ -27,12 +33,13 @@ use super::feature::Features;
 use crate::Error;
 use crate::bulk::bulk_fields;
 use axes::Axes;
+use shells::Shell;
 use tree::Tree;
 
 /// Windows of a leaf, and children of a node.
 const LANES: usize = 16;
 /// Most numbers kept per window.
-const AXES_MAX: usize = 32;
+const AXES_MAX: usize = 48;
 
 /// Told parts done that add up to 1; may call it off.
 pub type Step<'a> = &'a (dyn Fn(f32) -> Result<(), Error> + Sync);
@@ -41,29 +48,36 @@ pub type Step<'a> = &'a (dyn Fn(f32) -> Result<(), Error> + Sync);
 #[derive(Debug, Encode, Decode)]
 pub struct Index {
     axes: Axes,
-    tree: Tree,
-    /// Largest distance of a window from the mean.
-    radius: f32,
+    /// The loudest first; none is empty.
+    shells: Vec<Shell>,
     first_window: usize,
     windows: usize,
 }
 
-bulk_fields!(Index: tree);
+bulk_fields!(Index: shells);
 
 impl Index {
     /// Indexes `windows`, at least one, of `features`.
     pub fn new(features: &Features<'_>, windows: Range<usize>, step: Step<'_>) -> Result<Self, Error> {
-        let axes = Axes::new(features, windows.clone());
+        let mut axes = Axes::new(features, windows.clone());
         step(0.2)?;
-        let points = axes.project_all(features, windows.clone());
-        step(0.3)?;
-        // A recording may hold minutes of digital silence: of equal windows in a row the first,
-        // which wins ties, stands for all.
-        let repeats = |i: u32| i > 0 && features.equal(windows.start + i as usize - 1, windows.start + i as usize);
-        let mut order: Vec<u32> = (0..windows.len() as u32).filter(|i| !repeats(*i)).collect();
-        let part = |done: f32| step(0.5 * done);
-        let tree = Tree::new(&points.coordinates, axes.count(), &mut order, windows.start, &part)?;
-        Ok(Self { axes, tree, radius: points.radius, first_window: windows.start, windows: windows.len() })
+        let (first_window, count) = (windows.start, windows.len());
+        let parts = shells::divide(features, windows);
+        step(0.1)?;
+        let numbers: Vec<usize> = parts.iter().map(|part| axes.needed(features, &part.windows)).collect();
+        axes.keep(numbers.iter().copied().max().unwrap_or(AXES_MAX));
+        let total: usize = parts.iter().map(|part| part.windows.len()).sum();
+        let mut shells = Vec::with_capacity(parts.len());
+        for (part, numbers) in parts.into_iter().zip(numbers) {
+            let share = part.windows.len() as f32 / total as f32;
+            let (points, radius) = axes.points(features, &part.windows, numbers);
+            step(0.2 * share)?;
+            let mut order: Vec<u32> = (0..part.windows.len() as u32).collect();
+            let done = |done: f32| step(0.5 * share * done);
+            let tree = Tree::new(&points, numbers, &mut order, &part.windows, &done)?;
+            shells.push(Shell { least: part.least, most: part.most, radius, axes: numbers, tree });
+        }
+        Ok(Self { axes, shells, first_window, windows: count })
     }
 
     /// The windows it holds.
@@ -73,6 +87,6 @@ impl Index {
 
     /// Bytes held, about.
     pub fn bytes(&self) -> usize {
-        self.tree.bytes()
+        self.shells.iter().map(|shell| shell.tree.bytes()).sum()
     }
 }

@@ -1,8 +1,11 @@
 //! Finding the nearest window: exactly, or with a bound on the work.
 
 use super::aside::Aside;
-use super::block::{box_bounds, point_bounds};
+use super::axes::Projection;
+use super::block::box_bounds;
+use super::codes::Coded;
 use super::lanes::{Lanes, Machine, Work};
+use super::shells::{SHELLS, Shell};
 use super::tree::{Child, Kind};
 use super::{AXES_MAX, Index, LANES};
 use crate::texture::feature::Features;
@@ -24,7 +27,7 @@ pub enum Budget {
 
 impl Budget {
     /// Enough to find something in any recording: down the tree once, and all of a leaf in full.
-    pub const LEAST: u32 = COMPARISON_COST + STOREYS as u32 * LANES as u32 + BLOCK_COST;
+    pub const LEAST: u32 = COMPARISON_COST + STOREYS as u32 * LANES as u32 + LEAF_COST_MAX;
 }
 
 /// What a search found.
@@ -34,12 +37,16 @@ pub struct Answer {
     pub window: usize,
     /// Windows and boxes compared, those in full as often as they cost.
     pub compared: u32,
+    /// Windows compared in full.
+    pub compared_in_full: u32,
 }
 
 /// Storeys of the largest tree: 16^7 leaves hold 2^32 windows.
 const STOREYS: usize = 8;
-/// Most that one block can cost: all of its bounds, and all of its windows in full.
-const BLOCK_COST: u32 = (1 + COMPARISON_COST) * LANES as u32;
+/// What a leaf costs, in bounds of boxes: its windows' bounds are integers.
+const LEAF_COST: u32 = 8;
+/// Most that one leaf or node can cost: all bounds, and all of a leaf's windows in full.
+const LEAF_COST_MAX: u32 = LEAF_COST + COMPARISON_COST * LANES as u32;
 /// What comparing a window in full costs, in bounds of windows or boxes.
 pub const COMPARISON_COST: u32 = 4;
 /// Boxes that a bounded search keeps in mind; more than any budget can fill.
@@ -112,12 +119,29 @@ const LENGTH_ROUNDING: f64 = 8e-7;
 /// Relative rounding of a distance summed in another order than the reference's.
 const ORDER_ROUNDING: f64 = 1e-12;
 
+/// No group of leaves.
+const NO_GROUP: u32 = u32::MAX;
+/// A bound on a difference of lengths in single precision, rounded down.
+const LENGTH_BOUND: f32 = 1.0 - 1e-6;
+
 /// A search under way.
 struct Search<'a, L> {
     lanes: L,
     task: Task<'a>,
+    projection: Projection,
+    /// Length of the query, and for every shell a bound on the distance of its windows.
+    bounds: [f32; SHELLS],
+    /// Shells not yet entered, a bit each.
+    left: u32,
+    /// The shell that is searched, and the query's point in it.
+    shell: &'a Shell,
     point: [f32; AXES_MAX],
-    /// What rounding may add to a bound.
+    /// The group whose frame the query was last taken into.
+    group: u32,
+    coded: Coded,
+    /// What `Lanes::closeness` may answer at most for a window of the group within reach.
+    closeness_limit: i32,
+    /// What rounding may add to a bound in the shell.
     rounding: f64,
     /// (1 + rounding) / (1 + eps).
     tightening: f64,
@@ -126,22 +150,39 @@ struct Search<'a, L> {
     /// Distance beyond which a bound rules a window out.
     reach: f32,
     compared: u32,
+    compared_in_full: u32,
 }
 
 impl<'a, L: Lanes> Search<'a, L> {
     #[inline(always)]
     fn new(lanes: L, task: Task<'a>, eps: f64) -> Self {
-        let (point, length) = task.index.axes.project(task.query);
+        let projection = task.index.axes.project(task.query);
+        let length = task.query.iter().map(|x| x * x).sum::<f64>().sqrt() as f32;
+        let shells = &task.index.shells;
+        let mut bounds = [f32::INFINITY; SHELLS];
+        for (bound, shell) in bounds.iter_mut().zip(shells) {
+            let least = shell.bound(length) * LENGTH_BOUND - length * (1.0 - LENGTH_BOUND);
+            // A length beyond single precision rules nothing out.
+            *bound = if least.is_finite() { least } else { 0.0 };
+        }
         let mut search = Self {
             lanes,
             task,
-            point,
-            rounding: LENGTH_ROUNDING * (length + f64::from(task.index.radius)),
+            projection,
+            bounds,
+            left: (1 << shells.len()) - 1,
+            shell: &shells[0],
+            point: [0.0; AXES_MAX],
+            group: NO_GROUP,
+            coded: Coded::new(),
+            closeness_limit: i32::MAX,
+            rounding: 0.0,
             tightening: (1.0 + RELATIVE_ROUNDING) / (1.0 + eps.max(0.0)),
             best: f64::INFINITY,
             window: task.index.first_window,
             reach: f32::INFINITY,
             compared: 0,
+            compared_in_full: 0,
         };
         if let Some(hint) = task.hint {
             search.compare(hint);
@@ -149,11 +190,63 @@ impl<'a, L: Lanes> Search<'a, L> {
         search
     }
 
+    /// Enters the shell whose windows may be nearest of those not yet entered; answers it and its bound.
+    #[inline(always)]
+    fn next_shell(&mut self) -> Option<(usize, f32)> {
+        let (mut nearest, mut shell) = (f32::INFINITY, None);
+        let mut left = self.left;
+        while left != 0 {
+            let at = left.trailing_zeros() as usize;
+            left &= left - 1;
+            if self.bounds[at] < nearest {
+                (nearest, shell) = (self.bounds[at], Some(at));
+            }
+        }
+        let shell = shell?;
+        self.left &= !(1 << shell);
+        self.enter(shell);
+        Some((shell, nearest))
+    }
+
+    /// Leaves all shells not yet entered aside.
+    #[inline(always)]
+    fn aside_shells(&mut self, aside: &mut Aside) {
+        // The farthest first: the latest left aside is the next to be searched.
+        while self.left != 0 {
+            let (mut farthest, mut shell) = (f32::NEG_INFINITY, 0);
+            for at in (0..SHELLS).filter(|at| self.left & 1 << at != 0) {
+                if self.bounds[at] >= farthest {
+                    (farthest, shell) = (self.bounds[at], at);
+                }
+            }
+            self.left &= !(1 << shell);
+            let bound = farthest.max(0.0);
+            aside.push(bound * bound, (shell as u8, self.task.index.shells[shell].tree.root));
+        }
+    }
+
+    /// Goes over to another shell.
+    #[inline(always)]
+    fn enter(&mut self, shell: usize) {
+        self.shell = &self.task.index.shells[shell];
+        self.point = self.projection.point(self.shell.axes);
+        self.rounding = LENGTH_ROUNDING * (self.projection.length + f64::from(self.shell.radius));
+        self.group = NO_GROUP;
+        self.set_reach();
+    }
+
+    #[inline(always)]
+    fn set_reach(&mut self) {
+        self.reach = (self.best.sqrt() * self.tightening + self.rounding) as f32;
+        self.closeness_limit = self.coded.limit(self.reach);
+    }
+
     /// Compares a window in full. Only where rounding might change the order does the reference's
     /// own arithmetic decide.
     #[inline(always)]
     fn compare(&mut self, window: usize) {
         self.compared += COMPARISON_COST;
+        self.compared_in_full += 1;
         let Task { features, query, .. } = self.task;
         let distance = match features.in_place(window) {
             Some(feature) => distance_in_any_order(self.lanes, feature, query),
@@ -167,31 +260,46 @@ impl<'a, L: Lanes> Search<'a, L> {
         }
         self.best = distance;
         self.window = window;
-        self.reach = (distance.sqrt() * self.tightening + self.rounding) as f32;
+        self.set_reach();
     }
 
-    /// Squared bound above which nothing can be nearer, where bounds may be too large by `slack`.
+    /// Squared bound above which nothing can be nearer.
     #[inline(always)]
-    fn limit(&self, slack: f32) -> f32 {
-        (self.reach + slack) * (self.reach + slack)
+    fn limit(&self) -> f32 {
+        self.reach * self.reach
     }
 
     #[inline(always)]
     fn visit_leaf(&mut self, leaf: usize) {
-        self.compared += LANES as u32;
-        let leaf = self.task.index.tree.leaf(leaf);
-        let (mut within, bounds) =
-            point_bounds(self.lanes, leaf.frame, leaf.codes, &self.point, self.limit(leaf.slack));
+        self.compared += LEAF_COST;
+        let tree = &self.shell.tree;
+        let leaf = tree.leaf(leaf);
+        if leaf.group != self.group {
+            self.group = leaf.group;
+            self.coded.set(tree.frame(leaf.group), &self.point);
+            self.closeness_limit = self.coded.limit(self.reach);
+        }
+        let closeness = self.lanes.closeness(leaf.codes, &self.coded.steps, leaf.squares);
+        let mut within = self.lanes.at_most(closeness, self.closeness_limit);
         if within == 0 {
             return;
         }
-        let bounds = self.lanes.array(bounds);
+        let closeness = self.lanes.integers(closeness);
         while within != 0 {
-            let lane = within.trailing_zeros() as usize;
-            within &= within - 1;
-            if bounds[lane] <= self.limit(leaf.slack) {
-                self.compare(leaf.windows[lane] as usize);
+            // The nearest first: it rules out others.
+            let (mut nearest, mut rest) = (within.trailing_zeros() as usize, within & (within - 1));
+            while rest != 0 {
+                let lane = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                if closeness[lane] < closeness[nearest] {
+                    nearest = lane;
+                }
             }
+            if closeness[nearest] > self.closeness_limit {
+                return;
+            }
+            within &= !(1 << nearest);
+            self.compare(leaf.windows[nearest] as usize);
         }
     }
 
@@ -199,8 +307,8 @@ impl<'a, L: Lanes> Search<'a, L> {
     #[inline(always)]
     fn visit_node(&mut self, node: usize, mut found: impl FnMut(f32, Child)) {
         self.compared += LANES as u32;
-        let node = self.task.index.tree.node(node);
-        let (mut within, bounds) = box_bounds(self.lanes, node.faces, &self.point, self.limit(0.0));
+        let node = self.shell.tree.node(node);
+        let (mut within, bounds) = box_bounds(self.lanes, node.faces, &self.point, self.limit());
         if within == 0 {
             return;
         }
@@ -217,7 +325,7 @@ impl<'a, L: Lanes> Search<'a, L> {
 
     #[inline(always)]
     fn answer(&self) -> Answer {
-        Answer { window: self.window, compared: self.compared }
+        Answer { window: self.window, compared: self.compared, compared_in_full: self.compared_in_full }
     }
 }
 
@@ -261,28 +369,32 @@ impl Work for Exact<'_> {
     fn with<L: Lanes>(self, lanes: L) -> Answer {
         let mut search = Search::new(lanes, self.task, self.eps);
         let stack = self.stack;
-        let tree = &self.task.index.tree;
-        stack.clear();
-        stack.push((0.0, tree.root));
-        while let Some((bound, child)) = stack.pop() {
-            if bound > search.limit(0.0) {
-                continue;
-            }
-            match child.kind() {
-                Kind::Leaf(leaf) => search.visit_leaf(leaf),
-                Kind::Node(node) => {
-                    let (mut nearest, mut at) = (f32::INFINITY, usize::MAX);
-                    search.visit_node(node, |bound, child| {
-                        stack.push((bound, child));
-                        tree.prefetch(lanes, child);
-                        if bound < nearest {
-                            nearest = bound;
-                            at = stack.len() - 1;
+        while let Some((_, bound)) = search.next_shell()
+            && bound <= search.reach
+        {
+            let tree = &search.shell.tree;
+            stack.clear();
+            stack.push((0.0, tree.root));
+            while let Some((bound, child)) = stack.pop() {
+                if bound > search.limit() {
+                    continue;
+                }
+                match child.kind() {
+                    Kind::Leaf(leaf) => search.visit_leaf(leaf),
+                    Kind::Node(node) => {
+                        let (mut nearest, mut at) = (f32::INFINITY, usize::MAX);
+                        search.visit_node(node, |bound, child| {
+                            stack.push((bound, child));
+                            tree.prefetch(lanes, child);
+                            if bound < nearest {
+                                nearest = bound;
+                                at = stack.len() - 1;
+                            }
+                        });
+                        if at < stack.len() {
+                            let last = stack.len() - 1;
+                            stack.swap(at, last);
                         }
-                    });
-                    if at < stack.len() {
-                        let last = stack.len() - 1;
-                        stack.swap(at, last);
                     }
                 }
             }
@@ -309,7 +421,10 @@ impl Work for Bounded<'_> {
         let mut search = Search::new(lanes, self.task, 0.0);
         let aside = self.aside;
         aside.clear();
-        let mut next = self.task.index.tree.root;
+        // The first shell is entered whatever its bound, so that something is found.
+        let (mut shell, _) = search.next_shell().unwrap_or_default();
+        search.aside_shells(aside);
+        let mut next = search.shell.tree.root;
         loop {
             let mut nearest = (f32::INFINITY, Child::NONE);
             match next.kind() {
@@ -320,22 +435,26 @@ impl Work for Bounded<'_> {
                         std::mem::swap(&mut nearest, &mut farther);
                     }
                     if farther.1 != Child::NONE {
-                        aside.push(farther.0, farther.1);
+                        aside.push(farther.0, (shell as u8, farther.1));
                     }
                 }),
             }
             // The way down to the first leaf is within any budget, so something has been found by now.
-            if search.compared + BLOCK_COST > self.candidates {
+            if search.compared + LEAF_COST_MAX > self.candidates {
                 break;
             }
-            if nearest.1 == Child::NONE {
-                let within = search.limit(0.0);
+            next = nearest.1;
+            if next == Child::NONE {
+                let within = search.limit();
                 let easy = search.compared < self.candidates / 2;
                 let left = if easy { aside.pop_latest(within) } else { aside.pop_nearest(within) };
-                let Some(left) = left else { break };
-                nearest = left;
+                let Some((_, (of_shell, child))) = left else { break };
+                if usize::from(of_shell) != shell {
+                    shell = usize::from(of_shell);
+                    search.enter(shell);
+                }
+                next = child;
             }
-            next = nearest.1;
         }
         search.answer()
     }

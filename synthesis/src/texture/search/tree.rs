@@ -3,7 +3,7 @@
 use bitcode::{Decode, Encode};
 use rayon::prelude::*;
 
-use super::block::{Frame, frame_of, nearest_code, value};
+use super::codes::{Frame, QUAD, Quad, Scale, code_of, half_step_for, middle_and_half, square};
 use super::lanes::Lanes;
 use super::{LANES, Step};
 use crate::Error;
@@ -54,15 +54,23 @@ impl Child {
     }
 }
 
-/// Nodes and leaves, in flat arrays: a block's coordinates lie together.
+/// Nodes and leaves, in flat arrays: a leaf's codes lie together.
 #[derive(Debug, Encode, Decode)]
 pub struct Tree {
     axes: usize,
-    leaves: Blocks,
+    /// Middles, then halves, of every group of up to sixteen leaves.
+    #[bitcode(skip)]
+    frames: Vec<f32>,
+    scales: Vec<Scale>,
+    /// Of every leaf: a quad for every four axes.
+    #[bitcode(skip)]
+    codes: Vec<Quad>,
+    #[bitcode(skip)]
+    squares: Vec<[i32; LANES]>,
     #[bitcode(skip)]
     windows: Vec<[u32; LANES]>,
     #[bitcode(skip)]
-    slack: Vec<f32>,
+    groups: Vec<u32>,
     #[bitcode(skip)]
     faces: Vec<[[f32; LANES]; 2]>,
     children: Vec<[Child; LANES]>,
@@ -70,52 +78,19 @@ pub struct Tree {
     pub root: Child,
 }
 
-/// Points of the leaves: for each leaf a frame, and codes for each axis.
-#[derive(Debug, Encode, Decode)]
-struct Blocks {
-    #[bitcode(skip)]
-    frames: Vec<f32>,
-    #[bitcode(skip)]
-    codes: Vec<[u8; LANES]>,
-}
-
-bulk_fields!(Tree: leaves, windows, slack, faces);
-bulk_fields!(Blocks: frames, codes);
-
-impl Blocks {
-    #[inline(always)]
-    fn get(&self, block: usize, axes: usize) -> (Frame<'_>, &[[u8; LANES]]) {
-        let (offsets, steps) = self.frames[2 * block * axes..][..2 * axes].split_at(axes);
-        (Frame { offsets, steps }, &self.codes[block * axes..][..axes])
-    }
-
-    fn push(&mut self, frames: &[(f32, f32)], codes: impl Iterator<Item = [u8; LANES]>) {
-        self.frames.extend(frames.iter().map(|(offset, _)| offset));
-        self.frames.extend(frames.iter().map(|(_, step)| step));
-        self.codes.extend(codes);
-    }
-
-    fn append(&mut self, mut other: Self) {
-        self.frames.append(&mut other.frames);
-        self.codes.append(&mut other.codes);
-    }
-
-    fn bytes(&self) -> usize {
-        self.frames.len() * size_of::<f32>() + self.codes.len() * size_of::<[u8; LANES]>()
-    }
-}
+bulk_fields!(Tree: frames, codes, squares, windows, groups, faces);
 
 /// Up to sixteen windows; lanes not in use repeat the last.
 #[derive(Debug)]
 pub struct Leaf<'a> {
-    /// Where its codes lie.
-    pub frame: Frame<'a>,
+    /// The group whose frame its codes lie in.
+    pub group: u32,
     /// Its points.
-    pub codes: &'a [[u8; LANES]],
+    pub codes: &'a [Quad],
+    /// Their squared lengths in half-steps.
+    pub squares: &'a [i32; LANES],
     /// Window numbers.
     pub windows: &'a [u32; LANES],
-    /// Farthest that a point lies from where its codes say.
-    pub slack: f32,
 }
 
 /// Up to sixteen boxes.
@@ -128,23 +103,19 @@ pub struct Node<'a> {
 }
 
 impl Tree {
-    /// A tree over `order`ed points: those of `points`, each of `axes` coordinates (a multiple of
-    /// `STAGE`), the first of which belongs to `first_window`. `step` is told the part done.
-    pub fn new(
-        points: &[f32],
-        axes: usize,
-        order: &mut [u32],
-        first_window: usize,
-        step: Step<'_>,
-    ) -> Result<Self, Error> {
+    /// A tree over the points named in `order`: those of `points`, each of `axes` coordinates (a multiple of
+    /// `STAGE`), which belong to `windows`. `step` is told the part done.
+    pub fn new(points: &[f32], axes: usize, order: &mut [u32], windows: &[u32], step: Step<'_>) -> Result<Self, Error> {
         let total = order.len();
-        let builder = Builder { points, axes, first_window, total, step };
+        let builder = Builder { points, axes, windows, total, step };
         let mut tree = Self::empty(axes);
         tree.root = builder.subtree(&mut tree, order)?.0;
-        tree.leaves.frames.shrink_to_fit();
-        tree.leaves.codes.shrink_to_fit();
+        tree.frames.shrink_to_fit();
+        tree.scales.shrink_to_fit();
+        tree.codes.shrink_to_fit();
+        tree.squares.shrink_to_fit();
         tree.windows.shrink_to_fit();
-        tree.slack.shrink_to_fit();
+        tree.groups.shrink_to_fit();
         tree.faces.shrink_to_fit();
         tree.children.shrink_to_fit();
         Ok(tree)
@@ -153,9 +124,12 @@ impl Tree {
     fn empty(axes: usize) -> Self {
         Self {
             axes,
-            leaves: Blocks { frames: Vec::new(), codes: Vec::new() },
+            frames: Vec::new(),
+            scales: Vec::new(),
+            codes: Vec::new(),
+            squares: Vec::new(),
             windows: Vec::new(),
-            slack: Vec::new(),
+            groups: Vec::new(),
             faces: Vec::new(),
             children: Vec::new(),
             root: Child::NONE,
@@ -165,8 +139,20 @@ impl Tree {
     /// A leaf.
     #[inline(always)]
     pub fn leaf(&self, leaf: usize) -> Leaf<'_> {
-        let (frame, codes) = self.leaves.get(leaf, self.axes);
-        Leaf { frame, codes, windows: &self.windows[leaf], slack: self.slack[leaf] }
+        let quads = self.axes / QUAD;
+        Leaf {
+            group: self.groups[leaf],
+            codes: &self.codes[leaf * quads..][..quads],
+            squares: &self.squares[leaf],
+            windows: &self.windows[leaf],
+        }
+    }
+
+    /// A group's frame.
+    #[inline(always)]
+    pub fn frame(&self, group: u32) -> Frame<'_> {
+        let (middles, halves) = self.frames[2 * group as usize * self.axes..][..2 * self.axes].split_at(self.axes);
+        Frame { middles, halves, scale: self.scales[group as usize] }
     }
 
     /// A node.
@@ -175,28 +161,39 @@ impl Tree {
         Node { faces: &self.faces[node * self.axes..][..self.axes], children: &self.children[node] }
     }
 
-    /// Asks for the memory of a leaf that may be visited soon.
+    /// Asks for the memory of a leaf or node that may be visited soon.
     #[inline(always)]
     pub fn prefetch<L: Lanes>(&self, lanes: L, child: Child) {
-        if let Kind::Leaf(leaf) = child.kind() {
-            lanes.prefetch(&self.leaves.frames[2 * leaf * self.axes..]);
-            lanes.prefetch(&self.leaves.codes[leaf * self.axes..]);
+        match child.kind() {
+            Kind::Leaf(leaf) => {
+                let quads = self.axes / QUAD;
+                let codes = &self.codes[leaf * quads..][..quads];
+                lanes.prefetch(codes);
+                lanes.prefetch(&codes[quads / 2..]);
+            }
+            Kind::Node(node) => lanes.prefetch(&self.faces[node * self.axes..]),
         }
     }
 
     /// Bytes held, about.
     pub fn bytes(&self) -> usize {
-        let of_leaf = size_of::<[u32; LANES]>() + size_of::<f32>();
-        let lists = self.windows.len() * of_leaf + self.children.len() * size_of::<[Child; LANES]>();
-        self.leaves.bytes() + self.faces.len() * size_of::<[[f32; LANES]; 2]>() + lists
+        let of_leaf = size_of::<[u32; LANES]>() + size_of::<[i32; LANES]>() + size_of::<u32>();
+        let leaves = self.windows.len() * of_leaf + self.codes.len() * size_of::<Quad>();
+        let groups = self.frames.len() * size_of::<f32>() + self.scales.len() * size_of::<Scale>();
+        let nodes =
+            self.children.len() * size_of::<[Child; LANES]>() + self.faces.len() * size_of::<[[f32; LANES]; 2]>();
+        leaves + groups + nodes
     }
 
     /// Takes over another tree; answers where its root is now.
     fn append(&mut self, mut other: Self) -> Child {
-        let (nodes, leaves) = (self.children.len(), self.windows.len());
-        self.leaves.append(other.leaves);
+        let (nodes, leaves, groups) = (self.children.len(), self.windows.len(), self.scales.len() as u32);
+        self.frames.append(&mut other.frames);
+        self.scales.append(&mut other.scales);
+        self.codes.append(&mut other.codes);
+        self.squares.append(&mut other.squares);
         self.windows.append(&mut other.windows);
-        self.slack.append(&mut other.slack);
+        self.groups.extend(other.groups.iter().map(|group| group + groups));
         self.faces.append(&mut other.faces);
         self.children.extend(other.children.iter().map(|children| children.map(|x| x.behind(nodes, leaves))));
         other.root.behind(nodes, leaves)
@@ -213,7 +210,7 @@ fn no_bounds(axes: usize) -> Bounds {
 struct Builder<'a> {
     points: &'a [f32],
     axes: usize,
-    first_window: usize,
+    windows: &'a [u32],
     total: usize,
     step: Step<'a>,
 }
@@ -230,8 +227,8 @@ impl Builder<'_> {
 
     /// Builds the subtree over the points named in `order`; answers it and its bounds.
     fn subtree(&self, tree: &mut Tree, order: &mut [u32]) -> Result<(Child, Bounds), Error> {
-        if order.len() <= LANES {
-            return Ok(self.leaf(tree, order));
+        if order.len() <= LANES * LANES {
+            return Ok(self.group(tree, order));
         }
         // Every child but the last holds as much as a tree one storey lower can.
         let mut capacity = LANES;
@@ -321,30 +318,63 @@ impl Builder<'_> {
         (Child::of_node(tree.children.len() - 1), bounds)
     }
 
-    fn leaf(&self, tree: &mut Tree, order: &mut [u32]) -> (Child, Bounds) {
-        order.sort_unstable();
-        let lanes: [u32; LANES] = std::array::from_fn(|lane| order[lane.min(order.len() - 1)]);
+    fn bounds(&self, order: &[u32]) -> Bounds {
         let mut bounds = no_bounds(self.axes);
-        for i in order.iter() {
+        for i in order {
             for (bounds, x) in bounds.iter_mut().zip(self.point(*i)) {
                 *bounds = (bounds.0.min(*x), bounds.1.max(*x));
             }
         }
-        let frames: Vec<(f32, f32)> = bounds.iter().map(|(low, high)| frame_of(*low, *high)).collect();
-        let mut errors = [0.0f64; LANES];
-        let codes = frames.iter().enumerate().map(|(axis, frame)| {
-            std::array::from_fn(|lane| {
-                let x = self.point(lanes[lane])[axis];
-                let code = nearest_code(x, *frame);
-                errors[lane] += (value(code, *frame) - f64::from(x)).powi(2);
-                code
-            })
-        });
-        tree.leaves.push(&frames, codes);
-        tree.windows.push(lanes.map(|i| self.first_window as u32 + i));
-        let error = errors.iter().fold(0.0f64, |error, x| error.max(*x)).sqrt();
+        bounds
+    }
+
+    /// Up to sixteen leaves that share a frame.
+    fn group(&self, tree: &mut Tree, order: &mut [u32]) -> (Child, Bounds) {
+        let bounds = self.bounds(order);
+        let (middles, halves): (Vec<f32>, Vec<f32>) =
+            bounds.iter().map(|(low, high)| middle_and_half(*low, *high)).unzip();
+        let half_step = half_step_for(halves.iter().copied());
+        let group = tree.scales.len() as u32;
+        let mut error = 0.0f64;
+        let mut leaves: Vec<(Child, Bounds)> = Vec::with_capacity(LANES);
+        for part in self.parts(order, LANES) {
+            let (leaf, largest) = self.leaf(tree, part, group, &middles, half_step);
+            error = error.max(largest);
+            leaves.push((leaf, self.bounds(part)));
+        }
+        tree.frames.extend(middles);
+        tree.frames.extend(halves);
         // Rounded up: a bound must stay one.
-        tree.slack.push((error * (1.0 + 1e-6)) as f32);
-        (Child::of_leaf(tree.windows.len() - 1), bounds)
+        tree.scales.push(Scale { half_step, slack: (error * (1.0 + 1e-6)) as f32 });
+        match leaves.pop() {
+            Some(only) if leaves.is_empty() => only,
+            last => {
+                leaves.extend(last);
+                self.node(tree, &leaves)
+            }
+        }
+    }
+
+    /// A leaf, and how far a point lies at most from where its codes say.
+    fn leaf(&self, tree: &mut Tree, order: &mut [u32], group: u32, middles: &[f32], half_step: f32) -> (Child, f64) {
+        order.sort_unstable();
+        let lanes: [u32; LANES] = std::array::from_fn(|lane| order[lane.min(order.len() - 1)]);
+        let mut quads = vec![[0; QUAD * LANES]; self.axes / QUAD];
+        let mut error = 0.0f64;
+        let squares = std::array::from_fn(|lane| {
+            let mut lost = 0.0;
+            for (axis, (x, middle)) in self.point(lanes[lane]).iter().zip(middles).enumerate() {
+                let (code, value) = code_of(*x, *middle, half_step);
+                lost += (value - f64::from(*x)).powi(2);
+                quads[axis / QUAD][QUAD * lane + axis % QUAD] = code;
+            }
+            error = error.max(lost.sqrt());
+            square(quads.iter().flat_map(|quad| quad[QUAD * lane..][..QUAD].iter().copied()))
+        });
+        tree.codes.extend(quads);
+        tree.squares.push(squares);
+        tree.windows.push(lanes.map(|i| self.windows[i as usize]));
+        tree.groups.push(group);
+        (Child::of_leaf(tree.windows.len() - 1), error)
     }
 }

@@ -1,0 +1,131 @@
+//! Windows as integers, and how near a query is to sixteen of them.
+//!
+//! Up to 256 windows that lie near each other share a *frame*: a middle along each axis and one
+//! step for all axes. A window's coordinate is a code of seven bits, at an odd number of half-steps
+//! from the middle; a query's is any number of half-steps from -127 to 127. So the squared
+//! distance between the two is an integer, |c|^2 - 2 c.q + |q|^2, exact on every machine, and sixteen
+//! of them cost a few multiplications of bytes. What codes lose is known (`slack` for the windows, `error` for
+//! the query) and added to the reach; what of the query lies outside the frame's box is kept apart, in single precision.
+
+use bitcode::{Decode, Encode};
+
+use super::{AXES_MAX, LANES};
+
+/// Axes multiplied at once.
+pub const QUAD: usize = 4;
+/// Largest code.
+const CODE_MAX: f64 = 127.0;
+/// Codes of four axes of a leaf's sixteen windows, window by window.
+pub type Quad = [u8; QUAD * LANES];
+/// Least half-step, for windows that are all the same.
+const LEAST_HALF_STEP: f32 = 1e-30;
+/// Added to a number of at most 2^22 and taken away again, it leaves the nearest integer.
+const ROUNDER: f32 = 12_582_912.0;
+/// Integer limits stay far from overflow.
+const LIMIT_MAX: f32 = 1e9;
+
+/// How far a frame reaches, beside its middles and halves.
+#[derive(Debug, Clone, Copy, Encode, Decode)]
+pub struct Scale {
+    /// Half of the distance between two codes.
+    pub half_step: f32,
+    /// Farthest that a window lies from where its codes say.
+    pub slack: f32,
+}
+
+/// Where the codes of up to 256 windows lie.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame<'a> {
+    /// Middle of the windows along each axis.
+    pub middles: &'a [f32],
+    /// How far they lie from it at most.
+    pub halves: &'a [f32],
+    /// Step and slack.
+    pub scale: Scale,
+}
+
+/// Middle and half of what spans `low` to `high`; the half is rounded up.
+pub fn middle_and_half(low: f32, high: f32) -> (f32, f32) {
+    let middle = low + 0.5 * (high - low);
+    (middle, (high - middle).max(middle - low).next_up())
+}
+
+/// The half-step with which codes span the largest of `halves`.
+pub fn half_step_for(halves: impl Iterator<Item = f32>) -> f32 {
+    (halves.fold(0.0, f32::max) / CODE_MAX as f32).next_up().max(LEAST_HALF_STEP)
+}
+
+/// The code nearest to `x`, and what it stands for.
+pub fn code_of(x: f32, middle: f32, half_step: f32) -> (u8, f64) {
+    let (middle, half_step) = (f64::from(middle), f64::from(half_step));
+    let code = (0.5 * ((f64::from(x) - middle) / half_step + CODE_MAX)).round().clamp(0.0, CODE_MAX);
+    (code as u8, middle + half_step * (2.0 * code - CODE_MAX))
+}
+
+/// Squared length in half-steps of a window with these codes.
+pub fn square(codes: impl Iterator<Item = u8>) -> i32 {
+    codes.map(|code| (2 * i32::from(code) - CODE_MAX as i32).pow(2)).sum()
+}
+
+/// A query in a frame.
+#[derive(Debug, Clone)]
+pub struct Coded {
+    /// Half-steps from the middle.
+    pub steps: [[i8; QUAD]; AXES_MAX / QUAD],
+    /// |q|^2 + 254 times the sum of all steps: with what `Lanes::closeness` answers it makes the squared distance.
+    base: i32,
+    /// Square of its distance from the frame's box.
+    outside: f32,
+    /// Distance of its nearest point in the box from where the steps say, and the windows' slack.
+    error: f32,
+    per_half_step: f32,
+}
+
+impl Coded {
+    /// Nothing.
+    pub fn new() -> Self {
+        Self { steps: [[0; QUAD]; AXES_MAX / QUAD], base: 0, outside: 0.0, error: 0.0, per_half_step: 0.0 }
+    }
+
+    /// Takes `point` into `frame`.
+    #[inline(always)]
+    pub fn set(&mut self, frame: Frame<'_>, point: &[f32; AXES_MAX]) {
+        const CHUNK: usize = 8;
+        let (half_step, per_half_step) = (frame.scale.half_step, 1.0 / frame.scale.half_step);
+        let (mut outside, mut error) = ([0.0f32; CHUNK], [0.0f32; CHUNK]);
+        let (mut sum, mut squares) = ([0i32; CHUNK], [0i32; CHUNK]);
+        let steps: &mut [i8; AXES_MAX] = bytemuck::cast_mut(&mut self.steps);
+        let chunks = frame.middles.as_chunks::<CHUNK>().0.iter().zip(frame.halves.as_chunks::<CHUNK>().0);
+        let queries = point.as_chunks::<CHUNK>().0.iter().zip(steps.as_chunks_mut::<CHUNK>().0);
+        for ((middles, halves), (point, steps)) in chunks.zip(queries) {
+            for axis in 0..CHUNK {
+                let from_middle = point[axis] - middles[axis];
+                let inside = from_middle.max(-halves[axis]).min(halves[axis]);
+                let beyond = from_middle - inside;
+                outside[axis] += beyond * beyond;
+                let rounded = inside * per_half_step + ROUNDER;
+                let lost = inside - (rounded - ROUNDER) * half_step;
+                error[axis] += lost * lost;
+                // The low byte of such a number is the integer in two's complement.
+                let step = rounded.to_bits() as u8 as i8;
+                steps[axis] = step;
+                sum[axis] += i32::from(step);
+                squares[axis] += i32::from(step) * i32::from(step);
+            }
+        }
+        self.base = squares.iter().sum::<i32>() + 2 * CODE_MAX as i32 * sum.iter().sum::<i32>();
+        self.outside = outside.iter().sum();
+        self.error = error.iter().sum::<f32>().sqrt() + frame.scale.slack;
+        self.per_half_step = per_half_step;
+    }
+
+    /// The most that `Lanes::closeness` may answer for a window within `reach`; rounded up.
+    #[inline(always)]
+    pub fn limit(&self, reach: f32) -> i32 {
+        let square = reach * reach - self.outside;
+        // Numbers beyond all bounds: then nothing is ruled out.
+        let inside = if square.is_nan() { f32::INFINITY } else { square.max(0.0).sqrt() };
+        let steps = (inside + self.error) * self.per_half_step;
+        (steps * steps * (1.0 + 1e-5)).min(LIMIT_MAX) as i32 + 1 - self.base
+    }
+}

@@ -1,0 +1,124 @@
+//! Instructions of one fixed second of each engine, which do not depend on what else the machine does: so nothing becomes
+//! slower unseen.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::{cargo, project};
+
+/// Where the counts are kept that new ones are compared with.
+const KEPT: &str = "xtask/instructions.txt";
+/// How far a count may be off.
+const TOLERANCE: f64 = 0.1;
+/// What is counted: `bench instructions` of the package's bench knows these.
+const PACKAGE: &str = "pyrophone-synthesis";
+const ENGINES: [&str; 5] = ["exact", "bounded", "quiet", "extension", "default"];
+
+/// Whether this machine can count.
+pub fn can_count() -> bool {
+    Command::new("valgrind").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+}
+
+/// The counts in millions, as a Markdown table.
+pub fn table() -> Result<String> {
+    let mut table =
+        "### Instructions\n\nCounted by callgrind (which offers programs AVX2, not AVX-512) over one fixed second \
+                     of sound.\n\n"
+            .to_owned();
+    if !can_count() {
+        table.push_str("Not counted: valgrind is not installed (`apt-get install valgrind`).\n\n");
+        return Ok(table);
+    }
+    table.push_str("| engine | million instructions |\n|---|---|\n");
+    for (engine, millions) in counts()? {
+        writeln!(table, "| {engine} | {millions:.1} |")?;
+    }
+    table.push('\n');
+    print!("{table}");
+    Ok(table)
+}
+
+/// Counts, and keeps the counts for comparisons.
+pub fn keep() -> Result<()> {
+    ensure!(can_count(), "valgrind is not installed (`apt-get install valgrind`)");
+    let mut text = String::new();
+    for (engine, millions) in counts()? {
+        writeln!(text, "{engine} {millions:.1}")?;
+    }
+    print!("{text}");
+    std::fs::write(KEPT, text).context(KEPT)
+}
+
+/// Fails where an engine needs more or fewer instructions than those kept allow.
+pub fn compare() -> Result<()> {
+    let kept = std::fs::read_to_string(KEPT).context(KEPT)?;
+    differences(&kept, &counts()?)
+}
+
+fn differences(kept: &str, found: &[(String, f64)]) -> Result<()> {
+    let mut wrong = String::new();
+    for (engine, millions) in found {
+        let line = kept.lines().find_map(|line| line.strip_prefix(engine.as_str())?.strip_prefix(' '));
+        let Some(expected) = line.and_then(|line| line.trim().parse::<f64>().ok()) else {
+            bail!("{KEPT} has no count of {engine}: `cargo xtask bench instructions` counts anew");
+        };
+        if (millions / expected - 1.0).abs() > TOLERANCE {
+            writeln!(wrong, "{engine}: {millions:.1} million instructions instead of {expected:.1}")?;
+        }
+    }
+    ensure!(wrong.is_empty(), "{wrong}what is meant to be so is kept by `cargo xtask bench instructions`");
+    Ok(())
+}
+
+fn counts() -> Result<Vec<(String, f64)>> {
+    let program = bench_program()?;
+    ENGINES.iter().map(|engine| Ok(((*engine).to_owned(), count(&program, engine)?))).collect()
+}
+
+fn count(program: &Path, engine: &str) -> Result<f64> {
+    let counts = project::target_dir().join("callgrind.out");
+    let mut valgrind = Command::new("valgrind");
+    valgrind.arg("--tool=callgrind").arg(format!("--callgrind-out-file={}", counts.display()));
+    valgrind.args(["--collect-atstart=no", "--toggle-collect=*counted_second*"]);
+    valgrind.arg(program).args(["instructions", engine]).stderr(Stdio::null());
+    let output = valgrind.output().context("calling valgrind")?;
+    ensure!(output.status.success(), "valgrind failed on {}", program.display());
+    let text = std::fs::read_to_string(&counts).with_context(|| counts.display().to_string())?;
+    let Some(total) = text.lines().find_map(|line| line.strip_prefix("totals: ")) else {
+        bail!("{} holds no total", counts.display());
+    };
+    Ok(total.trim().parse::<f64>().context("callgrind's total")? / 1e6)
+}
+
+/// The bench as a program with its functions' names.
+fn bench_program() -> Result<PathBuf> {
+    let mut build = cargo::command();
+    build.args(["bench", "--quiet", "--package", PACKAGE, "--bench", "cost", "--no-run", "--message-format=json"]);
+    let output = build.env("CARGO_PROFILE_BENCH_STRIP", "none").stderr(Stdio::inherit()).output()?;
+    ensure!(output.status.success(), "the bench does not build; see above");
+    let messages = String::from_utf8_lossy(&output.stdout).into_owned();
+    let executable = messages.lines().rev().find_map(|line| {
+        let (_, rest) = line.split_once("\"executable\":\"")?;
+        Some(PathBuf::from(rest.split_once('"')?.0))
+    });
+    executable.context("cargo named no program")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_off_by_more_than_a_tenth_are_refused() {
+        let found = |millions: f64| [("exact".to_owned(), millions)];
+        assert!(differences("exact 100.0\n", &found(109.0)).is_ok());
+        assert!(differences("exact 100.0\n", &found(91.0)).is_ok());
+        let error = differences("exact 100.0\n", &found(112.0)).unwrap_err().to_string();
+        assert!(error.contains("exact: 112.0 million instructions instead of 100.0"), "{error}");
+        assert!(differences("exact 100.0\n", &found(88.0)).is_err(), "what became quicker must be kept too");
+        assert!(differences("exactly 100.0\n", &found(100.0)).is_err());
+    }
+}
