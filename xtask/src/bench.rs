@@ -1,5 +1,6 @@
 //! Real-time factors and worst blocks.
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
@@ -22,6 +23,9 @@ const END: &str = "<!-- end of figures -->\n";
 pub struct Args {
     /// Only this one; `search` also writes its tables into docs/performance.md
     bench: Option<Bench>,
+    /// Options of `scenes`; see `bench scenes --help`
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
+    arguments: Vec<OsString>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
@@ -34,10 +38,16 @@ enum Bench {
     Flame,
     /// The editor's window, frame by frame
     Window,
+    /// How the scenes sound at several resolutions; takes minutes, so only where it is asked for
+    Scenes,
 }
 
 /// Runs the benches.
 pub fn run(args: &Args) -> Result<ExitCode> {
+    if args.bench == Some(Bench::Scenes) {
+        return cargo::sound("scenes", &args.arguments);
+    }
+    ensure!(args.arguments.is_empty(), "only the bench `scenes` takes options");
     setup::ensure(&setup::BUILD)?;
     let is_wanted = |bench: Bench| args.bench.is_none_or(|only| only == bench);
     for (bench, package, name) in [
