@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::activity::{Activity, SEGMENT};
 use super::domain::{Domain, FaceRow, Side, at};
 use super::lattice::Lattice;
-use super::parallel::{planes, wide};
+use super::parallel::{largest, planes, wide};
 
 /// How far the gas at every centre has come, and will go, in one step; in cells.
 #[derive(Debug, Default)]
@@ -14,7 +15,21 @@ pub(crate) struct Paths {
     goes: Vec<[f32; 4]>,
 }
 
+/// What need not be carried with care, or not at all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Neglect<'a> {
+    /// Where it is told, all the rest holds what comes in from outside and keeps it.
+    pub activity: Option<&'a Activity>,
+    /// Differences between neighbouring samples below which their mean will do.
+    pub difference: f32,
+}
+
 impl Paths {
+    /// The longest way along any axis in cells, at least 0.
+    pub fn longest(&self) -> f32 {
+        largest(self.came.as_flattened()).max(largest(self.goes.as_flattened()))
+    }
+
     /// Traces `velocity` (at the centres) over a step in which a speed of 1 crosses `cells_per_speed` cells: midpoint rule,
     /// in both directions.
     pub fn trace(&mut self, domain: &Domain, velocity: &[[f32; 4]], cells_per_speed: f32) {
@@ -70,6 +85,7 @@ pub(crate) fn advect<const N: usize>(
     stand: Stand,
     paths: &Paths,
     entering: &Entering<N>,
+    neglect: Neglect,
     scratch: &mut Scratch<N>,
 ) {
     let lattice = match stand {
@@ -89,7 +105,12 @@ pub(crate) fn advect<const N: usize>(
         wide(|| {
             for (j, (carried, ranges)) in carried.chunks_exact_mut(nz).zip(ranges.chunks_exact_mut(nz)).enumerate() {
                 let row = PathRow::new(domain, stand, i, j);
+                let busy = neglect.activity.map(|activity| activity.row(i, j));
                 for (k, (carried, range)) in carried.iter_mut().zip(ranges).enumerate() {
+                    if busy.is_some_and(|busy| !busy[k / SEGMENT]) {
+                        (*carried, *range) = (entering.value, [entering.value; 2]);
+                        continue;
+                    }
                     let (position, path) = (lattice.position(i, j, k), row.path(&paths.came, k));
                     let departure = std::array::from_fn(|axis| position[axis] - path[axis]);
                     let [value, low, high] = match entering.at(departure) {
@@ -110,8 +131,8 @@ pub(crate) fn advect<const N: usize>(
                 let start = at(lattice.shape, i, j, 0);
                 let (firsts, ranges) = (&carried[start..start + nz], &ranges[start..start + nz]);
                 for (k, ((value, first), [low, high])) in field.iter_mut().zip(firsts).zip(ranges).enumerate() {
-                    if low == high {
-                        *value = *low;
+                    if (0..N).all(|n| high[n] - low[n] <= neglect.difference) {
+                        *value = *first;
                         continue;
                     }
                     let (position, path) = (lattice.position(i, j, k), row.path(&paths.goes, k));

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::parallel::{planes, rows, wide};
 
 use super::Parameters;
+use super::activity::{Activity, SEGMENT};
 use super::combustion::{Combustion, SMOKE, TEMPERATURE};
 use super::domain::{Domain, at};
 use super::lattice::Lattice;
@@ -21,8 +22,17 @@ pub(crate) struct Forces {
 pub(crate) struct Gas<'a> {
     pub velocity: &'a [[f32; 4]],
     pub scalars: &'a [[f32; 4]],
+    /// Where it is told, nothing acts on the rest.
+    pub activity: Option<&'a Activity>,
     pub turbulence: &'a Turbulence,
     pub time_s: f64,
+}
+
+impl Gas<'_> {
+    #[inline(always)]
+    fn is_idle(&self, i: usize, j: usize, k: usize) -> bool {
+        self.activity.is_some_and(|activity| !activity.row(i, j)[k / SEGMENT])
+    }
 }
 
 impl Forces {
@@ -34,7 +44,7 @@ impl Forces {
         let confinement = parameters.confinement as f32;
         self.vorticity.resize(domain.cells(), [0.0; 4]);
         if confinement != 0.0 {
-            self.curl(domain, gas.velocity);
+            self.curl(domain, gas);
         }
         let buoyancy = parameters.buoyancy_m_s2 as f32;
         // A blue core is wrinkled from within, where it is cold yet.
@@ -42,25 +52,35 @@ impl Forces {
             Some(Combustion::BlueCore { .. }) => SMOKE,
             _ => TEMPERATURE,
         };
+        let burns = parameters.combustion.is_some();
         let stirring = parameters.turbulence_m_s2 as f32;
         let eddies = (1.0 / parameters.turbulence_scale_m) as f32;
         let turnovers = (gas.time_s * parameters.turbulence_rate_hz) as f32;
+        let first = parameters.turbulence_origin_m.map(|place| place as f32);
         let vorticity = self.vorticity.as_slice();
         let lattice = Lattice::centres(domain);
         planes(acceleration, ny * nz).enumerate().for_each(|(i, plane)| {
             wide(|| {
                 for ([j, k], out) in rows(plane, nz) {
+                    if gas.is_idle(i, j, k) {
+                        *out = [0.0; 4];
+                        continue;
+                    }
                     let temperature = gas.scalars[at(shape, i, j, k)][TEMPERATURE];
                     let mut sum = [0.0, 0.0, buoyancy * temperature, 0.0];
                     if confinement != 0.0 {
                         let force = confine(vorticity, &lattice, [i, j, k]);
+                        // A flame's own eddies are kept alive, not whatever turns in the air around it.
+                        let share =
+                            if burns { gas.scalars[at(shape, i, j, k)][stirred_by].clamp(0.0, 1.0) } else { 1.0 };
                         for axis in 0..3 {
-                            sum[axis] += confinement * voxel_size * force[axis];
+                            sum[axis] += share * confinement * voxel_size * force[axis];
                         }
                     }
                     let stirred = stirring * gas.scalars[at(shape, i, j, k)][stirred_by].clamp(0.0, 1.0);
                     if stirred > 1e-3 * stirring {
-                        let place = [i, j, k].map(|cell| cell as f32 * voxel_size * eddies);
+                        let cell = [i, j, k].map(|cell| cell as f32 * voxel_size);
+                        let place = std::array::from_fn(|axis| (cell[axis] + first[axis]) * eddies);
                         let noise = gas.turbulence.at(place, turnovers);
                         for axis in 0..3 {
                             sum[axis] += stirred * noise[axis];
@@ -72,13 +92,18 @@ impl Forces {
         });
     }
 
-    fn curl(&mut self, domain: &Domain, velocity: &[[f32; 4]]) {
+    fn curl(&mut self, domain: &Domain, gas: &Gas) {
+        let velocity = gas.velocity;
         let lattice = &Lattice::centres(domain);
         let [_, ny, nz] = lattice.shape;
         let scale = (0.5 / domain.voxel_size_m()) as f32;
         planes(&mut self.vorticity, ny * nz).enumerate().for_each(|(i, plane)| {
             wide(|| {
                 for ([j, k], out) in rows(plane, nz) {
+                    if gas.is_idle(i, j, k) {
+                        *out = [0.0; 4];
+                        continue;
+                    }
                     let place = [i, j, k];
                     let slope = |axis: usize| {
                         let (before, after) = neighbours(lattice, place, axis);

@@ -58,8 +58,8 @@ impl Lattice {
     pub fn sample<const N: usize>(&self, field: &[[f32; N]], position: [f32; 3]) -> [f32; N] {
         let [x, y, z] = self.brackets(position);
         let along_z = |i: usize, j: usize| {
-            let row = at(self.shape, i, j, 0);
-            mix(&field[row + z.0], &field[row + z.1], z.2)
+            let [a, b] = self.pair(field, i, j, z);
+            mix(a, b, z.2)
         };
         let along_y = |i: usize| mix(&along_z(i, y.0), &along_z(i, y.1), y.2);
         mix(&along_y(x.0), &along_y(x.1), x.2)
@@ -71,8 +71,7 @@ impl Lattice {
         let [x, y, z] = self.brackets(position);
         let mut range = [[f32::INFINITY; N], [f32::NEG_INFINITY; N]];
         let mut along_z = |i: usize, j: usize| {
-            let row = at(self.shape, i, j, 0);
-            let (a, b) = (&field[row + z.0], &field[row + z.1]);
+            let [a, b] = self.pair(field, i, j, z);
             range = [
                 std::array::from_fn(|n| range[0][n].min(a[n]).min(b[n])),
                 std::array::from_fn(|n| range[1][n].max(a[n]).max(b[n])),
@@ -82,6 +81,17 @@ impl Lattice {
         let before = mix(&along_z(x.0, y.0), &along_z(x.0, y.1), y.2);
         let after = mix(&along_z(x.1, y.0), &along_z(x.1, y.1), y.2);
         [mix(&before, &after, x.2), range[0], range[1]]
+    }
+
+    /// The samples of a bracket in row (i, j).
+    #[inline(always)]
+    fn pair<'a, const N: usize>(&self, field: &'a [[f32; N]], i: usize, j: usize, z: Bracket) -> [&'a [f32; N]; 2] {
+        let row = at(self.shape, i, j, 0);
+        // Mostly they lie side by side, and their bounds need one look.
+        match field.get(row + z.0..row + z.0 + 2) {
+            Some([a, b]) if z.1 == z.0 + 1 => [a, b],
+            _ => [&field[row + z.0], &field[row + z.1]],
+        }
     }
 
     #[inline(always)]

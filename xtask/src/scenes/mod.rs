@@ -102,3 +102,38 @@ fn changes(coarse: &Character, fine: &Character) -> String {
     let [a, b, c]: [f64; 3] = std::array::from_fn(|band| fine.levels_db[band] - coarse.levels_db[band]);
     format!("| | change | {a:+.1} | {b:+.1} | {c:+.1} | | | | | |")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Most that levels may change in dB from 40 to 64 cells.
+    const MOST_CHANGE_DB: f64 = 1.5;
+
+    fn changes_db(scene: Scene, cells: [usize; 2], seconds: f64) -> [f64; 3] {
+        let [coarse, fine] = cells.map(|resolution| {
+            of_scene(scene, Options { resolution, ..Options::default() }, seconds).unwrap().unwrap().levels_db
+        });
+        std::array::from_fn(|band| fine[band] - coarse[band])
+    }
+
+    /// What is heard is the flame, not its grid: of one scene in brief, of all in the long tests.
+    #[test]
+    fn levels_hardly_depend_on_the_cells() {
+        let is_long = std::env::var_os("PYROPHONE_SOAK").is_some();
+        let (scenes, cells, seconds) =
+            if is_long { (Scene::ALL.to_vec(), [40, 64], 3.0) } else { (vec![Scene::BurningBrick], [24, 32], 0.8) };
+        let found: Vec<_> = scenes.into_iter().map(|scene| (scene.name(), changes_db(scene, cells, seconds))).collect();
+        let is_still = |(_, changes): &(&str, [f64; 3])| changes.iter().all(|db| db.abs() <= MOST_CHANGE_DB);
+        assert!(found.iter().all(is_still), "dB in three bands: {found:.2?}");
+    }
+
+    /// Bursts as fire has them, with a spectrum that a recording of fire could have.
+    #[test]
+    fn a_scene_has_the_character_of_fire() {
+        let options = Options { resolution: 24, ..Options::default() };
+        let found = of_scene(Scene::BurningBrick, options, 2.0).unwrap().unwrap();
+        assert!(found.envelope_cv > 0.6 && found.kurtosis > 5.0, "{found:?}");
+        assert!((0.5..=4.0).contains(&found.bursts_hz) && (-20.0..=0.0).contains(&found.slope_db), "{found:?}");
+    }
+}

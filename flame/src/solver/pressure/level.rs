@@ -63,21 +63,61 @@ impl Level {
         self.visit(field, image, |_, sum, _, image| *image = sum * scale);
     }
 
-    /// Smooths `solution`, which starts from zero; `step` and `image` are room to work.
+    /// Smooths `solution` from zero, whatever it holds; `step` and `image` are room to work.
     pub fn smooth_from_zero(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
-        solution.fill(0.0);
-        self.chebyshev(right, solution, step, image, STEPS, *DAMPED.start());
+        self.chebyshev_from_zero(right, solution, step, image, STEPS, *DAMPED.start());
     }
 
     /// Smooths `solution` from what it holds.
     pub fn smooth(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
-        self.chebyshev(right, solution, step, image, STEPS, *DAMPED.start());
+        self.chebyshev(right, solution, step, image, 0..STEPS, *DAMPED.start());
     }
 
     /// Solves well enough where nothing coarser is there.
     pub fn solve_small(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
-        solution.fill(0.0);
-        self.chebyshev(right, solution, step, image, STEPS_ON_COARSEST, DAMPED_ON_COARSEST);
+        self.chebyshev_from_zero(right, solution, step, image, STEPS_ON_COARSEST, DAMPED_ON_COARSEST);
+    }
+
+    /// The iteration from zero, whose first step needs no neighbours.
+    fn chebyshev_from_zero(
+        &self,
+        right: &[f32],
+        solution: &mut [f32],
+        step: &mut [f32],
+        image: &mut [f32],
+        steps: usize,
+        lowest: f64,
+    ) {
+        let add = (1.0 / (0.5 * (DAMPED.end() + lowest))) as f32;
+        let [_, ny, nz] = self.shape;
+        let cells = planes(solution, ny * nz).zip(planes(step, ny * nz)).zip(right.par_chunks(ny * nz));
+        cells.enumerate().for_each(|(i, ((solution, step), right))| {
+            wide(|| {
+                for j in 0..ny {
+                    let row = j * nz..(j + 1) * nz;
+                    let (solution, step, right) = (&mut solution[row.clone()], &mut step[row.clone()], &right[row]);
+                    let across = self.own(0, i) + self.own(1, j);
+                    let diagonal = |k: usize| across + self.own(2, k);
+                    let (inner, edges) = (across + 2.0, [diagonal(0), diagonal(nz - 1)]);
+                    for k in 0..nz {
+                        step[k] = add * right[k] / (inner * self.scale);
+                    }
+                    for (k, diagonal) in [0, nz - 1].into_iter().zip(edges) {
+                        step[k] = add * right[k] / (diagonal * self.scale);
+                    }
+                    solution.copy_from_slice(step);
+                }
+            })
+        });
+        self.chebyshev(right, solution, step, image, 1..steps, lowest);
+    }
+
+    /// What a cell's two neighbours along an axis add to the operator's diagonal.
+    fn own(&self, axis: usize, position: usize) -> f32 {
+        let one = |upper: bool| {
+            neighbour(position, self.shape[axis], upper, self.ends[axis]).map_or_else(|extra| extra, |_| 1.0)
+        };
+        one(false) + one(true)
     }
 
     /// Chebyshev's iteration on the operator scaled by its diagonal (Saad, *Iterative Methods for Sparse Linear Systems*,
@@ -88,13 +128,13 @@ impl Level {
         solution: &mut [f32],
         step: &mut [f32],
         image: &mut [f32],
-        steps: usize,
+        steps: std::ops::Range<usize>,
         lowest: f64,
     ) {
         let (middle, half) = (0.5 * (DAMPED.end() + lowest), 0.5 * (DAMPED.end() - lowest));
         let ratio = middle / half;
         let mut rho = 1.0 / ratio;
-        for index in 0..steps {
+        for index in 0..steps.end {
             let (keep, add) = if index == 0 {
                 (0.0, 1.0 / middle)
             } else {
@@ -103,13 +143,18 @@ impl Level {
                 rho = next;
                 factors
             };
+            if index < steps.start {
+                continue;
+            }
             let (keep, add, scale) = (keep as f32, add as f32, self.scale);
             // image = the new step; it is written apart from the solution that is read.
             self.visit(solution, image, |index, sum, diagonal, image| {
                 *image = keep * step[index] + add * (right[index] - sum * scale) / (diagonal * scale);
             });
-            step.copy_from_slice(image);
-            elements(solution).zip(&*step).for_each(|(solution, step)| *solution += *step);
+            elements(solution).zip(elements(step)).zip(&*image).for_each(|((solution, step), image)| {
+                *step = *image;
+                *solution += *image;
+            });
         }
     }
 
