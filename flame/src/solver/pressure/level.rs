@@ -60,7 +60,7 @@ impl Level {
     /// `image` = negative Laplacian of `field`.
     pub fn apply(&self, field: &[f32], image: &mut [f32]) {
         let scale = self.scale;
-        self.visit(field, image, |_, sum, _, image| *image = sum * scale);
+        self.visit(field, image, |_, row, _| row.iter_mut().for_each(|value| *value *= scale));
     }
 
     /// Smooths `solution` from zero, whatever it holds; `step` and `image` are room to work.
@@ -148,8 +148,18 @@ impl Level {
             }
             let (keep, add, scale) = (keep as f32, add as f32, self.scale);
             // image = the new step; it is written apart from the solution that is read.
-            self.visit(solution, image, |index, sum, diagonal, image| {
-                *image = keep * step[index] + add * (right[index] - sum * scale) / (diagonal * scale);
+            self.visit(solution, image, |start, row, [first, inner, last]| {
+                let cells = start..start + row.len();
+                let (step, right) = (&step[cells.clone()], &right[cells]);
+                let stepped = |k: usize, sum: f32, diagonal: f32| {
+                    keep * step[k] + add * (right[k] - sum * scale) / (diagonal * scale)
+                };
+                let end = row.len() - 1;
+                let ends = [stepped(0, row[0], first), stepped(end, row[end], last)];
+                for (k, value) in row.iter_mut().enumerate() {
+                    *value = stepped(k, *value, inner);
+                }
+                (row[0], row[end]) = (ends[0], ends[1]);
             });
             elements(solution).zip(elements(step)).zip(&*image).for_each(|((solution, step), image)| {
                 *step = *image;
@@ -158,9 +168,10 @@ impl Level {
         }
     }
 
-    /// Calls `each` for every cell with its index, the sum of its value's differences to its neighbours, the
-    /// operator's diagonal (both still without 1/h²) and the cell's place in `image`.
-    fn visit(&self, field: &[f32], image: &mut [f32], each: impl Fn(usize, f32, f32, &mut f32) + Sync) {
+    /// Puts the sum of every cell's differences to its neighbours in `image`, and calls `each` for every row of it with the
+    /// index of its first cell and the operator's diagonal (both still without 1/h²): of the first cell, those between, the
+    /// last.
+    fn visit(&self, field: &[f32], image: &mut [f32], each: impl Fn(usize, &mut [f32], [f32; 3]) + Sync) {
         let [nx, ny, nz] = self.shape;
         let plane = ny * nz;
         planes(image, plane).enumerate().for_each(|(i, image)| {
@@ -205,15 +216,15 @@ impl Level {
                         }
                         (diagonal * centre[k] - sum, diagonal)
                     };
-                    for k in [0, nz - 1] {
-                        let (sum, diagonal) = edge(k);
-                        each(row + k, sum, diagonal, &mut out[k]);
-                    }
-                    let diagonal = own + 2.0;
+                    let [first, last] = [0, nz - 1].map(edge);
+                    let inner = own + 2.0;
+                    let (centre, [a, b, c, d]) = (&centre[..nz], rows.map(|row| &row[..nz]));
                     for k in 1..nz - 1 {
-                        let sum = diagonal * centre[k] - (across(k) + centre[k - 1] + centre[k + 1]);
-                        each(row + k, sum, diagonal, &mut out[k]);
+                        let across = weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k] + weights[3] * d[k];
+                        out[k] = inner * centre[k] - (across + centre[k - 1] + centre[k + 1]);
                     }
+                    (out[0], out[nz - 1]) = (first.0, last.0);
+                    each(row, out, [first.1, inner, last.1]);
                 }
             })
         });
