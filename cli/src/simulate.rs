@@ -210,7 +210,7 @@ impl Plan {
         let every = self.count.div_ceil(PICTURES);
         let number = frame.number.unsigned_abs();
         let is_drawn = self.draws && number % every == every / 2;
-        let regions = self.regions.as_ref().filter(|_| number.is_multiple_of(stride(STEP_RATE_HZ)));
+        let regions = self.regions.as_ref().filter(|_| self.is_in_field(number));
         Ok(Measured {
             row,
             mesh: is_drawn.then(|| self.front.mesh(&frame.field)).transpose()?,
@@ -231,8 +231,14 @@ impl Plan {
         if let Some(path) = self.cache_path(number) {
             self.write_cache(&path, number, simulation)?;
         }
-        let number = i64::try_from(number).unwrap_or(i64::MAX);
-        Ok(Some(Frame { number, ..simulation.frame()? }))
+        // How gas moves far from the front is of account only in the speed field's steps.
+        let frame = if self.is_in_field(number) { simulation.frame()? } else { simulation.front_frame()? };
+        Ok(Some(Frame { number: i64::try_from(number).unwrap_or(i64::MAX), ..frame }))
+    }
+
+    /// Whether the speed field has a step at a frame.
+    fn is_in_field(&self, frame: u64) -> bool {
+        self.regions.is_some() && frame.is_multiple_of(stride(STEP_RATE_HZ))
     }
 
     fn cache_path(&self, frame: u64) -> Option<PathBuf> {

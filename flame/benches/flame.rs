@@ -30,7 +30,7 @@ fn main() {
             simulation.step();
             stepping += began.elapsed();
             let began = Instant::now();
-            let frame = simulation.frame().expect("a box has a transform");
+            let frame = simulation.front_frame().expect("a box has a transform");
             front.measure(&frame).expect("the flame has bounds");
             measuring += began.elapsed();
         }

@@ -97,7 +97,7 @@ impl LiveFlow {
         // Held at rest, hot gas would stay there for good.
         let blows = Some(emitter).filter(|_| speed_m_s > CALM_M_S);
         let emitters = std::iter::once(rest).chain(blows).collect();
-        let surroundings = Surroundings { emitters, gust_m_s: 0.0, unrest_m_s: 0.0 };
+        let surroundings = Surroundings { emitters, ..Surroundings::default() };
         self.solver.step(self.step_s, &surroundings);
         Ok(self.regions.mean_speeds(&self.solver.frame(0)?.velocity))
     }

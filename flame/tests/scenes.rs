@@ -1,5 +1,6 @@
 //! Every scene burns, whatever is asked of it.
 
+use pyrophone_flame::Front;
 use pyrophone_flame::scenes::{Options, Scene, Simulation};
 
 fn options(resolution: usize) -> Options {
@@ -44,6 +45,22 @@ fn every_scene_burns_and_repeats_by_seed() {
         assert!(first.0.iter().any(|value| value[0] > 0.5), "{}: nothing burns", scene.name());
         assert_eq!(first, run(1), "{}", scene.name());
         assert_ne!(first, run(2), "{}: the seed changes nothing", scene.name());
+    }
+}
+
+/// What is left out of the frame that a flux is measured in has no part in it.
+#[test]
+fn flux_needs_the_flow_near_the_front_alone() {
+    let front = Front::new(0.5, 2).unwrap();
+    for scene in Scene::ALL {
+        let mut simulation = Simulation::new(scene, options(32)).unwrap();
+        for _ in 0..50 {
+            simulation.step();
+        }
+        let (whole, near) = (simulation.frame().unwrap(), simulation.front_frame().unwrap());
+        let measured = front.measure(&near).unwrap();
+        assert_eq!(front.measure(&whole).unwrap(), measured, "{}", scene.name());
+        assert!(measured.area > 0.0 && near.number == whole.number, "{}", scene.name());
     }
 }
 

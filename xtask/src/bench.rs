@@ -1,5 +1,6 @@
 //! Real-time factors and worst blocks.
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, ExitCode, Stdio};
@@ -24,6 +25,9 @@ const COST_END: &str = "<!-- end of costs -->\n";
 pub struct Args {
     /// Only this one; `all` and `search` also write their tables into docs/performance.md
     bench: Option<Bench>,
+    /// Options of `scenes`; see `bench scenes --help`
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
+    arguments: Vec<OsString>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum, PartialEq, Eq)]
@@ -42,10 +46,16 @@ enum Bench {
     Reload,
     /// Instructions of one second of each engine; keeps them for `cargo xtask test` to compare with
     Instructions,
+    /// How the scenes sound at several resolutions; takes minutes, so only where it is asked for
+    Scenes,
 }
 
 /// Runs the benches.
 pub fn run(args: &Args) -> Result<ExitCode> {
+    if args.bench == Some(Bench::Scenes) {
+        return cargo::sound("scenes", &args.arguments);
+    }
+    ensure!(args.arguments.is_empty(), "only the bench `scenes` takes options");
     setup::ensure(&setup::BUILD)?;
     if args.bench == Some(Bench::All) {
         return costs();

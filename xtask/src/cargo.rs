@@ -1,6 +1,9 @@
 //! How Cargo is called.
 
+use std::ffi::OsString;
 use std::process::{Command, ExitCode, ExitStatus};
+
+use anyhow::Result;
 
 use crate::project;
 
@@ -17,4 +20,16 @@ pub fn exit_code(status: ExitStatus) -> ExitCode {
         Some(code) => ExitCode::from(u8::try_from(code).unwrap_or(1)),
         None => ExitCode::FAILURE,
     }
+}
+
+/// Builds `xtask-sound` and hands over to it.
+pub fn sound(name: &str, arguments: &[OsString]) -> Result<ExitCode> {
+    let mut sound = command();
+    sound.args(["run", "--release", "--package", "xtask", "--bin", "xtask-sound", "--", name]);
+    if name == "demo" && std::env::var_os("NICE_LOG").is_none() {
+        // What the plugin tells its user in a host's log is of no use between the demo's lines.
+        sound.env("NICE_LOG", project::target_dir().join("demo.log"));
+    }
+    let status = sound.args(arguments).status()?;
+    Ok(exit_code(status))
 }

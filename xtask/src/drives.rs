@@ -41,6 +41,9 @@ pub struct Args {
     /// Write only the speed fields, for which each scene is simulated only once
     #[arg(long)]
     fields_only: bool,
+    /// Cells along the longest side of each scene's box
+    #[arg(long, default_value_t = simulated::RESOLUTION)]
+    cells: usize,
 }
 
 /// Simulates and writes.
@@ -54,8 +57,10 @@ pub fn run(args: &Args) -> Result<()> {
     }
     for scene in if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes } {
         let wanted = if args.fields_only { 1 } else { WAYS.len() };
-        let ways: Vec<Burnt> =
-            WAYS[..wanted].iter().map(|(way, options)| burn(scene, way, *options)).collect::<Result<_>>()?;
+        let ways: Vec<Burnt> = WAYS[..wanted]
+            .iter()
+            .map(|(way, options)| burn(scene, way, *options, args.cells))
+            .collect::<Result<_>>()?;
         let path = fields.join(format!("{}.field", scene.name()));
         let bytes = field(&ways[0])?.to_bytes();
         write_file(&path, |file| file.write_all(&bytes))?;
@@ -73,8 +78,8 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// One scene over a loop and the second in which it fades.
-fn burn(scene: Scene, way: &str, options: Way) -> Result<Burnt> {
-    let options = options(Options { resolution: simulated::RESOLUTION, ..Options::default() });
+fn burn(scene: Scene, way: &str, options: Way, resolution: usize) -> Result<Burnt> {
+    let options = options(Options { resolution, ..Options::default() });
     // A loop goes on from its end, not from an unlit box.
     let pre_roll_s = scene.period_s().unwrap_or(scene.default_pre_roll_s());
     let what = format!("{}, {way}", scene.name());

@@ -104,9 +104,9 @@ fn run(command: Command) -> Result<ExitCode> {
             }
             with_bundles("demo", &forwarded)
         }
-        Command::Drives(forwarded) => sound("drives", &forwarded),
+        Command::Drives(forwarded) => cargo::sound("drives", &forwarded.arguments),
         Command::Score(forwarded) => with_bundles("score", &forwarded),
-        Command::Vortex(forwarded) => sound("vortex", &forwarded),
+        Command::Vortex(forwarded) => cargo::sound("vortex", &forwarded.arguments),
         Command::Test => test::run(),
         Command::Soak => test::soak(),
         Command::Bench(args) => bench::run(&args),
@@ -118,17 +118,5 @@ fn with_bundles(command: &str, forwarded: &Forwarded) -> Result<ExitCode> {
     if !forwarded.asks_for_help() {
         bundle::bundle(bundle::Profile::Release)?;
     }
-    sound(command, forwarded)
-}
-
-/// Builds `xtask-sound` and hands over to it.
-fn sound(command: &str, forwarded: &Forwarded) -> Result<ExitCode> {
-    let mut sound = cargo::command();
-    sound.args(["run", "--release", "--package", "xtask", "--bin", "xtask-sound", "--", command]);
-    if command == "demo" && std::env::var_os("NICE_LOG").is_none() {
-        // What the plugin tells its user in a host's log is of no use between the demo's lines.
-        sound.env("NICE_LOG", project::target_dir().join("demo.log"));
-    }
-    let status = sound.args(&forwarded.arguments).status()?;
-    Ok(cargo::exit_code(status))
+    cargo::sound(command, &forwarded.arguments)
 }

@@ -7,9 +7,8 @@ use pyrophone_flame::Front;
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
 use pyrophone_flame::speed_field::{Regions, stride};
 
-/// Cells along the box in which a second of a flame takes less than ten, and parts of a cell in which its front is
-/// looked for.
-pub const RESOLUTION: usize = 32;
+/// Cells along the box from which on finer ones are hardly heard, and parts of a cell in which its front is looked for.
+pub const RESOLUTION: usize = 40;
 const REFINE: usize = 2;
 
 /// What was seen of a flame.
@@ -44,11 +43,10 @@ pub fn burn(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what:
     while simulation.steps() < total {
         simulation.step();
         if simulation.steps() > pre_roll {
-            let frame = simulation.frame()?;
             if (flux.len() as u64).is_multiple_of(stride(STEP_RATE_HZ)) {
-                motion.push(regions.mean_speeds(&frame.velocity));
+                motion.push(regions.mean_speeds(&simulation.frame()?.velocity));
             }
-            flux.push(front.measure(&frame)?.flux);
+            flux.push(front.measure(&simulation.front_frame()?)?.flux);
         }
         if shown && simulation.steps().is_multiple_of(36) {
             eprint!("\rsimulating {what}: {:3} %", 100 * simulation.steps() / total);

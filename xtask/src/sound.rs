@@ -4,6 +4,7 @@ mod bounce;
 mod demo;
 mod drives;
 mod project;
+mod scenes;
 mod score;
 mod simulated;
 mod vortex;
@@ -27,6 +28,8 @@ enum Command {
     Demo(demo::Args),
     /// Simulate the flames that burn in the plugin without any input
     Drives(drives::Args),
+    /// Print how the scenes sound at several resolutions
+    Scenes(scenes::Args),
     /// Score results against their recordings
     Score(score::Args),
     /// Record the vortex-sound textures that are shipped
@@ -38,6 +41,7 @@ fn main() -> ExitCode {
         Command::Bounce(args) => bounce::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Drives(args) => drives::run(&args),
+        Command::Scenes(args) => scenes::run(&args),
         Command::Score(args) => score::run(&args),
         Command::Vortex(args) => vortex::run(&args),
     };

@@ -67,6 +67,8 @@ pub fn soak() -> Result<ExitCode> {
     let mut arguments = vec!["--release", "--package", "pyrophone-flame"];
     arguments.extend(["scenes", "import_hostile", "vortex_presets"].into_iter().flat_map(|test| ["--test", test]));
     tally.cargo_test("soak of flames", &[SOAK], &arguments)?;
+    let arguments = ["--release", "--package", "xtask", "--bin", "xtask-sound", "scenes::"];
+    tally.cargo_test("soak of scenes", &[SOAK], &arguments)?;
     let mut arguments = vec!["--release", "--package", ENGINES, "--package", PLUGIN];
     arguments.extend(["realtime", "chain", "extend_stream"].into_iter().flat_map(|test| ["--test", test]));
     tally.cargo_test("soak of the engines", &[SOAK], &arguments)?;

@@ -1,8 +1,10 @@
 //! Scenes: the five of Chadwick & James 2011 (§6) and the three of Dobashi et al. 2004 (§6), ready to simulate.
 
+mod bursts;
 mod setups;
 mod wander;
 
+pub use bursts::Bursts;
 pub use wander::Wander;
 
 use crate::error::{Error, in_range};
@@ -187,6 +189,11 @@ impl Simulation {
     /// Front and flow after the last step; its number is that of the steps taken.
     pub fn frame(&self) -> Result<Frame, Error> {
         self.solver.frame(i64::try_from(self.steps).unwrap_or(i64::MAX))
+    }
+
+    /// As [`frame`](Self::frame), with the flow near the front alone: all that its flux needs, and sooner at hand.
+    pub fn front_frame(&self) -> Result<Frame, Error> {
+        self.solver.front_frame(i64::try_from(self.steps).unwrap_or(i64::MAX))
     }
 
     /// The gas.

@@ -5,9 +5,9 @@
 
 use std::f64::consts::TAU;
 
-use super::{Options, Scene, Wander};
+use super::{Bursts, Options, Scene, Wander};
 use crate::error::Error;
-use crate::solver::{Combustion, Cooling, Domain, Emitter, Parameters, Shape, Side, Surroundings};
+use crate::solver::{Combustion, Cooling, Domain, Emitter, Mixing, Parameters, Shape, Side, Surroundings};
 
 /// All that a simulation needs.
 pub(super) struct Setup {
@@ -23,6 +23,9 @@ pub(super) struct Script {
     /// Slow and fast random motion.
     slow: [Wander; 3],
     fast: Wander,
+    /// When it flares up, and how much faster than usual it burns between bursts and at the peak of a usual one.
+    bursts: Bursts,
+    burning: [f64; 2],
 }
 
 /// A box's sides: open all round.
@@ -40,6 +43,11 @@ pub(super) const BURST_PERIOD_S: f64 = 2.5;
 /// Fuel as most scenes burn it.
 const FUEL: Combustion = Combustion::Fuel { ignition: 0.2, rate_hz: 8.0, heat: 1.5, expansion: 2.0 };
 
+/// Spread of the burn rate's logarithm by mixing: a few times faster or slower from eddy to eddy.
+const SPREAD: f64 = 1.0;
+/// Frequencies in Hz at which mixing changes: those that the resolved flow does not reach, up to what 360 steps a second hold.
+const MIXING_HZ: (f64, f64) = (12.0, 170.0);
+
 pub(super) fn setup(scene: Scene, options: &Options) -> Result<Setup, Error> {
     let base = Parameters {
         combustion: Some(FUEL),
@@ -51,51 +59,94 @@ pub(super) fn setup(scene: Scene, options: &Options) -> Result<Setup, Error> {
         turbulence_m_s2: 30.0 * options.turbulence,
         turbulence_scale_m: 0.3,
         turbulence_rate_hz: 6.0,
+        turbulence_origin_m: [0.0; 3],
+        mixing: Mixing {
+            spread: SPREAD * options.turbulence.sqrt(),
+            scale_m: 0.25,
+            slowest_hz: MIXING_HZ.0,
+            fastest_hz: MIXING_HZ.1,
+        },
     };
+    let mixed = |scale_m: f64| Mixing { scale_m, ..base.mixing };
     let (size_m, sides, parameters) = match scene {
         Scene::Candle => {
             let mut sides = FLOOR;
             sides[0][0] = Side::Inflow(0.8 * options.wind);
             let combustion = Some(Combustion::Fuel { ignition: 0.2, rate_hz: 16.0, heat: 1.5, expansion: 2.0 });
-            let parameters = Parameters { combustion, turbulence_scale_m: 0.1, turbulence_rate_hz: 10.0, ..base };
+            let parameters = Parameters {
+                combustion,
+                turbulence_scale_m: 0.1,
+                turbulence_rate_hz: 10.0,
+                mixing: mixed(0.06),
+                ..base
+            };
             ([0.32, 0.16, 0.32], sides, parameters)
         }
         Scene::Torch => {
             let combustion =
-                Some(Combustion::BlueCore { flame_speed_m_s: 0.5, expansion: 4.0, rise_s: 0.02, fall_s: 0.4 });
+                Some(Combustion::BlueCore { flame_speed_m_s: 0.5, expansion: 4.0, depth_m: 0.05, fall_s: 0.4 });
             let turbulence_m_s2 = 4.0 * base.turbulence_m_s2;
-            ([1.2, 0.6, 1.2], OPEN, Parameters { combustion, turbulence_m_s2, turbulence_rate_hz: 10.0, ..base })
+            (
+                [1.2, 0.6, 1.2],
+                OPEN,
+                Parameters { combustion, turbulence_m_s2, turbulence_rate_hz: 10.0, mixing: mixed(0.12), ..base },
+            )
         }
         Scene::FlameJet => {
             ([1.5, 1.0, 1.0], CLOSED, Parameters { turbulence_m_s2: 2.0 * base.turbulence_m_s2, ..base })
         }
-        Scene::BurningBrick => ([1.0, 0.5, 0.75], OPEN, base),
+        Scene::BurningBrick => ([1.0, 0.5, 0.75], OPEN, Parameters { mixing: mixed(0.16), ..base }),
         Scene::Dragon => ([2.4, 1.2, 1.2], OPEN, Parameters { turbulence_m_s2: 2.0 * base.turbulence_m_s2, ..base }),
-        Scene::Campfire => ([1.2, 1.2, 1.8], FLOOR, base),
+        Scene::Campfire => ([1.125, 1.125, 1.8], FLOOR, base),
         Scene::Flamethrower => {
-            ([2.0, 4.0, 2.0], OPEN, Parameters { turbulence_m_s2: 4.0 * base.turbulence_m_s2, ..base })
+            let turbulence_m_s2 = 4.0 * base.turbulence_m_s2;
+            ([2.0, 4.0, 2.0], OPEN, Parameters { turbulence_m_s2, mixing: mixed(0.5), ..base })
         }
         Scene::Explosion => {
-            ([2.4, 2.4, 3.6], FLOOR, Parameters { turbulence_m_s2: 4.0 * base.turbulence_m_s2, ..base })
+            let turbulence_m_s2 = 4.0 * base.turbulence_m_s2;
+            ([2.4, 2.4, 3.6], FLOOR, Parameters { turbulence_m_s2, mixing: mixed(0.5), ..base })
         }
     };
     let (shape, voxel_size_m) = cells(size_m, options.resolution);
-    let script = Script {
-        scene,
-        slow: std::array::from_fn(|index| {
-            Wander::new(options.seed.wrapping_mul(4).wrapping_add(index as u64), 0.15, 1.5)
-        }),
-        fast: Wander::new(options.seed.wrapping_mul(4).wrapping_add(3), 3.0, 15.0),
-    };
-    Ok(Setup { domain: Domain::new(shape, voxel_size_m, sides)?, parameters, script })
+    let domain = Domain::new(shape, voxel_size_m, sides)?;
+    // Eddies belong to the world, whatever the cells are.
+    let parameters = Parameters { turbulence_origin_m: domain.origin_m(), ..parameters };
+    Ok(Setup { domain, parameters, script: script(scene, options.seed) })
 }
 
-/// A box of about `size_m`, with `resolution` cells along its longest side: multiples of 8, below 32 of 2.
+fn script(scene: Scene, seed: u64) -> Script {
+    let number = |which: u64| seed.wrapping_mul(4).wrapping_add(which);
+    // Bursts per second, their fall in seconds, and how fast it burns between them and at their peak.
+    let (rate_hz, fall_s, burning) = match scene {
+        // Snatched by the wind.
+        Scene::Candle => (2.5, 0.06, [0.45, 2.8]),
+        Scene::Torch => (2.0, 0.07, [0.45, 2.6]),
+        Scene::BurningBrick => (2.0, 0.07, [0.5, 2.1]),
+        Scene::FlameJet => (2.0, 0.08, [0.65, 1.7]),
+        Scene::Dragon => (2.0, 0.08, [0.5, 2.4]),
+        // A pool of this width puffs 1.5 / sqrt(0.56 m) times a second (Cetegen & Ahmed 1993).
+        Scene::Campfire => (2.0, 0.08, [0.5, 2.2]),
+        Scene::Flamethrower => (1.5, 0.08, [0.7, 1.5]),
+        // Its bursts are the explosions themselves.
+        Scene::Explosion => (1.0, 0.1, [1.0, 0.0]),
+    };
+    Script {
+        scene,
+        slow: std::array::from_fn(|index| Wander::new(number(index as u64), 0.15, 1.5)),
+        fast: Wander::new(number(3), 3.0, 15.0),
+        bursts: Bursts::new(number(2).wrapping_add(1 << 32), rate_hz, 0.012, fall_s),
+        burning,
+    }
+}
+
+/// A box of about `size_m`, with `resolution` cells along its longest side: multiples of 8, below 32 of 2. The others have
+/// multiples of 4 or 2, so that the box is nearly the same for all.
 fn cells(size_m: [f64; 3], resolution: usize) -> ([usize; 3], f64) {
     let longest = size_m.iter().copied().fold(0.0, f64::max);
     let unit = if resolution >= 32 { 8 } else { 2 };
     let along = resolution.div_ceil(unit) * unit;
     let voxel_size_m = longest / along as f64;
+    let unit = if resolution >= 32 { 4 } else { 2 };
     let shape = size_m.map(|size| ((size / voxel_size_m / unit as f64).round() as usize * unit).max(4));
     (shape, voxel_size_m)
 }
@@ -208,6 +259,8 @@ impl Script {
                 (burst, 0.0, 0.0)
             }
         };
-        Surroundings { emitters: vec![emitter], gust_m_s, unrest_m_s }
+        let [between, at_peak] = self.burning;
+        let mixing_boost = between - 1.0 + at_peak * self.bursts.at(time_s);
+        Surroundings { emitters: vec![emitter], gust_m_s, unrest_m_s, mixing_boost }
     }
 }

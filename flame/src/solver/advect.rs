@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::activity::{Activity, SEGMENT};
 use super::domain::{Domain, FaceRow, Side, at};
-use super::lattice::Lattice;
-use super::parallel::{planes, wide};
+use super::lattice::{LANES, Lattice, Positions};
+use super::parallel::{largest, planes, wide};
 
 /// How far the gas at every centre has come, and will go, in one step; in cells.
 #[derive(Debug, Default)]
@@ -14,7 +15,21 @@ pub(crate) struct Paths {
     goes: Vec<[f32; 4]>,
 }
 
+/// What need not be carried with care, or not at all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Neglect<'a> {
+    /// Where it is told, all the rest holds what comes in from outside and keeps it.
+    pub activity: Option<&'a Activity>,
+    /// Differences between neighbouring samples below which their mean will do.
+    pub difference: f32,
+}
+
 impl Paths {
+    /// The longest way along any axis in cells, at least 0.
+    pub fn longest(&self) -> f32 {
+        largest(self.came.as_flattened()).max(largest(self.goes.as_flattened()))
+    }
+
     /// Traces `velocity` (at the centres) over a step in which a speed of 1 crosses `cells_per_speed` cells: midpoint rule,
     /// in both directions.
     pub fn trace(&mut self, domain: &Domain, velocity: &[[f32; 4]], cells_per_speed: f32) {
@@ -30,19 +45,39 @@ impl Paths {
             wide(|| {
                 for (j, (came, goes)) in came.chunks_exact_mut(nz).zip(goes.chunks_exact_mut(nz)).enumerate() {
                     let row = at(domain.shape(), i, j, 0);
-                    for (k, (came, goes)) in came.iter_mut().zip(goes).enumerate() {
-                        let position = lattice.position(i, j, k);
-                        let here = scaled[row + k];
-                        let half = std::array::from_fn(|axis| position[axis] - 0.5 * here[axis]);
-                        *came = lattice.sample(scaled, half);
-                        // The midpoint rule the other way, to the same order: the flow half a step on is as much faster
-                        // than here as it was slower half a step back.
-                        *goes = std::array::from_fn(|axis| 2.0 * here[axis] - came[axis]);
+                    let parts = came.chunks_mut(LANES).zip(goes.chunks_mut(LANES));
+                    for (part, (came, goes)) in parts.enumerate() {
+                        let first = part * LANES;
+                        let here = &scaled[row + first..][..came.len()];
+                        let half = positions(here.len(), |lane| {
+                            let position = lattice.position(i, j, first + lane);
+                            std::array::from_fn(|axis| position[axis] - 0.5 * here[lane][axis])
+                        });
+                        let found = lattice.sample_lanes(scaled, &half);
+                        for (((came, goes), here), found) in came.iter_mut().zip(goes).zip(here).zip(found) {
+                            *came = found;
+                            // The midpoint rule the other way, to the same order: the flow half a step on is as much
+                            // faster than here as it was slower half a step back.
+                            *goes = std::array::from_fn(|axis| 2.0 * here[axis] - found[axis]);
+                        }
                     }
                 }
             })
         });
     }
+}
+
+/// Positions of up to [`LANES`] samples; lanes that are left over repeat the last one.
+#[inline(always)]
+fn positions(count: usize, of: impl Fn(usize) -> [f32; 3]) -> Positions {
+    let mut lanes = [[0.0; LANES]; 3];
+    for lane in 0..LANES {
+        let position = of(lane.min(count - 1));
+        for axis in 0..3 {
+            lanes[axis][lane] = position[axis];
+        }
+    }
+    lanes
 }
 
 /// Where samples stand relative to the cells whose paths they take.
@@ -70,6 +105,7 @@ pub(crate) fn advect<const N: usize>(
     stand: Stand,
     paths: &Paths,
     entering: &Entering<N>,
+    neglect: Neglect,
     scratch: &mut Scratch<N>,
 ) {
     let lattice = match stand {
@@ -89,15 +125,28 @@ pub(crate) fn advect<const N: usize>(
         wide(|| {
             for (j, (carried, ranges)) in carried.chunks_exact_mut(nz).zip(ranges.chunks_exact_mut(nz)).enumerate() {
                 let row = PathRow::new(domain, stand, i, j);
-                for (k, (carried, range)) in carried.iter_mut().zip(ranges).enumerate() {
-                    let (position, path) = (lattice.position(i, j, k), row.path(&paths.came, k));
-                    let departure = std::array::from_fn(|axis| position[axis] - path[axis]);
-                    let [value, low, high] = match entering.at(departure) {
-                        Some(value) => [value; 3],
-                        None => lattice.sample_with_range(before, departure),
-                    };
-                    *carried = value;
-                    *range = [low, high];
+                let busy = neglect.activity.map(|activity| activity.row(i, j));
+                for (part, (carried, ranges)) in carried.chunks_mut(LANES).zip(ranges.chunks_mut(LANES)).enumerate() {
+                    if busy.is_some_and(|busy| !busy[part]) {
+                        carried.fill(entering.value);
+                        ranges.fill([entering.value; 2]);
+                        continue;
+                    }
+                    let first = part * LANES;
+                    let departures = positions(carried.len(), |lane| {
+                        let (position, path) =
+                            (lattice.position(i, j, first + lane), row.path(&paths.came, first + lane));
+                        std::array::from_fn(|axis| position[axis] - path[axis])
+                    });
+                    let (found, [low, high]) = lattice.sample_lanes_with_range(before, &departures);
+                    let outside = entering.comes_in(&departures);
+                    for (lane, (carried, range)) in carried.iter_mut().zip(ranges).enumerate() {
+                        (*carried, *range) = if outside[lane] {
+                            (entering.value, [entering.value; 2])
+                        } else {
+                            (found[lane], [low[lane], high[lane]])
+                        };
+                    }
                 }
             }
         })
@@ -108,21 +157,40 @@ pub(crate) fn advect<const N: usize>(
             for (j, field) in field.chunks_exact_mut(nz).enumerate() {
                 let row = PathRow::new(domain, stand, i, j);
                 let start = at(lattice.shape, i, j, 0);
-                let (firsts, ranges) = (&carried[start..start + nz], &ranges[start..start + nz]);
-                for (k, ((value, first), [low, high])) in field.iter_mut().zip(firsts).zip(ranges).enumerate() {
-                    if low == high {
-                        *value = *low;
+                for (part, values) in field.chunks_mut(LANES).enumerate() {
+                    let first = part * LANES;
+                    let here = start + first..start + first + values.len();
+                    let (firsts, ranges) = (&carried[here.clone()], &ranges[here]);
+                    let is_even = |[low, high]: &[[f32; N]; 2]| (0..N).all(|n| high[n] - low[n] <= neglect.difference);
+                    if ranges.iter().all(is_even) {
+                        values.copy_from_slice(firsts);
                         continue;
                     }
-                    let (position, path) = (lattice.position(i, j, k), row.path(&paths.goes, k));
-                    let back = lattice.sample(carried, std::array::from_fn(|axis| position[axis] + path[axis]));
-                    // Half of what a step there and back would lose, but nothing that was not there.
-                    *value = std::array::from_fn(|n| (first[n] + 0.5 * (value[n] - back[n])).max(low[n]).min(high[n]));
+                    let arrivals = positions(values.len(), |lane| {
+                        let (position, path) =
+                            (lattice.position(i, j, first + lane), row.path(&paths.goes, first + lane));
+                        std::array::from_fn(|axis| position[axis] + path[axis])
+                    });
+                    let back = lattice.sample_lanes(carried, &arrivals);
+                    for (lane, (value, first)) in values.iter_mut().zip(firsts).enumerate() {
+                        let [low, high] = &ranges[lane];
+                        // Half of what a step there and back would lose, but nothing that was not there.
+                        *value = if is_even(&ranges[lane]) {
+                            *first
+                        } else {
+                            std::array::from_fn(|n| {
+                                (first[n] + 0.5 * (value[n] - back[lane][n])).max(low[n]).min(high[n])
+                            })
+                        };
+                    }
                 }
             }
         })
     });
 }
+
+/// Segments are what is looked at at once.
+const _: () = assert!(SEGMENT == LANES);
 
 /// The paths of a row of samples: each its cell's, or the mean of those of the cells on both sides.
 enum PathRow {
@@ -177,9 +245,15 @@ impl<const N: usize> Entering<N> {
         }
     }
 
+    /// Which positions lie outside, where something comes in.
     #[inline(always)]
-    fn at(&self, position: [f32; 3]) -> Option<[f32; N]> {
-        let outside = (0..3).any(|axis| position[axis] < self.low[axis] || position[axis] > self.high[axis]);
-        outside.then_some(self.value)
+    fn comes_in(&self, positions: &Positions) -> [bool; LANES] {
+        let mut outside = [false; LANES];
+        for axis in 0..3 {
+            for (outside, position) in outside.iter_mut().zip(positions[axis]) {
+                *outside |= position < self.low[axis] || position > self.high[axis];
+            }
+        }
+        outside
     }
 }

@@ -6,7 +6,7 @@ use super::Solver;
 use crate::error::Error;
 
 /// First bytes of a saved run; the number changes with the layout.
-const MAGIC: &[u8; 8] = b"PYROSIM1";
+const MAGIC: &[u8; 8] = b"PYROSIM2";
 
 impl Solver {
     /// Writes all that the next step depends on: some 40 bytes per cell.

@@ -2,7 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::parallel::elements;
+use super::activity::{Activity, SEGMENT};
+use super::domain::Domain;
+use super::mixing::MixingField;
+use super::parallel::{planes, rows};
 
 /// Fuel, 0-1; in a blue core the level set: distance from the front in m, negative in unburnt gas.
 pub(crate) const FUEL: usize = 0;
@@ -10,11 +13,24 @@ pub(crate) const FUEL: usize = 0;
 pub(crate) const TEMPERATURE: usize = 1;
 /// Smoke, 0-1.
 pub(crate) const SMOKE: usize = 2;
-/// Seconds since the gas burnt (blue core).
-pub(crate) const AGE: usize = 3;
 
-/// Cells behind a blue core's front over which the gas expands.
-const EXPANDING_CELLS: f32 = 3.0;
+/// Temperatures above the ignition's over which burning sets in. A threshold would switch whole cells on and off, which
+/// is heard as noise of the grid.
+const KINDLING: f32 = 0.2;
+
+/// Fuel below which burning slows down with what is left.
+const LEAN: f32 = 0.25;
+
+/// Fuel on the front, where it is hot, and temperatures over which it becomes so: the front encloses nearly all that burns.
+const FUEL_ON_FRONT: f32 = 0.05;
+/// See [`FUEL_ON_FRONT`].
+const KINDLING_ON_FRONT: f32 = 0.1;
+
+/// Least number of cells over which a blue core's gas expands.
+const FEWEST_EXPANDING_CELLS: f64 = 2.0;
+
+/// Fuel, temperature or smoke below which there is none.
+const TRACE: f32 = 1e-4;
 
 /// Hottest that gas can get.
 const HOTTEST: f32 = 2.0;
@@ -22,7 +38,7 @@ const HOTTEST: f32 = 2.0;
 /// How fuel burns (Chadwick & James 2011, §2.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Combustion {
-    /// Fuel above its ignition temperature burns at a constant rate.
+    /// Fuel above its ignition temperature burns at a constant rate, slower where little is left.
     Fuel {
         /// Temperature above which it burns, 0-1.
         ignition: f64,
@@ -39,8 +55,8 @@ pub enum Combustion {
         flame_speed_m_s: f64,
         /// Volume gained by burning, in volumes.
         expansion: f64,
-        /// Seconds in which burnt gas becomes hottest.
-        rise_s: f64,
+        /// Depth behind the front within which gas burns, gets hot and expands, in m; two cells at least.
+        depth_m: f64,
         /// Seconds in which it then cools to a third.
         fall_s: f64,
     },
@@ -55,60 +71,156 @@ pub struct Cooling {
     pub dissipation_hz: f64,
 }
 
-/// One step of burning, cell by cell: `source` is the divergence in 1/s, `front` 1 where it burns and 0 elsewhere, one
-/// half on the front.
+/// Where and when gas burns.
+pub(crate) struct Fire<'a> {
+    pub domain: &'a Domain,
+    pub origin_m: [f64; 3],
+    pub mixing: &'a MixingField,
+    pub activity: &'a Activity,
+    pub dt_s: f64,
+}
+
+/// One step of burning, cell by cell: `source` is the divergence in 1/s, `front` is large where it burns and 0 elsewhere,
+/// one half on the front. Both change continuously as gas moves through the cells.
 pub(crate) fn burn(
     combustion: &Combustion,
     cooling: &Cooling,
-    voxel_size_m: f64,
-    dt_s: f64,
+    fire: &Fire,
     scalars: &mut [[f32; 4]],
     source: &mut [f32],
     front: &mut [f32],
 ) {
-    let cell = |scalar: &mut [f32; 4], source: &mut f32, front: &mut f32| match *combustion {
+    match *combustion {
         Combustion::Fuel { ignition, rate_hz, heat, expansion } => {
-            let most = (rate_hz * dt_s) as f32;
-            let fuel = scalar[FUEL].clamp(0.0, 1.0);
-            let burnt = if scalar[TEMPERATURE] > ignition as f32 { fuel.min(most) } else { 0.0 };
-            scalar[FUEL] = fuel - burnt;
-            scalar[TEMPERATURE] = (scalar[TEMPERATURE] + heat as f32 * burnt).clamp(0.0, HOTTEST);
-            scalar[SMOKE] = (scalar[SMOKE] + burnt).clamp(0.0, 1.0);
-            *source = expansion as f32 * burnt / dt_s as f32;
-            *front = if most > 0.0 { burnt / most } else { 0.0 };
+            let [ignition, rate_hz, heat, expansion] = [ignition, rate_hz, heat, expansion].map(|x| x as f32);
+            let fuel = Fuel { ignition, rate_hz, heat, expansion };
+            let dt_s = fire.dt_s as f32;
+            burn_cells(cooling, fire, scalars, source, front, FUEL, |scalar, mixing| {
+                burn_fuel(&fuel, scalar, dt_s, mixing)
+            });
         }
-        Combustion::BlueCore { flame_speed_m_s, expansion, rise_s, fall_s } => {
-            let distance = scalar[FUEL];
-            let unburnt = distance < 0.0;
-            scalar[AGE] = if unburnt { 0.0 } else { scalar[AGE] + dt_s as f32 };
-            scalar[TEMPERATURE] = if unburnt { 0.0 } else { temperature(scalar[AGE], rise_s as f32, fall_s as f32) };
-            scalar[SMOKE] = if unburnt { 1.0 } else { scalar[SMOKE].clamp(0.0, 1.0) };
-            scalar[TEMPERATURE] *= scalar[SMOKE];
-            // All of the expansion lies on the burnt side, or it would blow up the core itself; the front that is listened
-            // to encloses it.
-            let behind = EXPANDING_CELLS * voxel_size_m as f32;
-            *source = (flame_speed_m_s * expansion) as f32 * delta(distance - 0.5 * behind, 0.5 * behind);
-            *front = (0.5 - (distance - behind) / (8.0 * voxel_size_m as f32)).clamp(0.0, 1.0);
+        Combustion::BlueCore { flame_speed_m_s, expansion, depth_m, fall_s } => {
+            let core = Core {
+                expanding_m_s: (flame_speed_m_s * expansion) as f32,
+                depth_m: depth_m.max(FEWEST_EXPANDING_CELLS * fire.domain.voxel_size_m()) as f32,
+                kept: (-fire.dt_s / fall_s.max(1e-6)).exp() as f32,
+            };
+            burn_cells(cooling, fire, scalars, source, front, TEMPERATURE, |scalar, mixing| {
+                burn_core(&core, scalar, mixing)
+            });
         }
-    };
-    let cells = elements(scalars).zip(elements(source)).zip(elements(front));
-    let (radiation, dissipation) = ((cooling.radiation_hz * dt_s) as f32, (cooling.dissipation_hz * dt_s) as f32);
-    cells.for_each(|((scalar, source), front)| {
-        cell(scalar, source, front);
-        // Implicit, so that it cannot overshoot.
-        let cube = scalar[TEMPERATURE].powi(3);
-        scalar[TEMPERATURE] /= 1.0 + radiation * cube;
-        scalar[SMOKE] /= 1.0 + dissipation;
+    }
+}
+
+/// [`Combustion::Fuel`] as cells burn it.
+struct Fuel {
+    ignition: f32,
+    rate_hz: f32,
+    heat: f32,
+    expansion: f32,
+}
+
+/// [`Combustion::BlueCore`] as cells burn it.
+struct Core {
+    /// Speed at which burning makes gas recede from the front.
+    expanding_m_s: f32,
+    depth_m: f32,
+    /// Part of the temperature that is left after a step.
+    kept: f32,
+}
+
+fn burn_cells(
+    cooling: &Cooling,
+    fire: &Fire,
+    scalars: &mut [[f32; 4]],
+    source: &mut [f32],
+    front: &mut [f32],
+    first_thinned: usize,
+    burn: impl Fn(&mut [f32; 4], &dyn Fn() -> f32) -> (f32, f32) + Sync,
+) {
+    let [_, ny, nz] = fire.domain.shape();
+    let radiation = (cooling.radiation_hz * fire.dt_s) as f32;
+    let dissipation = (cooling.dissipation_hz * fire.dt_s) as f32;
+    let cells = planes(scalars, ny * nz).zip(planes(source, ny * nz)).zip(planes(front, ny * nz));
+    cells.enumerate().for_each(|(i, ((scalars, source), front))| {
+        let mut row = fire.activity.row(i, 0);
+        for ((([j, k], scalar), source), front) in rows(scalars, nz).zip(source).zip(front) {
+            if k == 0 {
+                row = fire.activity.row(i, j);
+            }
+            if !row[k / SEGMENT] {
+                (*source, *front) = (0.0, 0.0);
+                continue;
+            }
+            (*source, *front) = burn(scalar, &|| fire.mixing.factor(fire.place_m([i, j, k])));
+            // Implicit, so that it cannot overshoot.
+            let cube = scalar[TEMPERATURE].powi(3);
+            scalar[TEMPERATURE] /= 1.0 + radiation * cube;
+            scalar[SMOKE] /= 1.0 + dissipation;
+            // What is too thin to matter becomes air, of which nothing need be carried.
+            for thinned in &mut scalar[first_thinned..] {
+                *thinned = if *thinned < TRACE { 0.0 } else { *thinned };
+            }
+        }
     });
 }
 
-/// Temperature of gas that burnt `age_s` ago: it rises in a half sine, and falls exponentially.
-fn temperature(age_s: f32, rise_s: f32, fall_s: f32) -> f32 {
-    if age_s < rise_s {
-        (std::f32::consts::FRAC_PI_2 * age_s / rise_s.max(1e-6)).sin()
-    } else {
-        (-(age_s - rise_s) / fall_s.max(1e-6)).exp()
+impl Fire<'_> {
+    /// Centre of a cell in m.
+    pub fn place_m(&self, cell: [usize; 3]) -> [f64; 3] {
+        let h = self.domain.voxel_size_m();
+        std::array::from_fn(|axis| self.origin_m[axis] + cell[axis] as f64 * h)
     }
+}
+
+/// Burns a cell's fuel; answers source and front.
+#[inline(always)]
+fn burn_fuel(fuel: &Fuel, scalar: &mut [f32; 4], dt_s: f32, mixing: impl Fn() -> f32) -> (f32, f32) {
+    let left = scalar[FUEL].clamp(0.0, 1.0);
+    let kindled = smooth_step((scalar[TEMPERATURE] - fuel.ignition) / KINDLING);
+    if left == 0.0 || kindled == 0.0 {
+        scalar[FUEL] = left;
+        scalar[TEMPERATURE] = scalar[TEMPERATURE].clamp(0.0, HOTTEST);
+        scalar[SMOKE] = scalar[SMOKE].clamp(0.0, 1.0);
+        return (0.0, 0.0);
+    }
+    // Exact for lean gas, so that it does not depend on how a step is cut.
+    let burnt = left * (1.0 - (-fuel.rate_hz * kindled * mixing() * dt_s / left.max(LEAN)).exp());
+    scalar[FUEL] = left - burnt;
+    scalar[TEMPERATURE] = (scalar[TEMPERATURE] + fuel.heat * burnt).clamp(0.0, HOTTEST);
+    scalar[SMOKE] = (scalar[SMOKE] + burnt).clamp(0.0, 1.0);
+    // Not cut off where there is more of it: what lies between the cells is smooth, and a thin flame is not lost.
+    let kindled = smooth_step((scalar[TEMPERATURE] - fuel.ignition) / KINDLING_ON_FRONT);
+    (fuel.expansion * burnt / dt_s, kindled * scalar[FUEL] * (0.5 / FUEL_ON_FRONT))
+}
+
+/// Lets the gas behind a blue core's front expand, and cool further away; answers source and front.
+#[inline(always)]
+fn burn_core(core: &Core, scalar: &mut [f32; 4], mixing: impl Fn() -> f32) -> (f32, f32) {
+    let depths = scalar[FUEL] / core.depth_m;
+    if depths < 0.0 {
+        (scalar[TEMPERATURE], scalar[SMOKE]) = (0.0, 1.0);
+        return (0.0, 1.0);
+    }
+    scalar[SMOKE] = scalar[SMOKE].clamp(0.0, 1.0);
+    scalar[TEMPERATURE] = (scalar[TEMPERATURE] * core.kept).clamp(0.0, HOTTEST);
+    if depths >= 2.0 {
+        return (0.0, scalar[TEMPERATURE]);
+    }
+    if depths < 1.0 {
+        scalar[TEMPERATURE] = scalar[TEMPERATURE].max(depths);
+    }
+    // All of the expansion lies on the burnt side, or it would blow up the core itself; the front that is listened to
+    // encloses it, and the hot gas with it.
+    let peak = delta(scalar[FUEL] - 0.5 * core.depth_m, 0.5 * core.depth_m);
+    let source = if peak > 0.0 { core.expanding_m_s * mixing() * peak } else { 0.0 };
+    (source, scalar[TEMPERATURE].max(1.0 - 0.5 * depths))
+}
+
+/// 0 below 0, 1 above 1, without kinks.
+fn smooth_step(x: f32) -> f32 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 /// A peak of area 1 over -`width`..`width`.

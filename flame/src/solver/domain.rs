@@ -1,6 +1,7 @@
 //! The box that is simulated: its cells, and what happens at its six sides.
 
 use crate::error::{Error, in_range};
+use crate::grid::Transform;
 
 /// Cells along an axis: fewest and most.
 const CELLS: std::ops::RangeInclusive<usize> = 4..=1024;
@@ -62,6 +63,18 @@ impl Domain {
     /// Edge of a cell in metres.
     pub fn voxel_size_m(&self) -> f64 {
         self.voxel_size_m
+    }
+
+    /// Centre of the first cell in m: the box stands on z = 0, its axis at x = y = 0.
+    pub fn origin_m(&self) -> [f64; 3] {
+        let h = self.voxel_size_m;
+        let [nx, ny, _] = self.shape.map(|size| size as f64);
+        [0.5 * h * (1.0 - nx), 0.5 * h * (1.0 - ny), 0.5 * h]
+    }
+
+    /// How the cells lie in the world.
+    pub(crate) fn transform(&self) -> Result<Transform, Error> {
+        Transform::uniform(self.voxel_size_m, self.origin_m())
     }
 
     /// The lower and upper side of each axis.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::parallel::{PORTION, elements, planes, wide};
+use super::parallel::{elements, largest, planes, wide};
 
 use super::domain::{Domain, Side, at};
 
@@ -65,6 +65,22 @@ impl Faces {
                 }
             })
         });
+    }
+
+    /// Velocities at the centres of the cells from `cell` on along z.
+    pub fn row_to_centres(&self, domain: &Domain, [i, j, k]: [usize; 3], centres: &mut [[f32; 3]]) {
+        let [u, v, w] = &self.components;
+        let shapes = [0, 1, 2].map(|axis| domain.face_shape(axis));
+        let starts = [at(shapes[0], i, j, k), at(shapes[0], i + 1, j, k)];
+        let sides = [at(shapes[1], i, j, k), at(shapes[1], i, j + 1, k)];
+        let up = at(shapes[2], i, j, k);
+        for (n, centre) in centres.iter_mut().enumerate() {
+            *centre = [
+                0.5 * (u[starts[0] + n] + u[starts[1] + n]),
+                0.5 * (v[sides[0] + n] + v[sides[1] + n]),
+                0.5 * (w[up + n] + w[up + n + 1]),
+            ];
+        }
     }
 
     /// Adds an acceleration given at the centres, over `dt_s`.
@@ -143,13 +159,7 @@ impl Faces {
 
     /// Largest speed of any component in m/s; infinite where a value is not a number.
     pub fn fastest(&self) -> f32 {
-        let part = |part: &[f32]| {
-            part.iter().fold(0.0f32, |most, value| if value.is_nan() { f32::INFINITY } else { most.max(value.abs()) })
-        };
-        self.components
-            .iter()
-            .map(|values| values.par_chunks(PORTION).map(part).reduce(|| 0.0, f32::max))
-            .fold(0.0, f32::max)
+        self.components.iter().map(|values| largest(values)).fold(0.0, f32::max)
     }
 
     /// Holds every component within ±`most` m/s.

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::parallel::{planes, rows, wide};
 
 use super::Parameters;
+use super::activity::{Activity, SEGMENT};
 use super::combustion::{Combustion, SMOKE, TEMPERATURE};
 use super::domain::{Domain, at};
 use super::lattice::Lattice;
@@ -21,8 +22,17 @@ pub(crate) struct Forces {
 pub(crate) struct Gas<'a> {
     pub velocity: &'a [[f32; 4]],
     pub scalars: &'a [[f32; 4]],
+    /// Where it is told, nothing acts on the rest.
+    pub activity: Option<&'a Activity>,
     pub turbulence: &'a Turbulence,
     pub time_s: f64,
+}
+
+impl Gas<'_> {
+    #[inline(always)]
+    fn is_idle(&self, i: usize, j: usize, k: usize) -> bool {
+        self.activity.is_some_and(|activity| !activity.row(i, j)[k / SEGMENT])
+    }
 }
 
 impl Forces {
@@ -34,7 +44,7 @@ impl Forces {
         let confinement = parameters.confinement as f32;
         self.vorticity.resize(domain.cells(), [0.0; 4]);
         if confinement != 0.0 {
-            self.curl(domain, gas.velocity);
+            self.curl(domain, gas);
         }
         let buoyancy = parameters.buoyancy_m_s2 as f32;
         // A blue core is wrinkled from within, where it is cold yet.
@@ -42,25 +52,39 @@ impl Forces {
             Some(Combustion::BlueCore { .. }) => SMOKE,
             _ => TEMPERATURE,
         };
+        let burns = parameters.combustion.is_some();
         let stirring = parameters.turbulence_m_s2 as f32;
         let eddies = (1.0 / parameters.turbulence_scale_m) as f32;
         let turnovers = (gas.time_s * parameters.turbulence_rate_hz) as f32;
+        let first = parameters.turbulence_origin_m.map(|place| place as f32);
         let vorticity = self.vorticity.as_slice();
         let lattice = Lattice::centres(domain);
         planes(acceleration, ny * nz).enumerate().for_each(|(i, plane)| {
             wide(|| {
+                let mut around = Around::new(&lattice, i, 0);
                 for ([j, k], out) in rows(plane, nz) {
+                    if k == 0 {
+                        around = Around::new(&lattice, i, j);
+                    }
+                    if gas.is_idle(i, j, k) {
+                        *out = [0.0; 4];
+                        continue;
+                    }
                     let temperature = gas.scalars[at(shape, i, j, k)][TEMPERATURE];
                     let mut sum = [0.0, 0.0, buoyancy * temperature, 0.0];
                     if confinement != 0.0 {
-                        let force = confine(vorticity, &lattice, [i, j, k]);
+                        let force = confine(vorticity, &around, k);
+                        // A flame's own eddies are kept alive, not whatever turns in the air around it.
+                        let share =
+                            if burns { gas.scalars[at(shape, i, j, k)][stirred_by].clamp(0.0, 1.0) } else { 1.0 };
                         for axis in 0..3 {
-                            sum[axis] += confinement * voxel_size * force[axis];
+                            sum[axis] += share * confinement * voxel_size * force[axis];
                         }
                     }
                     let stirred = stirring * gas.scalars[at(shape, i, j, k)][stirred_by].clamp(0.0, 1.0);
                     if stirred > 1e-3 * stirring {
-                        let place = [i, j, k].map(|cell| cell as f32 * voxel_size * eddies);
+                        let cell = [i, j, k].map(|cell| cell as f32 * voxel_size);
+                        let place = std::array::from_fn(|axis| (cell[axis] + first[axis]) * eddies);
                         let noise = gas.turbulence.at(place, turnovers);
                         for axis in 0..3 {
                             sum[axis] += stirred * noise[axis];
@@ -72,16 +96,24 @@ impl Forces {
         });
     }
 
-    fn curl(&mut self, domain: &Domain, velocity: &[[f32; 4]]) {
+    fn curl(&mut self, domain: &Domain, gas: &Gas) {
+        let velocity = gas.velocity;
         let lattice = &Lattice::centres(domain);
         let [_, ny, nz] = lattice.shape;
         let scale = (0.5 / domain.voxel_size_m()) as f32;
         planes(&mut self.vorticity, ny * nz).enumerate().for_each(|(i, plane)| {
             wide(|| {
+                let mut around = Around::new(lattice, i, 0);
                 for ([j, k], out) in rows(plane, nz) {
-                    let place = [i, j, k];
+                    if k == 0 {
+                        around = Around::new(lattice, i, j);
+                    }
+                    if gas.is_idle(i, j, k) {
+                        *out = [0.0; 4];
+                        continue;
+                    }
                     let slope = |axis: usize| {
-                        let (before, after) = neighbours(lattice, place, axis);
+                        let (before, after) = around.neighbours(axis, k);
                         let (before, after) = (velocity[before], velocity[after]);
                         [0, 1, 2].map(|n: usize| (after[n] - before[n]) * scale)
                     };
@@ -96,13 +128,13 @@ impl Forces {
 }
 
 /// N × w, N the direction in which vorticity w grows (Fedkiw, Stam & Jensen 2001, eq. 10-11).
-fn confine(vorticity: &[[f32; 4]], lattice: &Lattice, place: [usize; 3]) -> [f32; 3] {
+fn confine(vorticity: &[[f32; 4]], around: &Around, k: usize) -> [f32; 3] {
     let slope: [f32; 3] = std::array::from_fn(|axis| {
-        let (before, after) = neighbours(lattice, place, axis);
+        let (before, after) = around.neighbours(axis, k);
         vorticity[after][3] - vorticity[before][3]
     });
     let steepness = (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]).sqrt();
-    let w = vorticity[at(lattice.shape, place[0], place[1], place[2])];
+    let w = vorticity[around.row + k];
     // Where nothing turns there is no direction to divide by.
     if steepness < 1e-6 {
         return [0.0; 3];
@@ -111,13 +143,34 @@ fn confine(vorticity: &[[f32; 4]], lattice: &Lattice, place: [usize; 3]) -> [f32
     [n[1] * w[2] - n[2] * w[1], n[2] * w[0] - n[0] * w[2], n[0] * w[1] - n[1] * w[0]]
 }
 
-/// Indices of the cells before and after a place; at an end of the box its own stands for what is missing.
-#[inline(always)]
-fn neighbours(lattice: &Lattice, place: [usize; 3], axis: usize) -> (usize, usize) {
-    let beside = |upper: bool| {
-        let mut beside = place;
-        beside[axis] = lattice.beside(axis, place[axis], upper);
-        at(lattice.shape, beside[0], beside[1], beside[2])
-    };
-    (beside(false), beside(true))
+/// The rows of cells around a row: looked up once for all of its cells.
+struct Around<'a> {
+    lattice: &'a Lattice,
+    row: usize,
+    /// Where the rows before and after it start, along x and y.
+    beside: [[usize; 2]; 2],
+}
+
+impl<'a> Around<'a> {
+    #[inline(always)]
+    fn new(lattice: &'a Lattice, i: usize, j: usize) -> Self {
+        let start = |i: usize, j: usize| at(lattice.shape, i, j, 0);
+        let beside = [
+            [false, true].map(|upper| start(lattice.beside(0, i, upper), j)),
+            [false, true].map(|upper| start(i, lattice.beside(1, j, upper))),
+        ];
+        Self { lattice, row: start(i, j), beside }
+    }
+
+    /// Indices of the cells before and after cell k; at an end of the box its own stands for what is missing.
+    #[inline(always)]
+    fn neighbours(&self, axis: usize, k: usize) -> (usize, usize) {
+        match self.beside.get(axis) {
+            Some([before, after]) => (before + k, after + k),
+            None => {
+                let beside = |upper: bool| self.row + self.lattice.beside(axis, k, upper);
+                (beside(false), beside(true))
+            }
+        }
+    }
 }

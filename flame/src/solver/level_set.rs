@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::parallel::{planes, rows, wide};
 
-use super::combustion::FUEL;
+use super::combustion::{FUEL, Fire};
 use super::domain::{Domain, at};
 use super::lattice::Lattice;
 
@@ -22,13 +22,14 @@ pub(crate) struct LevelSet {
 }
 
 impl LevelSet {
-    /// The front eats `flame_speed_m_s` times `dt_s` into the unburnt gas (Nguyen, Fedkiw & Jensen 2002, eq. 4; the flow's
+    /// The front eats `flame_speed_m_s` times a step, and times how well it is mixed, into the unburnt gas (Nguyen, Fedkiw & Jensen 2002, eq. 4; the flow's
     /// part is advection), then distances are mended (Sussman, Smereka & Osher 1994).
-    pub fn advance(&mut self, domain: &Domain, flame_speed_m_s: f64, dt_s: f64, scalars: &mut [[f32; 4]]) {
+    pub fn advance(&mut self, fire: &Fire, flame_speed_m_s: f64, scalars: &mut [[f32; 4]]) {
+        let domain = fire.domain;
         let voxel_size = domain.voxel_size_m() as f32;
         let most = BAND_CELLS * voxel_size;
         let lattice = Lattice::centres(domain);
-        let eaten = (flame_speed_m_s * dt_s) as f32;
+        let eaten = (flame_speed_m_s * fire.dt_s) as f32;
         self.store(scalars);
         let before = self.before.as_slice();
         each(domain, scalars, |place, index| {
@@ -38,7 +39,10 @@ impl LevelSet {
             let outer = slope(before, &lattice, voxel_size, place, 1.0);
             let steepness =
                 if distance < 0.0 { outer.max(slope(before, &lattice, voxel_size, place, -1.0)) } else { outer };
-            (distance + eaten * steepness).clamp(-most, most)
+            if steepness == 0.0 {
+                return distance.clamp(-most, most);
+            }
+            (distance + eaten * fire.mixing.factor(fire.place_m(place)) * steepness).clamp(-most, most)
         });
         self.sign.clear();
         self.sign.extend(scalars.iter().map(|scalar| {

@@ -12,6 +12,7 @@
 //! The result is the same for any number of threads, and for any cutting of a run by [`Solver::save`] and
 //! [`Solver::load`].
 
+mod activity;
 mod advect;
 mod checkpoint;
 mod combustion;
@@ -21,6 +22,8 @@ mod faces;
 mod forces;
 mod lattice;
 mod level_set;
+mod mixing;
+mod near_front;
 mod parallel;
 mod parameters;
 mod pressure;
@@ -33,23 +36,26 @@ use rayon::prelude::*;
 pub use combustion::{Combustion, Cooling};
 pub use domain::{Domain, Side};
 pub use emitter::{Emitter, Shape};
+pub use mixing::Mixing;
 pub use parameters::Parameters;
 pub use pressure::Poisson;
 pub use random::Random;
 pub use turbulence::Turbulence;
 
-use advect::{Entering, Paths, Stand, advect};
-use combustion::TEMPERATURE;
+use activity::Activity;
+use advect::{Entering, Neglect, Paths, Stand, advect};
+use combustion::{FUEL, Fire, TEMPERATURE};
 use domain::at;
 use faces::Faces;
 use forces::{Forces, Gas};
 use lattice::Lattice;
 use level_set::{BAND_CELLS, LevelSet};
+use mixing::MixingField;
 use parallel::{planes, rows};
 
 use crate::error::Error;
 use crate::frame::Frame;
-use crate::grid::{Grid, Transform};
+use crate::grid::Grid;
 use crate::velocity::{Placement, Velocity};
 
 /// Cells that gas may cross in one substep; more would lose detail.
@@ -64,6 +70,10 @@ const FASTEST_CELLS: f32 = 16.0;
 /// Divergence left over, as a part of the largest speed per voxel.
 const TOLERANCE: f64 = 4e-5;
 
+/// Differences of velocity between neighbouring cells of a flame's box, as a part of the largest speed, that are too small
+/// to be carried with second order: those of air far from the flame.
+const NEGLIGIBLE: f32 = 2e-3;
+
 /// What acts on the box from outside during one step.
 #[derive(Debug, Clone, Default)]
 pub struct Surroundings {
@@ -73,6 +83,8 @@ pub struct Surroundings {
     pub gust_m_s: f64,
     /// Random part of the inflows, rms in m/s.
     pub unrest_m_s: f64,
+    /// How much faster than usual gas mixes and burns, as a part of the usual; -1 to 100.
+    pub mixing_boost: f64,
 }
 
 /// What a step did.
@@ -102,7 +114,9 @@ pub struct Solver {
     time_s: f64,
     turbulence: Turbulence,
     poisson: Poisson,
+    activity: Activity,
     level_set: LevelSet,
+    mixing: MixingField,
     forces: Forces,
     scratch: Scratch,
 }
@@ -125,7 +139,9 @@ impl Solver {
     pub fn new(domain: Domain, parameters: Parameters, seed: u64) -> Result<Self, Error> {
         parameters.validate()?;
         let cells = domain.cells();
+        let mixing = mixing_field(&domain, &parameters, seed);
         let mut solver = Self {
+            mixing,
             velocity: Faces::new(&domain),
             scalars: vec![[0.0; 4]; cells],
             pressure: vec![0.0; cells],
@@ -134,6 +150,7 @@ impl Solver {
             time_s: 0.0,
             turbulence: Turbulence::new(seed),
             poisson: Poisson::new(&domain),
+            activity: Activity::default(),
             level_set: LevelSet::default(),
             forces: Forces::default(),
             scratch: Scratch::default(),
@@ -188,6 +205,16 @@ impl Solver {
         }
     }
 
+    /// Fuel at the cells' centres, 0-1; in a blue core the distance from its front in m, negative in unburnt gas.
+    pub fn fuels(&self) -> impl Iterator<Item = f32> + '_ {
+        self.scalars.iter().map(|scalar| scalar[FUEL])
+    }
+
+    /// Volume that every cell gained in the last substep by burning and bursts, in volumes per second.
+    pub fn sources(&self) -> impl Iterator<Item = f32> + '_ {
+        self.source.iter().copied()
+    }
+
     /// Temperatures at the cells' centres, 1 = that of a hot flame; z fastest.
     pub fn temperatures(&self) -> impl Iterator<Item = f32> + '_ {
         self.scalars.iter().map(|scalar| scalar[TEMPERATURE])
@@ -224,7 +251,7 @@ impl Solver {
     fn substep(&mut self, dt_s: f64, surroundings: &Surroundings) -> f64 {
         self.emit(dt_s, surroundings);
         self.carry(dt_s);
-        self.burn(dt_s);
+        self.burn(dt_s, surroundings.mixing_boost);
         self.swell(dt_s, surroundings);
         self.push(dt_s);
         self.rub(dt_s);
@@ -236,13 +263,18 @@ impl Solver {
     /// The front and the flow, as files and the flux have them: at the cells' centres.
     pub fn frame(&self, number: i64) -> Result<Frame, Error> {
         let (front, velocity) = self.centred();
-        let transform = self.transform()?;
+        let transform = self.domain.transform()?;
         let shape = self.domain.shape();
         Ok(Frame {
             number,
             field: Grid::dense(shape, &front, transform)?,
             velocity: Velocity::Vectors(Grid::dense(shape, &velocity, transform)?, Placement::Collocated),
         })
+    }
+
+    /// As [`frame`](Self::frame), with the flow near the front alone: all that its flux needs, and sooner at hand.
+    pub fn front_frame(&self, number: i64) -> Result<Frame, Error> {
+        near_front::frame(&self.domain, &self.velocity, &self.front, number)
     }
 
     /// The front's field and the velocity in m/s at the cells' centres, z fastest.
@@ -255,22 +287,14 @@ impl Solver {
 
     /// Where the cells lie: the box stands on z = 0, its axis at x = y = 0.
     pub fn origin_m(&self) -> [f64; 3] {
-        let h = self.domain.voxel_size_m();
-        let [nx, ny, _] = self.domain.shape().map(|size| size as f64);
-        [0.5 * h * (1.0 - nx), 0.5 * h * (1.0 - ny), 0.5 * h]
-    }
-
-    fn transform(&self) -> Result<Transform, Error> {
-        Transform::uniform(self.domain.voxel_size_m(), self.origin_m())
+        self.domain.origin_m()
     }
 
     /// What surrounds the box.
     fn ambient(&self) -> [f32; 4] {
         match self.parameters.combustion {
-            Some(Combustion::BlueCore { .. }) => {
-                // Far from the front, and burnt so long ago that it is cold.
-                [BAND_CELLS * self.domain.voxel_size_m() as f32, 0.0, 0.0, 1e3]
-            }
+            // Far from the front.
+            Some(Combustion::BlueCore { .. }) => [BAND_CELLS * self.domain.voxel_size_m() as f32, 0.0, 0.0, 0.0],
             _ => [0.0; 4],
         }
     }
@@ -282,34 +306,41 @@ impl Solver {
         centres.resize(self.domain.cells(), [0.0; 4]);
         self.velocity.to_centres(&self.domain, centres);
         paths.trace(&self.domain, centres, (dt_s / self.domain.voxel_size_m()) as f32);
+        // One cell more for what is interpolated, and one for forces that look at their neighbours.
+        let reach = paths.longest().ceil() as usize + 2;
+        self.activity.update(&self.domain, &self.scalars, ambient, reach);
         let entering = Entering::from_sides(&self.domain, ambient, |side| matches!(side, Side::Open | Side::Inflow(_)));
-        advect(&mut self.scalars, &self.domain, Stand::Centres, paths, &entering, scalars);
+        let neglect = Neglect { activity: Some(&self.activity), difference: 0.0 };
+        advect(&mut self.scalars, &self.domain, Stand::Centres, paths, &entering, neglect, scalars);
         // The air outside is at rest; what an inflow brings is prescribed.
         let still = Entering::from_sides(&self.domain, [0.0], |side| side == Side::Open);
+        let burns = self.parameters.combustion.is_some();
+        let difference = if burns { NEGLIGIBLE * self.velocity.fastest() } else { 0.0 };
+        let neglect = Neglect { activity: None, difference };
         for axis in 0..3 {
             let component = self.velocity.components[axis].as_chunks_mut::<1>().0;
-            advect(component, &self.domain, Stand::Faces(axis), paths, &still, faces);
+            advect(component, &self.domain, Stand::Faces(axis), paths, &still, neglect, faces);
         }
     }
 
-    fn burn(&mut self, dt_s: f64) {
+    fn burn(&mut self, dt_s: f64, boost: f64) {
         let Some(combustion) = self.parameters.combustion else {
             self.source.fill(0.0);
             return;
         };
-        if let Combustion::BlueCore { flame_speed_m_s, .. } = combustion {
-            self.level_set.advance(&self.domain, flame_speed_m_s, dt_s, &mut self.scalars);
-        }
-        let h = self.domain.voxel_size_m();
-        combustion::burn(
-            &combustion,
-            &self.parameters.cooling,
-            h,
+        self.mixing.advance(self.time_s, 1.0 + boost);
+        let fire = Fire {
+            domain: &self.domain,
+            origin_m: self.domain.origin_m(),
+            mixing: &self.mixing,
+            activity: &self.activity,
             dt_s,
-            &mut self.scalars,
-            &mut self.source,
-            &mut self.front,
-        );
+        };
+        if let Combustion::BlueCore { flame_speed_m_s, .. } = combustion {
+            self.level_set.advance(&fire, flame_speed_m_s, &mut self.scalars);
+        }
+        let cooling = &self.parameters.cooling;
+        combustion::burn(&combustion, cooling, &fire, &mut self.scalars, &mut self.source, &mut self.front);
     }
 
     /// Forces, from the flow as it is now.
@@ -317,7 +348,14 @@ impl Solver {
         let Scratch { centres, acceleration, .. } = &mut self.scratch;
         acceleration.resize(self.domain.cells(), [0.0; 4]);
         self.velocity.to_centres(&self.domain, centres);
-        let gas = Gas { velocity: centres, scalars: &self.scalars, turbulence: &self.turbulence, time_s: self.time_s };
+        let gas = Gas {
+            velocity: centres,
+            scalars: &self.scalars,
+            // What flows only may be turned and stirred anywhere; a flame's air is left alone.
+            activity: self.parameters.combustion.map(|_| &self.activity),
+            turbulence: &self.turbulence,
+            time_s: self.time_s,
+        };
         self.forces.evaluate(&self.domain, &self.parameters, &gas, acceleration);
         self.velocity.accelerate(&self.domain, acceleration, dt_s as f32);
     }
@@ -344,13 +382,13 @@ impl Solver {
         let eddies = self.parameters.turbulence_scale_m;
         let turnovers = (self.time_s * self.parameters.turbulence_rate_hz) as f32;
         let (gust, unrest) = (surroundings.gust_m_s as f32, surroundings.unrest_m_s as f32);
-        let turbulence = &self.turbulence;
+        let (turbulence, origin_m) = (&self.turbulence, self.parameters.turbulence_origin_m);
         self.velocity.apply_sides(&self.domain, |axis, end, position| {
             let sign = if end == 0 { 1.0 } else { -1.0 };
             let noise = if unrest == 0.0 {
                 0.0
             } else {
-                let place = position.map(|cell| (cell as f64 * h / eddies) as f32);
+                let place = std::array::from_fn(|a| ((position[a] as f64 * h + origin_m[a]) / eddies) as f32);
                 turbulence.at(place, turnovers)[axis]
             };
             sign * gust + unrest * noise
@@ -368,6 +406,13 @@ impl Solver {
         self.velocity.subtract_gradient(&self.domain, &self.pressure);
         worst
     }
+}
+
+/// Mixing in a box, a cell beyond its sides included.
+fn mixing_field(domain: &Domain, parameters: &Parameters, seed: u64) -> MixingField {
+    let (h, low) = (domain.voxel_size_m(), domain.origin_m());
+    let high = std::array::from_fn(|axis| low[axis] + h * domain.shape()[axis] as f64);
+    MixingField::new(parameters.mixing, low.map(|low| low - h), high, seed)
 }
 
 /// One explicit step of diffusion; ends have no gradient.

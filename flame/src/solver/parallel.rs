@@ -30,3 +30,46 @@ pub(crate) fn rows<T>(plane: &mut [T], length: usize) -> impl Iterator<Item = ([
     let rows = plane.chunks_exact_mut(length).enumerate();
     rows.flat_map(|(j, row)| row.iter_mut().enumerate().map(move |(k, element)| ([j, k], element)))
 }
+
+/// Lanes in which a largest value is looked for; taken together they are the same in any order.
+const LANES: usize = 16;
+
+/// Largest magnitude; infinite where a value is not a number, 0 where there is none.
+pub(crate) fn largest(values: &[f32]) -> f32 {
+    let part = |part: &[f32]| {
+        wide(|| {
+            let mut most = [0.0f32; LANES];
+            let mut is_number = [true; LANES];
+            let (chunks, rest) = part.as_chunks::<LANES>();
+            let mut look = |lane: usize, value: f32| {
+                most[lane] = most[lane].max(value.abs());
+                is_number[lane] &= !value.is_nan();
+            };
+            for chunk in chunks {
+                for (lane, value) in chunk.iter().enumerate() {
+                    look(lane, *value);
+                }
+            }
+            rest.iter().for_each(|value| look(0, *value));
+            if is_number == [true; LANES] { most.iter().fold(0.0, |a, b| b.max(a)) } else { f32::INFINITY }
+        })
+    };
+    values.par_chunks(PORTION).map(part).reduce(|| 0.0, f32::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_magnitude_is_found_wherever_it_stands() {
+        for at in [0, 15, 16, 100, 40_000, 49_999] {
+            let mut values = vec![0.5; 50_000];
+            values[at] = -3.0;
+            assert_eq!(largest(&values), 3.0, "{at}");
+            values[at] = f32::NAN;
+            assert_eq!(largest(&values), f32::INFINITY, "{at}");
+        }
+        assert_eq!(largest(&[]), 0.0);
+    }
+}

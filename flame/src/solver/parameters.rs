@@ -1,6 +1,7 @@
 //! What the gas is like.
 
 use super::combustion::{Combustion, Cooling};
+use super::mixing::Mixing;
 use crate::error::{Error, in_range};
 
 /// What the gas is like.
@@ -22,6 +23,10 @@ pub struct Parameters {
     pub turbulence_scale_m: f64,
     /// How fast they change, in 1/s.
     pub turbulence_rate_hz: f64,
+    /// Place in m of the box's first cell among the eddies that are stirred in; -1e6 to 1e6.
+    pub turbulence_origin_m: [f64; 3],
+    /// How unevenly it is mixed, and so burns.
+    pub mixing: Mixing,
 }
 
 impl Parameters {
@@ -36,6 +41,8 @@ impl Parameters {
             turbulence_m_s2: 0.0,
             turbulence_scale_m: 1.0,
             turbulence_rate_hz: 0.0,
+            turbulence_origin_m: [0.0; 3],
+            mixing: Mixing::EVEN,
         }
     }
 
@@ -49,6 +56,13 @@ impl Parameters {
         in_range("rate of turbulence in Hz", self.turbulence_rate_hz, 0.0, 1e4)?;
         in_range("radiation in Hz", self.cooling.radiation_hz, 0.0, 1e4)?;
         in_range("dissipation in Hz", self.cooling.dissipation_hz, 0.0, 1e4)?;
+        for place in self.turbulence_origin_m {
+            in_range("place among eddies in m", place, -1e6, 1e6)?;
+        }
+        in_range("spread of mixing", self.mixing.spread, 0.0, 3.0)?;
+        in_range("scale of mixing in m", self.mixing.scale_m, 1e-3, 1e4)?;
+        in_range("slowest mixing in Hz", self.mixing.slowest_hz, 0.01, 1e3)?;
+        in_range("fastest mixing in Hz", self.mixing.fastest_hz, self.mixing.slowest_hz, 1e3)?;
         match self.combustion {
             None => Ok(()),
             Some(Combustion::Fuel { ignition, rate_hz, heat, expansion }) => {
@@ -57,10 +71,10 @@ impl Parameters {
                 in_range("heat", heat, 0.0, 100.0)?;
                 in_range("expansion", expansion, 0.0, 100.0)
             }
-            Some(Combustion::BlueCore { flame_speed_m_s, expansion, rise_s, fall_s }) => {
+            Some(Combustion::BlueCore { flame_speed_m_s, expansion, depth_m, fall_s }) => {
                 in_range("flame speed in m/s", flame_speed_m_s, 0.0, 100.0)?;
                 in_range("expansion", expansion, 0.0, 100.0)?;
-                in_range("rise in s", rise_s, 0.0, 100.0)?;
+                in_range("depth in m", depth_m, 0.0, 100.0)?;
                 in_range("fall in s", fall_s, 0.0, 100.0)
             }
         }

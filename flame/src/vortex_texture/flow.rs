@@ -138,8 +138,8 @@ impl Flow {
         let time_s = self.solver.time_s();
         let surroundings = Surroundings {
             emitters: std::iter::once(self.steady).chain(self.sources.iter().map(|source| source.at(time_s))).collect(),
-            gust_m_s: 0.0,
             unrest_m_s: self.unrest_m_s,
+            ..Surroundings::default()
         };
         self.solver.step(self.step_s, &surroundings)
     }

@@ -60,24 +60,64 @@ impl Level {
     /// `image` = negative Laplacian of `field`.
     pub fn apply(&self, field: &[f32], image: &mut [f32]) {
         let scale = self.scale;
-        self.visit(field, image, |_, sum, _, image| *image = sum * scale);
+        self.visit(field, image, |_, row, _| row.iter_mut().for_each(|value| *value *= scale));
     }
 
-    /// Smooths `solution`, which starts from zero; `step` and `image` are room to work.
+    /// Smooths `solution` from zero, whatever it holds; `step` and `image` are room to work.
     pub fn smooth_from_zero(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
-        solution.fill(0.0);
-        self.chebyshev(right, solution, step, image, STEPS, *DAMPED.start());
+        self.chebyshev_from_zero(right, solution, step, image, STEPS, *DAMPED.start());
     }
 
     /// Smooths `solution` from what it holds.
     pub fn smooth(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
-        self.chebyshev(right, solution, step, image, STEPS, *DAMPED.start());
+        self.chebyshev(right, solution, step, image, 0..STEPS, *DAMPED.start());
     }
 
     /// Solves well enough where nothing coarser is there.
     pub fn solve_small(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
-        solution.fill(0.0);
-        self.chebyshev(right, solution, step, image, STEPS_ON_COARSEST, DAMPED_ON_COARSEST);
+        self.chebyshev_from_zero(right, solution, step, image, STEPS_ON_COARSEST, DAMPED_ON_COARSEST);
+    }
+
+    /// The iteration from zero, whose first step needs no neighbours.
+    fn chebyshev_from_zero(
+        &self,
+        right: &[f32],
+        solution: &mut [f32],
+        step: &mut [f32],
+        image: &mut [f32],
+        steps: usize,
+        lowest: f64,
+    ) {
+        let add = (1.0 / (0.5 * (DAMPED.end() + lowest))) as f32;
+        let [_, ny, nz] = self.shape;
+        let cells = planes(solution, ny * nz).zip(planes(step, ny * nz)).zip(right.par_chunks(ny * nz));
+        cells.enumerate().for_each(|(i, ((solution, step), right))| {
+            wide(|| {
+                for j in 0..ny {
+                    let row = j * nz..(j + 1) * nz;
+                    let (solution, step, right) = (&mut solution[row.clone()], &mut step[row.clone()], &right[row]);
+                    let across = self.own(0, i) + self.own(1, j);
+                    let diagonal = |k: usize| across + self.own(2, k);
+                    let (inner, edges) = (across + 2.0, [diagonal(0), diagonal(nz - 1)]);
+                    for k in 0..nz {
+                        step[k] = add * right[k] / (inner * self.scale);
+                    }
+                    for (k, diagonal) in [0, nz - 1].into_iter().zip(edges) {
+                        step[k] = add * right[k] / (diagonal * self.scale);
+                    }
+                    solution.copy_from_slice(step);
+                }
+            })
+        });
+        self.chebyshev(right, solution, step, image, 1..steps, lowest);
+    }
+
+    /// What a cell's two neighbours along an axis add to the operator's diagonal.
+    fn own(&self, axis: usize, position: usize) -> f32 {
+        let one = |upper: bool| {
+            neighbour(position, self.shape[axis], upper, self.ends[axis]).map_or_else(|extra| extra, |_| 1.0)
+        };
+        one(false) + one(true)
     }
 
     /// Chebyshev's iteration on the operator scaled by its diagonal (Saad, *Iterative Methods for Sparse Linear Systems*,
@@ -88,13 +128,13 @@ impl Level {
         solution: &mut [f32],
         step: &mut [f32],
         image: &mut [f32],
-        steps: usize,
+        steps: std::ops::Range<usize>,
         lowest: f64,
     ) {
         let (middle, half) = (0.5 * (DAMPED.end() + lowest), 0.5 * (DAMPED.end() - lowest));
         let ratio = middle / half;
         let mut rho = 1.0 / ratio;
-        for index in 0..steps {
+        for index in 0..steps.end {
             let (keep, add) = if index == 0 {
                 (0.0, 1.0 / middle)
             } else {
@@ -103,19 +143,35 @@ impl Level {
                 rho = next;
                 factors
             };
+            if index < steps.start {
+                continue;
+            }
             let (keep, add, scale) = (keep as f32, add as f32, self.scale);
             // image = the new step; it is written apart from the solution that is read.
-            self.visit(solution, image, |index, sum, diagonal, image| {
-                *image = keep * step[index] + add * (right[index] - sum * scale) / (diagonal * scale);
+            self.visit(solution, image, |start, row, [first, inner, last]| {
+                let cells = start..start + row.len();
+                let (step, right) = (&step[cells.clone()], &right[cells]);
+                let stepped = |k: usize, sum: f32, diagonal: f32| {
+                    keep * step[k] + add * (right[k] - sum * scale) / (diagonal * scale)
+                };
+                let end = row.len() - 1;
+                let ends = [stepped(0, row[0], first), stepped(end, row[end], last)];
+                for (k, value) in row.iter_mut().enumerate() {
+                    *value = stepped(k, *value, inner);
+                }
+                (row[0], row[end]) = (ends[0], ends[1]);
             });
-            step.copy_from_slice(image);
-            elements(solution).zip(&*step).for_each(|(solution, step)| *solution += *step);
+            elements(solution).zip(elements(step)).zip(&*image).for_each(|((solution, step), image)| {
+                *step = *image;
+                *solution += *image;
+            });
         }
     }
 
-    /// Calls `each` for every cell with its index, the sum of its value's differences to its neighbours, the
-    /// operator's diagonal (both still without 1/h²) and the cell's place in `image`.
-    fn visit(&self, field: &[f32], image: &mut [f32], each: impl Fn(usize, f32, f32, &mut f32) + Sync) {
+    /// Puts the sum of every cell's differences to its neighbours in `image`, and calls `each` for every row of it with the
+    /// index of its first cell and the operator's diagonal (both still without 1/h²): of the first cell, those between, the
+    /// last.
+    fn visit(&self, field: &[f32], image: &mut [f32], each: impl Fn(usize, &mut [f32], [f32; 3]) + Sync) {
         let [nx, ny, nz] = self.shape;
         let plane = ny * nz;
         planes(image, plane).enumerate().for_each(|(i, image)| {
@@ -160,15 +216,15 @@ impl Level {
                         }
                         (diagonal * centre[k] - sum, diagonal)
                     };
-                    for k in [0, nz - 1] {
-                        let (sum, diagonal) = edge(k);
-                        each(row + k, sum, diagonal, &mut out[k]);
-                    }
-                    let diagonal = own + 2.0;
+                    let [first, last] = [0, nz - 1].map(edge);
+                    let inner = own + 2.0;
+                    let (centre, [a, b, c, d]) = (&centre[..nz], rows.map(|row| &row[..nz]));
                     for k in 1..nz - 1 {
-                        let sum = diagonal * centre[k] - (across(k) + centre[k - 1] + centre[k + 1]);
-                        each(row + k, sum, diagonal, &mut out[k]);
+                        let across = weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k] + weights[3] * d[k];
+                        out[k] = inner * centre[k] - (across + centre[k - 1] + centre[k + 1]);
                     }
+                    (out[0], out[nz - 1]) = (first.0, last.0);
+                    each(row, out, [first.1, inner, last.1]);
                 }
             })
         });

@@ -5,7 +5,7 @@ mod transfer;
 
 use rayon::prelude::*;
 
-use crate::solver::parallel::{PORTION, elements};
+use crate::solver::parallel::{PORTION, elements, largest};
 
 use super::domain::{Domain, Side};
 use level::{Ends, Level};
@@ -84,7 +84,7 @@ impl Poisson {
         self.levels[0].apply(pressure, &mut self.image);
         let terms = right.par_iter().zip(&self.image);
         elements(&mut self.residual).zip(terms).for_each(|(r, (right, image))| *r = -*right - *image);
-        let mut worst = largest(&self.residual);
+        let mut worst = f64::from(largest(&self.residual));
         let mut energy = 0.0;
         for iteration in 0..MOST_ITERATIONS {
             if worst <= tolerance {
@@ -107,7 +107,7 @@ impl Poisson {
             let length = (energy / stiffness) as f32;
             elements(pressure).zip(&self.direction).for_each(|(p, d)| *p += length * *d);
             elements(&mut self.residual).zip(&self.image).for_each(|(r, a)| *r -= length * *a);
-            worst = largest(&self.residual);
+            worst = f64::from(largest(&self.residual));
         }
         worst
     }
@@ -163,12 +163,4 @@ fn dot(a: &[f32], b: &[f32]) -> f64 {
         .map(|(a, b)| a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum())
         .collect();
     parts.iter().sum()
-}
-
-/// Largest magnitude; infinite where a value is not a number.
-fn largest(values: &[f32]) -> f64 {
-    let largest = |part: &[f32]| {
-        part.iter().fold(0.0f32, |largest, value| if value.is_nan() { f32::INFINITY } else { largest.max(value.abs()) })
-    };
-    values.par_chunks(PORTION).map(largest).reduce(|| 0.0, f32::max).into()
 }
