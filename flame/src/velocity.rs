@@ -66,6 +66,17 @@ impl Velocity {
         }
     }
 
+    /// The flow with every speed multiplied.
+    pub fn scaled(self, factor: f64) -> Self {
+        fn of<const N: usize>(grid: Grid<N>, factor: f64) -> Grid<N> {
+            grid.map(|speed| speed.map(|speed| (f64::from(speed) * factor) as f32))
+        }
+        match self {
+            Self::Vectors(grid, placement) => Self::Vectors(of(grid, factor), placement),
+            Self::Components(grids) => Self::Components(Box::new(grids.map(|grid| of(grid, factor)))),
+        }
+    }
+
     /// The transform of the field, or of its first component.
     pub fn transform(&self) -> &Transform {
         match self {
@@ -81,7 +92,7 @@ pub fn join(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
 }
 
 /// Trilinear interpolation at a fractional index.
-fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
+pub(crate) fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
     // Beyond this no grid has values, and an index would not fit its type.
     if !index.iter().all(|i| i.abs() < f64::from(1 << 30)) {
         return grid.background().map(f64::from);

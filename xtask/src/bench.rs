@@ -32,6 +32,8 @@ enum Bench {
     Search,
     /// The solver and the flame front
     Flame,
+    /// How true the steps between a simulation's frames are (PYROPHONE_REFERENCE names the folder of the reference cache)
+    Upsample,
     /// The editor's window, frame by frame
     Window,
 }
@@ -43,6 +45,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     for (bench, package, name) in [
         (Bench::Extend, PACKAGE, "extend"),
         (Bench::Flame, "pyrophone-flame", "flame"),
+        (Bench::Upsample, "pyrophone-flame", "upsample"),
         (Bench::Window, "pyrophone-plugin", "window"),
     ] {
         if is_wanted(bench) {

@@ -51,6 +51,11 @@ impl Front {
         Ok(Self { iso, refine })
     }
 
+    /// The value at the front.
+    pub fn iso(&self) -> f64 {
+        self.iso
+    }
+
     /// Flux, area and curvature of one step; zeros where there is no surface. The same frame gives the same numbers, bit
     /// for bit.
     ///
