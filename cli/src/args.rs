@@ -7,6 +7,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use pyrophone_flame::scenes::Scene;
 use pyrophone_settings::Id;
 
+use crate::flux::frames::FrameList;
+
 /// Turns a low-frequency flame signal into full-band fire.
 ///
 /// Sounds are read from WAV, AIFF, CAF, FLAC, Ogg Vorbis or MP3 files, or as WAV from standard input (`-`). The output is
@@ -22,9 +24,21 @@ pub struct Cli {
     /// Tell what was done as JSON on standard output; on standard error where the sound goes to standard output
     #[arg(long, global = true, display_order = 900)]
     pub json: bool,
+    /// How progress is shown
+    #[arg(long, global = true, value_enum, value_name = "KIND", default_value_t = Progress::Auto, hide = true)]
+    pub progress: Progress,
     /// Show neither progress nor notes, only errors
     #[arg(long, short, global = true, display_order = 901)]
     pub quiet: bool,
+}
+
+/// Values of `--progress`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Progress {
+    /// A bar on a terminal, now and then a line elsewhere
+    Auto,
+    /// Lines that Open Job Description's engines read: openjd_progress: 42
+    Openjd,
 }
 
 /// How scripts learn of the outcome.
@@ -45,6 +59,8 @@ pub enum Command {
     Flux(FluxArgs),
     /// Flame signal from the parts that `flux --partial` has written
     FluxMerge(FluxMergeArgs),
+    /// A job that measures a simulation in parts on a farm, and puts them together
+    FluxPlan(FluxPlanArgs),
     /// Flame signal of a scene that is simulated here
     Simulate(SimulateArgs),
     /// Vortex-sound texture: what a small turbulent region radiates, for a range of flow speeds
@@ -252,8 +268,8 @@ impl DynamicRange {
 /// Options of `pyrophone flux`.
 #[derive(Debug, Args)]
 pub struct FluxArgs {
-    /// Folder of numbered .vdb, .npz or .npy frames, one .vdb or .npz frame, or a series of flux: CSV, .npy, or a sound
-    /// file whose samples are the steps
+    /// Folder of numbered .vdb, .npz or .npy frames, a pattern for their names (fire.####.vdb), one .vdb or .npz frame,
+    /// or a series of flux: CSV, .npy, or a sound file whose samples are the steps
     #[arg(long, value_name = "DIR|FILE")]
     pub input: PathBuf,
     /// Grid of the burning field; `flame` stands for any of the usual names
@@ -265,15 +281,21 @@ pub struct FluxArgs {
     /// Where in a voxel the velocity's components stand
     #[arg(long, value_enum, default_value_t = Placement::Collocated)]
     pub placement: Placement,
+    /// What the velocity is multiplied by to be world units per second [default: 1; of Blender's files 2.5 voxels]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub velocity_scale: Option<f64>,
+    /// What is measured of every frame
+    #[arg(long, value_enum, default_value_t = Measure::Flux)]
+    pub measure: Measure,
     /// Value of the field at the flame front [default: 0.5, of a level set 0]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub iso: Option<f64>,
     /// Parts into which a voxel's edge is cut, 1-16
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     pub refine: usize,
-    /// Only these frames, the last included
-    #[arg(long, value_name = "A-B", value_parser = frame_range, allow_hyphen_values = true)]
-    pub frames: Option<(i64, i64)>,
+    /// Only these frames, last ones included: 7, 1-100, -5--1, 1-8x2 (every second), 1,5-9
+    #[arg(long, value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true)]
+    pub frames: Option<FrameList>,
     /// Write the frames' flux as a part for flux-merge
     #[arg(long, value_name = "FILE.csv")]
     pub partial: Option<PathBuf>,
@@ -295,12 +317,48 @@ pub struct FluxArgs {
     /// Axis of the simulation that points up, for the speed field
     #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "speed_field")]
     pub up: UpAxis,
+    /// What stands between the frames of a simulation with fewer than 200 a second, up to 360
+    #[arg(long, value_enum, default_value_t = Upsample::Auto)]
+    pub upsample: Upsample,
+    /// Number of what is random there
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    pub upsample_seed: u64,
     /// When its steps are.
     #[command(flatten)]
     pub timeline: TimelineArgs,
     /// What becomes of the flux.
     #[command(flatten)]
     pub sound: SoundArgs,
+}
+
+/// Values of `--measure`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Measure {
+    /// Velocity flux through the flame front
+    Flux,
+    /// Rate of heat release: the sum of a field such as burn; needs neither front nor velocity
+    Release,
+    /// Expansion: the sum of the solver's divergence field
+    Divergence,
+    /// How much the field changes to the next frame
+    Change,
+}
+
+/// Values of `--upsample`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Upsample {
+    /// flips below 100 steps a second, cubic below 200, else off
+    Auto,
+    /// Not at all
+    Off,
+    /// As flips, by what the burning field releases alone
+    Release,
+    /// Parts of the flame change from a frame to the next at random times
+    Flips,
+    /// Noise that falls with frequency, as loud as the frames change
+    Noise,
+    /// A smooth curve through the frames' flux
+    Cubic,
 }
 
 /// Values of `--up`.
@@ -312,10 +370,53 @@ pub enum UpAxis {
     Z,
 }
 
+/// Options of `pyrophone flux-plan`.
+#[derive(Debug, Args)]
+pub struct FluxPlanArgs {
+    /// Folder of numbered frames, or a pattern for their names
+    #[arg(long, value_name = "DIR")]
+    pub input: PathBuf,
+    /// Frames of a part
+    #[arg(long, value_name = "N", default_value_t = 30, allow_negative_numbers = true)]
+    pub chunk: u64,
+    /// What runs the job
+    #[arg(long, value_enum)]
+    pub format: FarmFormat,
+    /// Sound that the job writes; its parts go to a folder beside it
+    #[arg(long, value_name = "OUT.wav")]
+    pub output: PathBuf,
+    /// File to write the job to [default: standard output]
+    #[arg(long, value_name = "FILE")]
+    pub job: Option<PathBuf>,
+    /// Frames per second, for flux
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<String>,
+    /// Interpolate bad frames, for flux
+    #[arg(long)]
+    pub skip_bad: bool,
+    /// An option of flux-merge, as in --merge-option=--peak-db=-12; may be repeated
+    #[arg(long = "merge-option", value_name = "OPTION", allow_hyphen_values = true)]
+    pub merge_options: Vec<String>,
+    /// More options of flux, behind --
+    #[arg(last = true, value_name = "FLUX OPTIONS")]
+    pub flux_options: Vec<String>,
+}
+
+/// Values of `flux-plan --format`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FarmFormat {
+    /// Open Job Description with chunks of tasks: AWS Deadline Cloud, `openjd run`
+    Openjd,
+    /// A script that submits an array of jobs and one that depends on it
+    Slurm,
+    /// A script that does one part after the other
+    Shell,
+}
+
 /// Options of `pyrophone flux-merge`.
 #[derive(Debug, Args)]
 pub struct FluxMergeArgs {
-    /// Parts that flux --partial has written, in any order
+    /// Parts that flux --partial has written, in any order, or folders of them
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
     /// When its steps are.
@@ -375,15 +476,12 @@ pub enum Kind {
     Envelope,
 }
 
-/// `A-B` or `A`; numbers may be below zero: `-5--1`.
-fn frame_range(text: &str) -> Result<(i64, i64), String> {
-    // The first minus parts the numbers unless it stands before the first one.
-    let parting = text.char_indices().skip(1).find(|(_, c)| *c == '-');
-    let (first, last) = parting.map_or((text, text), |(at, _)| (&text[..at], &text[at + 1..]));
-    let number = |text: &str| text.trim().parse::<i64>().map_err(|_| format!("'{text}' is not a frame's number"));
-    match (number(first)?, number(last)?) {
-        (first, last) if first <= last => Ok((first, last)),
-        _ => Err("the first frame must not come after the last".into()),
+/// Frames per second: `24`, `23.976`, `24000/1001`.
+fn rate(text: &str) -> Result<f64, String> {
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("'{text}' is not a number"));
+    match text.split_once('/') {
+        Some((frames, seconds)) => Ok(number(frames)? / number(seconds)?),
+        None => number(text),
     }
 }
 
@@ -391,7 +489,7 @@ fn frame_range(text: &str) -> Result<(i64, i64), String> {
 #[derive(Debug, Args)]
 pub struct TimelineArgs {
     /// Frames per second of simulated time [default: what the frames or the series say]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
     /// Number of the frame at which the timeline starts, instead of --time-reference
     #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]

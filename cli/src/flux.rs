@@ -1,13 +1,18 @@
 //! `pyrophone flux`: the flame signal of a simulation, or of a series of flux.
 
+mod cache;
+pub mod frames;
 mod kept;
 mod measuring;
 pub mod motion;
+mod sight;
 pub mod sound;
+mod units;
+pub mod upsampling;
 
 use std::path::{Path, PathBuf};
 
-use pyrophone_flame::flux::{Flux, Partial, Steps};
+use pyrophone_flame::flux::{Flux, Partial};
 use pyrophone_flame::import::{Series, Timing};
 use pyrophone_recording::{check_not_among, write_file};
 use rayon::prelude::*;
@@ -90,24 +95,34 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
 fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     let plan = Plan::new(args, work)?;
     if let (Some(start), Some(first)) = (args.timeline.start_frame, plan.first_frame()) {
-        sound::frames_since(start, first)?;
+        sound::frames_since(start, first, plan.sequence.numbering())?;
     }
     let others = args.partial.as_deref().into_iter().chain(args.speed_field.as_deref());
     let outputs: Vec<&Path> = sound::files(&args.sound).chain(others).collect();
-    let inputs = plan.simulation_files();
-    let inputs: Vec<&Path> = inputs.iter().map(|path| path.as_path()).collect();
+    let files = cache::files(&plan.sequence);
+    let inputs: Vec<&Path> = files.iter().map(|path| path.as_path()).collect();
     for output in &outputs {
         check_not_among(output, &inputs)?;
     }
     let Some(beside) = outputs.first().copied().or(args.sound.report.as_deref()) else { return Ok(Done::default()) };
     // Before the long work, not behind it.
     let rate_hz = plan.rate_hz(args.timeline.rate)?;
-    let rate_hz = match (rate_hz, &args.speed_field) {
-        (None, Some(_)) => return Err(sound::no_rate(&args.input)),
-        (rate_hz, _) => sound::known_rate(&args.sound, rate_hz, &args.input)?,
+    if rate_hz.is_none() && args.speed_field.is_some() {
+        return Err(sound::no_rate(&args.input));
+    }
+    sound::known_rate(&args.sound, rate_hz, &args.input)?;
+    let plan = plan.with_upsampler(upsampling::chosen(args, rate_hz)?);
+    let checked = units::check(&plan.sequence, &plan.selection, &plan.indices, rate_hz, work)?;
+    let kept = plan.measure(beside, work)?;
+    let part = Partial {
+        settings: plan.settings.clone(),
+        cache: cache::identity(&files),
+        rate_hz,
+        numbering: *plan.sequence.numbering(),
+        steps: kept.steps.clone(),
+        changes: kept.changes.clone(),
     };
-    let (steps, kept) = plan.measure(beside, work)?;
-    match write(args, &plan, rate_hz, steps, work) {
+    match write(args, &plan, rate_hz, checked, &part, work) {
         Ok(done) => {
             kept.remove();
             Ok(done)
@@ -116,39 +131,65 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     }
 }
 
-/// Everything that was asked for, from the steps.
-fn write(args: &FluxArgs, plan: &Plan, rate_hz: f64, steps: Steps, work: &Work) -> Result<Done, Error> {
+/// Everything that was asked for, from what was measured.
+fn write(
+    args: &FluxArgs,
+    plan: &Plan,
+    rate_hz: Option<f64>,
+    checked: Option<String>,
+    part: &Partial,
+    work: &Work,
+) -> Result<Done, Error> {
     let files: Vec<PathBuf> = args.partial.iter().chain(&args.speed_field).cloned().collect();
     if let Some(path) = &args.partial {
-        let part = Partial { settings: plan.settings.clone(), steps: steps.clone() };
         write_file(path, |file| part.write(file))?;
     }
     let is_sound = args.sound.report.is_some() || sound::files(&args.sound).next().is_some();
     if !is_sound && args.speed_field.is_none() {
         return Ok(Done { files, ..Done::default() });
     }
-    let flux = Flux::from_steps(&steps)?;
-    sound::note_interpolated(&flux.interpolated);
-    let signal = Signal::of_flux(&flux, rate_hz).on_timeline(args.timeline.start_frame);
-    if let Some(path) = &args.speed_field {
+    let flux = Flux::from_steps(&part.steps)?;
+    sound::note_interpolated(&flux.interpolated, plan.sequence.numbering());
+    let signal = Signal::of_flux(&flux, rate_hz).counted(*plan.sequence.numbering());
+    let signal = signal.on_timeline(args.timeline.start_frame);
+    if let (Some(path), Some(rate_hz)) = (&args.speed_field, rate_hz) {
         let start_s = sound::time_reference(&args.sound, &signal)? as f64 / f64::from(args.sound.sample_rate);
-        motion::write_of_frames(path, plan, args.up, signal.rate_hz, start_s, work)?;
+        motion::write_of_frames(path, plan, args.up, rate_hz, start_s, work)?;
     }
     if !is_sound {
         return Ok(Done { files, ..Done::default() });
     }
-    let surfaces = if args.sound.report.is_some() { surfaces(plan, signal.rate_hz, work)? } else { vec![] };
-    let facts = vec![
+    let surfaces = if args.sound.report.is_some() { surfaces(plan, rate_hz, work)? } else { vec![] };
+    let mut facts = vec![
         ("Simulation".into(), args.input.display().to_string()),
         ("Measured with".into(), plan.settings.clone()),
         ("Interpolated".into(), format!("{} of {} frames", flux.interpolated.len(), flux.rows.len())),
     ];
+    if let Some(sight) = &plan.sight {
+        let first =
+            format!("voxel {}; what burns in the first frame spans {}", sight.voxel_text(), sight.extent_text());
+        facts.push(("Size".into(), format!("{first} (world units)")));
+    }
+    let [x, y, z] = ["first", "second", "third"];
+    let up = match args.up {
+        crate::args::UpAxis::Y => y,
+        crate::args::UpAxis::Z => z,
+    };
+    facts
+        .push(("Axes".into(), format!("{x}, {y}, {z} as in the files; the {up} points up for the speed field (--up)")));
+    let told_hz = rate_hz.map_or("unknown".into(), |rate_hz| format!("{rate_hz} measured steps a second"));
+    facts.push(("Rate".into(), format!("{told_hz}, {}", plan.sequence.numbering())));
+    facts.extend(checked.map(|checked| ("Rate and unit".into(), checked)));
+    let signal = match &plan.upsampler {
+        Some(upsampler) => signal.upsampled(upsampler, &part.changes),
+        None => signal,
+    };
     let done = sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work)?;
     Ok(done.with_files(files))
 }
 
 /// Pictures of the front at even distances, in one view.
-fn surfaces(plan: &Plan, rate_hz: f64, work: &Work) -> Result<Vec<(String, Picture)>, Error> {
+fn surfaces(plan: &Plan, rate_hz: Option<f64>, work: &Work) -> Result<Vec<(String, Picture)>, Error> {
     let stage = work.stage("drawing");
     let last = plan.indices.len().saturating_sub(1);
     let count = PICTURES.min(plan.indices.len());
@@ -166,6 +207,7 @@ fn surfaces(plan: &Plan, rate_hz: f64, work: &Work) -> Result<Vec<(String, Pictu
     let drawn: Vec<_> = drawn?.into_iter().flatten().collect();
     stage.at(0.5);
     let view = report::View::of(drawn.iter().map(|(_, mesh)| mesh));
-    let label = |number: i64| format!("frame {number} · {:.3} s", number.saturating_sub(first) as f64 / rate_hz);
+    let time_s = |number: i64| rate_hz.map(|rate_hz| number.saturating_sub(first) as f64 / rate_hz);
+    let label = |number: i64| format!("frame {} · {:.3} s", plan.label(number), time_s(number).unwrap_or_default());
     Ok(drawn.par_iter().map(|(number, mesh)| (label(*number), view.draw(mesh))).collect())
 }

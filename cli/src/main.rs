@@ -9,6 +9,7 @@ mod error;
 mod extend;
 mod flux;
 mod flux_merge;
+mod flux_plan;
 mod input;
 mod level;
 mod notes;
@@ -47,7 +48,7 @@ fn main() -> ExitCode {
         Ok(stop) => stop,
         Err(error) => return fail(&error),
     };
-    let code = match run(&cli, &Work::new(stop.clone())) {
+    let code = match run(&cli, &Work::new(stop.clone(), cli.progress)) {
         Ok(done) => {
             if let Some(done) = done.filter(|_| cli.json) {
                 tell(&done, &name);
@@ -75,6 +76,7 @@ fn run(cli: &Cli, work: &Work) -> Result<Option<Done>, Error> {
         Command::Flux(args) => flux::run(args, work).map(Some),
         Command::Simulate(args) => simulate::run(args, work).map(Some),
         Command::FluxMerge(args) => flux_merge::run(args, work).map(Some),
+        Command::FluxPlan(args) => flux_plan::run(args).map(Some),
         Command::VortexTexture(args) => vortex_texture::run(args, work).map(Some),
         Command::Presets => presets::run(cli.json).map(|()| None),
         Command::Parameters => {

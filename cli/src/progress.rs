@@ -7,6 +7,7 @@ use std::io::IsTerminal;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::lines::Lines;
+use crate::args::Progress;
 use crate::error::Error;
 use crate::notes::is_quiet;
 use crate::stop::Stop;
@@ -19,17 +20,19 @@ const STEPS: u64 = 1000;
 /// The running command, as its user sees and stops it.
 pub struct Work {
     stop: Stop,
+    progress: Progress,
 }
 
 impl Work {
     /// Work that ends once `stop` has a signal.
-    pub fn new(stop: Stop) -> Self {
-        Self { stop }
+    pub fn new(stop: Stop, progress: Progress) -> Self {
+        Self { stop, progress }
     }
 
     /// A named part of the work.
     pub fn stage(&self, name: &'static str) -> Stage<'_> {
         let shown = match (is_quiet(), std::io::stderr().is_terminal()) {
+            (false, _) if self.progress == Progress::Openjd => Shown::Lines(Lines::for_openjd()),
             (true, _) => Shown::Nothing,
             (false, true) => Shown::Bar(bar(name)),
             (false, false) => Shown::Lines(Lines::new(name)),

@@ -51,7 +51,7 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
         }
     }
     let flux = Flux::from_steps(&steps)?;
-    let signal = sound::Signal::of_flux(&flux, STEP_RATE_HZ);
+    let signal = sound::Signal::of_flux(&flux, Some(STEP_RATE_HZ));
     let view = View::of(meshes.iter().map(|(_, mesh)| mesh));
     let label = |frame: i64| format!("frame {frame} · {:.3} s", frame as f64 / STEP_RATE_HZ);
     let surfaces = meshes.iter().map(|(frame, mesh)| (label(*frame), view.draw(mesh))).collect();

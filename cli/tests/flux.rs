@@ -8,6 +8,7 @@ use std::path::Path;
 use common::{pyrophone, read, reference, refuses, succeeds, write};
 use pyrophone_flame::flux::{Flux, Partial};
 use pyrophone_flame::import::npz::{DenseFrame, write_frame};
+use pyrophone_flame::import::{Selection, Sequence};
 use tempfile::TempDir;
 
 /// Voxels along an edge.
@@ -93,7 +94,9 @@ fn shards_make_what_one_run_makes() {
         at,
         &format!("flux-merge c.csv a.csv b.csv --output merged.wav --flux-csv merged.csv --rate 360 {options}"),
     );
-    refuses(at, "flux-merge c.csv a.csv b.csv --output x.wav", 1, &["c.csv", "--rate"]);
+    // The frames say when they take place, and so do parts of them.
+    succeeds(at, &format!("flux-merge c.csv a.csv b.csv --output timed.wav {options}"));
+    assert_eq!(bytes(at, "timed.wav"), file);
     assert_eq!(bytes(at, "merged.wav"), file);
     assert_eq!(bytes(at, "merged.csv"), bytes(at, "one.csv"));
     // Nothing is left of the work in progress.
@@ -130,7 +133,7 @@ fn an_interrupted_run_goes_on() {
     );
     assert!(!at.join("out.wav").exists() && !at.join("out.csv").exists());
     let kept = std::fs::read_to_string(at.join("out.wav.flux-progress")).unwrap();
-    let rows = Partial::read(&kept, "kept").unwrap().steps.len();
+    let rows = Partial::read_unfinished(&kept, "kept").unwrap().steps.len();
     assert!(rows > 0 && error.contains(&format!("the {rows} frames done")), "{error}");
 
     // Numbers that are kept are not measured again: changed by hand, they come out.
@@ -179,15 +182,108 @@ fn bad_frames_are_refused_or_interpolated() {
     succeeds(at, "flux --input flame --frames 10-22 --partial b.csv --skip-bad");
     succeeds(at, "flux-merge a.csv b.csv --output merged.wav --rate 360");
     assert_eq!(bytes(at, "merged.wav"), bytes(at, "out.wav"));
-    refuses(at, "flux --input flame --output x.wav --frames 1-9", 1, &["--frames is 1-9", "3-22"]);
+    refuses(at, "flux --input flame --output x.wav --frames 30-39", 1, &["--frames is 30-39", "3-22"]);
+}
+
+#[test]
+fn voxels_may_change_from_frame_to_frame() {
+    let folder = folder();
+    let at = folder.path();
     flame(&frame(at, 9), 9, 0.2);
-    std::fs::remove_file(frame(at, 15)).unwrap();
-    let output = pyrophone(at, "flux --input flame --output x.wav --skip-bad");
-    let error = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        output.status.code() == Some(1) && error.contains("the voxels of frame 9") && error.contains("0.2"),
-        "{error}"
-    );
+    succeeds(at, "flux --input flame --flux-csv out.csv");
+    let rows = table(at, "out.csv").rows;
+    // Twice as large a ball, eight times the area and speed in all.
+    let mean = 0.5 * (rows[5].flux + rows[7].flux);
+    assert!((4.0..16.0).contains(&(rows[6].flux / mean)), "{} beside {mean}", rows[6].flux);
+}
+
+#[test]
+fn frame_lists_are_clamped_and_stepped() {
+    let folder = folder();
+    let at = folder.path();
+    let frames = |list: &str| {
+        succeeds(at, &format!("flux --input flame --frames {list} --partial part.csv"));
+        let text = std::fs::read_to_string(at.join("part.csv")).unwrap();
+        Partial::read(&text, "part").unwrap().steps.keys().copied().collect::<Vec<_>>()
+    };
+    assert_eq!(frames("1-4"), [3, 4], "a farm's first chunk may begin before the frames do");
+    assert_eq!(frames("21-50"), [21, 22], "and its last one end behind them");
+    assert_eq!(frames("3-9x3"), [3, 6, 9]);
+    assert_eq!(frames("4,7-8"), [4, 7, 8]);
+    assert_eq!(frames("30-60"), Vec::<i64>::new(), "such a part is empty");
+    succeeds(at, "flux --input flame --frames 3-12 --partial a.csv");
+    succeeds(at, "flux --input flame --frames 13-22 --partial b.csv");
+    succeeds(at, "flux --input flame --flux-csv one.csv");
+    succeeds(at, "flux-merge part.csv b.csv a.csv --flux-csv merged.csv");
+    assert_eq!(bytes(at, "merged.csv"), bytes(at, "one.csv"));
+    // Simulated again meanwhile: the parts do not belong together any more.
+    flame(&frame(at, 20), 21, 0.11);
+    let other = std::fs::read(frame(at, 20)).unwrap();
+    std::fs::write(frame(at, 20), [other, vec![0]].concat()).unwrap();
+    succeeds(at, "flux --input flame --frames 13-19 --partial b.csv");
+    refuses(at, "flux-merge a.csv b.csv --output x.wav", 1, &["a.csv", "b.csv", "different caches"]);
+    let text = std::fs::read_to_string(at.join("a.csv")).unwrap();
+    std::fs::write(at.join("a.csv"), &text[..text.len() - 10]).unwrap();
+    refuses(at, "flux-merge a.csv --output x.wav", 1, &["a.csv", "cut or changed"]);
+}
+
+/// A shard in which no frame can be read writes an empty part, and does not stop the farm.
+#[test]
+fn shards_without_a_good_frame_write_empty_parts() {
+    let folder = folder();
+    let at = folder.path();
+    for number in 3..=6 {
+        std::fs::write(frame(at, number), b"no frame").unwrap();
+    }
+    refuses(at, "flux --input flame --frames 3-6 --partial a.csv", 1, &["flame_0003.npz"]);
+    succeeds(at, "flux --input flame --frames 3-6 --partial a.csv --skip-bad");
+    succeeds(at, "flux --input flame --frames 7-22 --partial b.csv --skip-bad");
+    succeeds(at, "flux --input flame --flux-csv one.csv --skip-bad");
+    succeeds(at, "flux-merge a.csv b.csv --flux-csv merged.csv");
+    assert_eq!(bytes(at, "merged.csv"), bytes(at, "one.csv"));
+}
+
+/// What stands between the frames of a film: the same from shards and from one run, and always said to be made up.
+#[test]
+fn frames_of_film_are_upsampled() {
+    let folder = folder();
+    let at = folder.path();
+    let said = notes(at, "flux --input flame --rate 24 --output auto.wav --flux-csv auto.csv");
+    assert!(said.contains("360 steps per second are made of 24") && said.contains("plausible, not true"), "{said}");
+    assert!(!notes(at, "flux --input flame --output x.wav").contains("plausible"), "360 a second are enough");
+    for method in ["flips", "noise", "cubic", "release"] {
+        let options = format!("--rate 24000/1001 --upsample {method} --upsample-seed 7");
+        let said = notes(at, &format!("flux --input flame --output one.wav --flux-csv one.csv {options}"));
+        assert!(said.contains(method), "{said}");
+        for (name, frames) in [("b.csv", "9"), ("c.csv", "10-22"), ("a.csv", "3-8")] {
+            succeeds(at, &format!("flux --input flame --frames {frames} --partial {name} {options}"));
+        }
+        succeeds(at, "flux-merge c.csv a.csv b.csv --output merged.wav --flux-csv merged.csv");
+        assert_eq!(bytes(at, "merged.wav"), bytes(at, "one.wav"), "{method}");
+        assert_eq!(bytes(at, "merged.csv"), bytes(at, "one.csv"), "{method}");
+        // The table tells its times, so that it needs no rate when it is read again.
+        succeeds(at, "flux --input one.csv --output again.wav");
+        assert_eq!(read(&at.join("again.wav")).len_samples(), read(&at.join("one.wav")).len_samples());
+    }
+    refuses(at, "flux --input flame --measure change --upsample flips --output x.wav", 1, &["--measure change"]);
+}
+
+#[test]
+fn other_measures_need_no_front() {
+    let folder = folder();
+    let at = folder.path();
+    for (measure, is_positive) in [("release", true), ("change", true)] {
+        succeeds(at, &format!("flux --input flame --measure {measure} --flux-csv {measure}.csv --velocity none"));
+        let rows = table(at, &format!("{measure}.csv")).rows;
+        assert_eq!(rows.len(), 20);
+        assert!(rows.iter().all(|row| row.flux > 0.0 && row.area == 0.0) == is_positive, "{measure}");
+    }
+    for row in table(at, "release.csv").rows {
+        let frame = Sequence::open(&frame(at, row.frame)).unwrap().read(0, &Selection::default()).unwrap();
+        let sum: f64 = frame.field.blocks().flat_map(|(_, block)| block.iter()).map(|[x]| f64::from(*x)).sum();
+        assert!((row.flux / (1e-3 * sum) - 1.0).abs() < 1e-5, "{row:?}: {sum}");
+    }
+    refuses(at, "flux --input flame --measure divergence --output x.wav", 1, &["divergence", "flame"]);
 }
 
 #[test]
@@ -234,13 +330,13 @@ fn a_series_goes_straight_to_pressure() {
 fn low_rates_are_said_to_be_envelopes() {
     let folder = folder();
     let at = folder.path();
-    let said = notes(at, "flux --input flame --output p.wav --rate 24");
+    let said = notes(at, "flux --input flame --output p.wav --rate 24 --upsample off");
     assert!(said.contains("12 Hz only") && said.contains("--as envelope"), "{said}");
     let said = notes(at, "flux --input flame --output e.wav --rate 24 --as envelope --peak-db 0");
     assert!(!said.contains("12 Hz"), "{said}");
     let envelope = read(&at.join("e.wav"));
     assert!(envelope.channels[0].iter().all(|sample| (0.0..=1.0).contains(sample)));
-    assert!(notes(at, "flux --input flame --output p.wav --rate 120").contains("60 Hz only"));
+    assert!(notes(at, "flux --input flame --output p.wav --rate 120 --upsample off").contains("60 Hz only"));
     assert!(notes(at, "flux --input flame --output p.wav --rate 360").contains("scaled by"));
 }
 
@@ -297,6 +393,9 @@ fn bad_options_are_refused() {
     }
     for (options, says) in [
         ("--frames 9-3", &["first frame", "last"][..]),
+        ("--frames 1-8x0", &["1-8x2"]),
+        ("--rate 24/x", &["'x'"]),
+        ("--upsample twice", &["twice", "flips"]),
         ("--frames x", &["'x'"]),
         ("--time-reference 5 --start-frame 1", &["--time-reference", "--start-frame"]),
         ("--mesh-every 2", &["--mesh"]),
@@ -322,13 +421,29 @@ fn the_reference_flame() {
     };
     let said = run("a.csv", "");
     assert!(said.contains("velocity is staggered") && said.contains("--placement file"), "{said}");
+    assert!(said.contains("cells per unit of its own time") && said.contains("0.125"), "{said}");
     assert!(!run("b.csv", "--placement file").contains("staggered"));
     let expected = std::fs::read_to_string(input.join("flux_reference.csv")).unwrap();
     let expected = Flux::read_csv(&expected, "reference").unwrap().rows;
     let (plain, staggered) = (table(at, "a.csv").rows, table(at, "b.csv").rows);
     for (row, expected) in plain.iter().zip(&expected) {
-        assert!((row.flux / expected.flux - 1.0).abs() < 0.02 && (row.area / expected.area - 1.0).abs() < 0.01);
+        // The reference takes Blender's numbers as they are.
+        assert!(
+            (row.flux / (0.125 * expected.flux) - 1.0).abs() < 0.02 && (row.area / expected.area - 1.0).abs() < 0.01
+        );
     }
     assert_eq!(plain.len(), 6);
-    assert!((staggered[0].flux + 0.497).abs() < 0.02, "{:?}", staggered[0]);
+    run("c.csv", "--velocity-scale 1");
+    assert!((table(at, "c.csv").rows[2].flux / expected[2].flux - 1.0).abs() < 0.02);
+    // Smoke tells the rate: 360 a second is right, 24 is not.
+    let check = |rate: &str| {
+        notes(
+            at,
+            &format!("flux --input {} --frames 80-120 --upsample off --flux-csv d.csv --rate {rate}", input.display()),
+        )
+    };
+    assert!(!check("360").contains("cannot be right"));
+    let said = check("24");
+    assert!(said.contains("cannot be right") && said.contains("--velocity-scale"), "{said}");
+    assert!((staggered[0].flux / 0.125 + 0.497).abs() < 0.02, "{:?}", staggered[0]);
 }

@@ -10,6 +10,7 @@ fn flags() {
         "render",
         "flux",
         "flux-merge",
+        "flux-plan",
         "simulate",
         "vortex-texture",
         "presets",

@@ -126,6 +126,16 @@ pub enum Error {
         /// Its settings.
         second_settings: String,
     },
+    /// Partial tables come from different caches, or from different states of one.
+    #[error(
+        "{first} and {second} were measured from different caches, or from one that was simulated again; measure one of them again"
+    )]
+    CachesDiffer {
+        /// A file.
+        first: String,
+        /// Another file.
+        second: String,
+    },
     /// Two partial tables hold the same frame.
     #[error("frame {frame} is both in {first} and in {second}; merge shards that do not overlap")]
     Overlap {

@@ -5,12 +5,22 @@ use std::io::{Result as IoResult, Write};
 
 use crate::error::{Error, in_range};
 use crate::front::Measure;
+use crate::import::Numbering;
 
 /// Most frames between the first and the last of a table.
 pub const MAX_FRAMES: u64 = 10_000_000;
 
 /// How a partial table begins; its settings follow.
-const MARK: &str = "# pyrophone flux 1; ";
+const MARK: &str = "# pyrophone flux 2; ";
+
+/// How the line begins that names the cache a part was measured from.
+const CACHE_MARK: &str = "# cache ";
+
+/// How the last line of a part begins: steps and a hash of all before follow.
+const END_MARK: &str = "# end ";
+
+/// How the line of a change to the next step begins.
+const CHANGE_MARK: char = '+';
 
 /// One step of a flame, in world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,10 +94,15 @@ impl Flux {
         self.rows.iter().map(|row| row.flux).collect()
     }
 
-    /// Writes `frame,flux,area`; the numbers read back as the same `f64`.
-    pub fn write_csv(&self, to: &mut impl Write) -> IoResult<()> {
-        writeln!(to, "frame,flux,area")?;
-        self.rows.iter().try_for_each(|row| writeln!(to, "{},{:?},{:?}", row.frame, row.flux, row.area))
+    /// Writes `frame,flux,area` and, where steps per second are known, `time_s`; flux and area read back as the same
+    /// `f64`. Frames are named by `label`.
+    pub fn write_csv(&self, rate_hz: Option<f64>, label: impl Fn(i64) -> String, to: &mut impl Write) -> IoResult<()> {
+        writeln!(to, "frame,flux,area{}", if rate_hz.is_some() { ",time_s" } else { "" })?;
+        self.rows.iter().try_for_each(|row| {
+            write!(to, "{},{:?},{:?}", label(row.frame), row.flux, row.area)?;
+            rate_hz.map_or(Ok(()), |rate_hz| write!(to, ",{:.9}", row.frame as f64 / rate_hz))?;
+            writeln!(to)
+        })
     }
 
     /// Reads what [`write_csv`](Self::write_csv) wrote, or any table whose first columns are these; `name` stands in
@@ -131,26 +146,64 @@ fn between(before: &Row, after: &Row, frame: i64) -> Row {
     }
 }
 
+/// What changes from a step to the next, by the number of the first one; the numbers are the upsampler's own.
+pub type Changes = BTreeMap<i64, Vec<f64>>;
+
 /// A part of a simulation's table, with what must agree before parts are put together.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Partial {
-    /// How it was measured, one line.
+    /// How it was measured, one line; nothing where no frame of it could be measured.
     pub settings: String,
+    /// The cache it was measured from, one word; nothing where that does not matter.
+    pub cache: String,
+    /// Steps per second, where they are known.
+    pub rate_hz: Option<f64>,
+    /// How frames' numbers count its steps.
+    pub numbering: Numbering,
     /// Its steps.
     pub steps: Steps,
+    /// What changes from each of its steps to the next, where that was asked for.
+    pub changes: Changes,
 }
 
 impl Partial {
-    /// Writes a line with the settings, then `frame,flux,area,mean_curvature`; skipped frames have empty fields.
+    /// Writes lines with the settings and the cache, then `frame,flux,area,mean_curvature` (skipped frames have empty
+    /// fields), then changes, and last how many steps there are with a hash of all before, by which a file that was cut is
+    /// told.
     pub fn write(&self, to: &mut impl Write) -> IoResult<()> {
-        Self::write_head(&self.settings, to)?;
-        self.steps.iter().try_for_each(|(frame, row)| Self::write_step(*frame, row.as_ref(), to))
+        let mut text = vec![];
+        self.write_head(&mut text)?;
+        for (frame, row) in &self.steps {
+            Self::write_step(*frame, row.as_ref(), &mut text)?;
+        }
+        for (frame, change) in &self.changes {
+            Self::write_change(*frame, change, &mut text)?;
+        }
+        let hash = hash(&text);
+        writeln!(text, "{END_MARK}{} {hash:016x}", self.steps.len())?;
+        to.write_all(&text)
     }
 
-    /// Writes the lines before the steps. Control characters in `settings` become spaces.
-    pub fn write_head(settings: &str, to: &mut impl Write) -> IoResult<()> {
-        let settings: String = settings.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        writeln!(to, "{MARK}{settings}\nframe,flux,area,mean_curvature")
+    /// Writes the lines before the steps. Control characters become spaces.
+    pub fn write_head(&self, to: &mut impl Write) -> IoResult<()> {
+        let plain = |text: &str| text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>();
+        let [stride, subframes, rest] = self.numbering.parts();
+        let rate = self.rate_hz.map_or("unknown".into(), |rate_hz| format!("{rate_hz:?}"));
+        writeln!(to, "{MARK}{}", plain(&self.settings))?;
+        writeln!(to, "{CACHE_MARK}{}; rate {rate}; steps {stride} {subframes} {rest}", plain(&self.cache))?;
+        writeln!(to, "frame,flux,area,mean_curvature")
+    }
+
+    /// Reads the line of the cache.
+    fn read_cache(&mut self, line: &str) -> Option<()> {
+        let mut parts = line.strip_prefix(CACHE_MARK)?.splitn(3, "; ");
+        self.cache = parts.next()?.to_owned();
+        let rate = parts.next()?.strip_prefix("rate ")?;
+        self.rate_hz = rate.parse().ok().filter(|rate_hz: &f64| *rate_hz > 0.0 && rate_hz.is_finite());
+        let numbers: Vec<i64> =
+            parts.next()?.strip_prefix("steps ")?.split(' ').map_while(|n| n.parse().ok()).collect();
+        self.numbering = Numbering::of_parts(*numbers.first_chunk()?)?;
+        Some(())
     }
 
     /// Writes one step's line.
@@ -164,38 +217,74 @@ impl Partial {
         }
     }
 
+    /// Writes the line of a change from step `frame` to the next.
+    pub fn write_change(frame: i64, change: &[f64], to: &mut impl Write) -> IoResult<()> {
+        write!(to, "{CHANGE_MARK}{frame}")?;
+        change.iter().try_for_each(|number| write!(to, ",{number:?}"))?;
+        writeln!(to)
+    }
+
     /// Reads what [`write`](Self::write) wrote; `name` stands in messages.
+    ///
+    /// Fails where it is no part, or one that was cut or changed.
     pub fn read(text: &str, name: &str) -> Result<Self, Error> {
         let damaged = |line, reason: String| Error::Table { name: name.into(), line, reason };
-        let Some(settings) = text.lines().next().and_then(|line| line.strip_prefix(MARK)) else {
+        if !text.starts_with(MARK) {
+            return Err(damaged(1, "this is not a part of a flux table".into()));
+        }
+        let (body, end) = text.rfind(END_MARK).map(|at| text.split_at(at)).unwrap_or((text, ""));
+        let count = text.lines().count();
+        let part = Self::read_unfinished(body, name)?;
+        let expected = format!("{END_MARK}{} {:016x}\n", part.steps.len(), hash(body.as_bytes()));
+        if end == expected { Ok(part) } else { Err(damaged(count, "the part was cut or changed".into())) }
+    }
+
+    /// Reads a part whose last line is still to come.
+    pub fn read_unfinished(text: &str, name: &str) -> Result<Self, Error> {
+        let damaged = |line, reason: String| Error::Table { name: name.into(), line, reason };
+        let mut head = text.lines();
+        let Some(settings) = head.next().and_then(|line| line.strip_prefix(MARK)) else {
             return Err(damaged(1, "this is not a part of a flux table".into()));
         };
-        let mut steps = Steps::new();
+        let mut part = Self { settings: settings.into(), ..Self::default() };
+        head.next().and_then(|line| part.read_cache(line)).ok_or_else(|| damaged(2, "no cache is named".into()))?;
         for (number, line) in lines(text).skip(1) {
-            let fields: Vec<&str> = line.split(',').collect();
-            let (frame, numbers) = fields_of(&fields).map_err(|reason| damaged(number, reason))?;
-            let row = match numbers[..] {
-                [] => None,
-                [flux, area] => Some(Row { frame, flux, area, mean_curvature: None }),
-                [flux, area, curvature] => Some(Row { frame, flux, area, mean_curvature: Some(curvature) }),
-                _ => return Err(damaged(number, "there must be 0, 2 or 3 values".into())),
-            };
-            if steps.insert(frame, row).is_some() {
-                return Err(damaged(number, format!("frame {frame} stands there twice")));
-            }
+            part.read_line(line).map_err(|reason| damaged(number, reason))?;
         }
-        Ok(Self { settings: settings.into(), steps })
+        Ok(part)
+    }
+
+    fn read_line(&mut self, line: &str) -> Result<(), String> {
+        let change = line.strip_prefix(CHANGE_MARK);
+        let fields: Vec<&str> = change.unwrap_or(line).split(',').collect();
+        let (frame, numbers) = fields_of(&fields)?;
+        if change.is_some() {
+            let before = self.changes.insert(frame, numbers);
+            return before.map_or(Ok(()), |_| Err(format!("the change of frame {frame} stands there twice")));
+        }
+        let row = match numbers[..] {
+            [] => None,
+            [flux, area] => Some(Row { frame, flux, area, mean_curvature: None }),
+            [flux, area, curvature] => Some(Row { frame, flux, area, mean_curvature: Some(curvature) }),
+            _ => return Err("there must be 0, 2 or 3 values".into()),
+        };
+        let before = self.steps.insert(frame, row);
+        before.map_or(Ok(()), |_| Err(format!("frame {frame} stands there twice")))
     }
 
     /// Puts parts together, each with the name that stands in messages, in any order.
     ///
-    /// Fails where their settings differ, where two hold the same frame, and where a frame between the first and the
-    /// last is in none.
+    /// Fails where their settings or caches differ, where two hold the same frame, and where a frame between the first and
+    /// the last is in none. The settings of parts in which nothing was measured do not matter.
     pub fn merge(parts: &[(String, Self)]) -> Result<Self, Error> {
-        let Some((first, Self { settings, .. })) = parts.first() else { return Err(Error::NoFrames) };
+        let is_measured = |(_, part): &&(String, Self)| part.steps.values().any(Option::is_some);
+        let Some((first, Self { settings, cache, numbering, .. })) = parts.iter().find(is_measured) else {
+            return Err(Error::NoFrames);
+        };
         let mut merged: BTreeMap<i64, (Option<Row>, &str)> = BTreeMap::new();
+        let mut changes = Changes::new();
         for (name, part) in parts {
-            if part.settings != *settings {
+            if part.settings != *settings && part.steps.values().any(Option::is_some) {
                 return Err(Error::SettingsDiffer {
                     first: first.clone(),
                     first_settings: settings.clone(),
@@ -203,11 +292,15 @@ impl Partial {
                     second_settings: part.settings.clone(),
                 });
             }
+            if part.cache != *cache || part.numbering != *numbering {
+                return Err(Error::CachesDiffer { first: first.clone(), second: name.clone() });
+            }
             for (frame, row) in &part.steps {
                 if let Some((_, before)) = merged.insert(*frame, (*row, name)) {
                     return Err(Error::Overlap { frame: *frame, first: before.into(), second: name.clone() });
                 }
             }
+            changes.extend(part.changes.iter().map(|(frame, change)| (*frame, change.clone())));
         }
         if let Some((before, _)) =
             merged.keys().zip(merged.keys().skip(1)).find(|(before, after)| before.checked_add(1) != Some(**after))
@@ -215,8 +308,15 @@ impl Partial {
             return Err(Error::Hole { frame: before + 1 });
         }
         let steps = merged.into_iter().map(|(frame, (row, _))| (frame, row)).collect();
-        Ok(Self { settings: settings.clone(), steps })
+        let rate_hz = parts.iter().find_map(|(_, part)| part.rate_hz);
+        let (settings, cache, numbering) = (settings.clone(), cache.clone(), *numbering);
+        Ok(Self { settings, cache, rate_hz, numbering, steps, changes })
     }
+}
+
+/// FNV-1a of 64 bits (Fowler, Noll & Vo): tells damage, not malice.
+fn hash(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
 /// Lines that say something, numbered from 1.

@@ -43,6 +43,12 @@ impl Transform {
         Ok(Self { rows, inverse, translation })
     }
 
+    /// Indices are places.
+    pub const fn identity() -> Self {
+        let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        Self { rows: unit, inverse: unit, translation: [0.0; 3] }
+    }
+
     /// Voxels of edge `voxel_size`, index 0 at `origin`.
     pub fn uniform(voxel_size: f64, origin: [f64; 3]) -> Result<Self, Error> {
         Self::new([[voxel_size, 0.0, 0.0], [0.0, voxel_size, 0.0], [0.0, 0.0, voxel_size]], origin)

@@ -6,6 +6,7 @@
 //! solver, scenes ─────────┘
 //! ```
 
+pub mod advection;
 pub mod error;
 pub mod flux;
 pub mod frame;
@@ -18,6 +19,7 @@ pub mod scenes;
 pub mod seam;
 pub mod solver;
 pub mod speed_field;
+pub mod upsample;
 pub mod velocity;
 pub mod vortex_texture;
 

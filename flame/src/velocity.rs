@@ -66,6 +66,17 @@ impl Velocity {
         }
     }
 
+    /// The flow with every speed multiplied.
+    pub fn scaled(self, factor: f64) -> Self {
+        fn of<const N: usize>(grid: Grid<N>, factor: f64) -> Grid<N> {
+            grid.map(|speed| speed.map(|speed| (f64::from(speed) * factor) as f32))
+        }
+        match self {
+            Self::Vectors(grid, placement) => Self::Vectors(of(grid, factor), placement),
+            Self::Components(grids) => Self::Components(Box::new(grids.map(|grid| of(grid, factor)))),
+        }
+    }
+
     /// The transform of the field, or of its first component.
     pub fn transform(&self) -> &Transform {
         match self {
@@ -203,7 +214,7 @@ fn mix(corners: &[f64; 8], [x, y, z]: [f64; 3]) -> f64 {
 }
 
 /// Trilinear interpolation at a fractional index.
-fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
+pub(crate) fn trilinear<const N: usize>(grid: &Grid<N>, index: [f64; 3]) -> [f64; N] {
     if !is_indexable(index) {
         return grid.background().map(f64::from);
     }

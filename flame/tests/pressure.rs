@@ -42,7 +42,14 @@ proptest! {
         };
         let steps: Steps =
             (first..).zip(&values).map(|(frame, values)| (frame, values.map(|values| row(frame, values)))).collect();
-        let part = Partial { settings: "iso 0.5; field flame, or \"so\"".into(), steps };
+        let part = Partial {
+            settings: "iso 0.5; field flame, or \"so\"".into(),
+            cache: "0123abc".into(),
+            rate_hz: Some(24000.0 / 1001.0),
+            changes: [(first, vec![0.1, -2e-300])].into(),
+            steps,
+            ..Partial::default()
+        };
         let mut text = vec![];
         part.write(&mut text).unwrap();
         let back = Partial::read(std::str::from_utf8(&text).unwrap(), "shard").unwrap();
@@ -50,7 +57,7 @@ proptest! {
         match Flux::from_steps(&part.steps) {
             Ok(flux) => {
                 let mut text = vec![];
-                flux.write_csv(&mut text).unwrap();
+                flux.write_csv(Some(24.0), |step| step.to_string(), &mut text).unwrap();
                 let back = Flux::read_csv(std::str::from_utf8(&text).unwrap(), "table").unwrap();
                 prop_assert_eq!(bits(&back), bits(&flux));
             }
@@ -67,17 +74,20 @@ proptest! {
     ) {
         let steps: Steps =
             (10..).zip(&values).map(|(frame, flux)| (frame, flux.map(|flux| row(frame, flux)))).collect();
-        let whole = Partial { settings: "the same".into(), steps };
+        let whole = Partial { settings: "the same".into(), steps, ..Partial::default() };
         let mut edges: Vec<i64> = cuts.iter().map(|cut| 10 + (*cut).min(values.len()) as i64).collect();
         edges.extend([10, 10 + values.len() as i64]);
         edges.sort_unstable();
         let mut parts: Vec<(String, Partial)> = edges.windows(2).enumerate().map(|(number, edge)| {
             let steps = whole.steps.range(edge[0]..edge[1]).map(|(frame, row)| (*frame, *row)).collect();
-            (format!("shard {number}"), Partial { settings: "the same".into(), steps })
+            (format!("shard {number}"), Partial { settings: "the same".into(), steps, ..Partial::default() })
         }).collect();
         let count = parts.len();
         parts.rotate_left(turn % count);
-        prop_assert_eq!(Partial::merge(&parts).unwrap(), whole);
+        match Partial::merge(&parts) {
+            Ok(merged) => prop_assert_eq!(merged, whole),
+            Err(error) => prop_assert!(values.iter().all(Option::is_none), "{}", error),
+        }
     }
 
     /// Nothing that a file may hold brings the readers down.
@@ -241,6 +251,7 @@ fn shards_that_do_not_fit_are_refused() {
     let part = |settings: &str, frames: std::ops::Range<i64>| Partial {
         settings: settings.into(),
         steps: frames.map(|frame| (frame, Some(row(frame, 1.0)))).collect(),
+        ..Partial::default()
     };
     let merge = |a: Partial, b: Partial| Partial::merge(&[("a.csv".into(), a), ("b.csv".into(), b)]).unwrap_err();
     let error = merge(part("iso 0.5", 1..5), part("iso 0.6", 5..9));
@@ -248,17 +259,37 @@ fn shards_that_do_not_fit_are_refused() {
     let error = merge(part("x", 1..5), part("x", 4..9)).to_string();
     assert!(["frame 4", "a.csv", "b.csv"].iter().all(|part| error.contains(part)), "{error}");
     assert_eq!(merge(part("x", 1..5), part("x", 7..9)), Error::Hole { frame: 5 });
+    let of_cache = |cache: &str, frames| Partial { cache: cache.into(), ..part("x", frames) };
+    let error = merge(of_cache("one", 1..5), of_cache("other", 5..9)).to_string();
+    assert!(["a.csv", "b.csv", "different caches"].iter().all(|part| error.contains(part)), "{error}");
+    // Nothing was measured in the second one, so that nobody knows how it would have been.
+    let empty = Partial { steps: [(5, None)].into(), ..part("", 0..0) };
+    assert_eq!(Partial::merge(&[("a".into(), part("x", 1..5)), ("b".into(), empty)]).unwrap().steps.len(), 5);
+    const HEAD: &str = "# pyrophone flux 2; x\n# cache c; rate 24.0; steps 1 1 0\nframe,flux,area,mean_curvature\n";
     for (text, says) in [
-        ("frame,flux,area\n1,2,3\n", "line 1"),
-        (
-            "# pyrophone flux 1; x\nframe,flux,area,mean_curvature\n1,2,3,4\n1,2,3,4\n",
-            "line 4: frame 1 stands there twice",
-        ),
-        ("# pyrophone flux 1; x\nframe,flux,area,mean_curvature\n1,NaN,3,4\n", "line 3: 'NaN'"),
-        ("# pyrophone flux 1; x\nframe,flux,area,mean_curvature\n1,2\n", "line 3"),
-        ("# pyrophone flux 1; x\nframe,flux,area,mean_curvature\n1.5,2,3,4\n", "line 3: '1.5'"),
+        ("frame,flux,area\n1,2,3\n".to_owned(), "line 1"),
+        ("# pyrophone flux 2; x\nframe,flux,area,mean_curvature\n".to_owned(), "line 2: no cache"),
+        (format!("{HEAD}1,2,3,4\n1,2,3,4\n"), "line 5: frame 1 stands there twice"),
+        (format!("{HEAD}1,NaN,3,4\n"), "line 4: 'NaN'"),
+        (format!("{HEAD}1,2\n"), "line 4"),
+        (format!("{HEAD}1.5,2,3,4\n"), "line 4: '1.5'"),
     ] {
-        let error = Partial::read(text, "shard.csv").unwrap_err().to_string();
+        let error = Partial::read(&text, "shard.csv").unwrap_err().to_string();
         assert!(error.contains("shard.csv") && error.contains(says), "{error}");
     }
+}
+
+#[test]
+fn a_part_that_was_cut_or_changed_is_refused() {
+    let steps: Steps = (1..9).map(|frame| (frame, Some(row(frame, frame as f64)))).collect();
+    let mut bytes = vec![];
+    Partial { settings: "x".into(), steps, ..Partial::default() }.write(&mut bytes).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    assert!(Partial::read(&text, "a.csv").is_ok());
+    for end in (text.find("4,4.0").unwrap()..text.len()).step_by(3) {
+        let error = Partial::read(&text[..end], "a.csv").unwrap_err().to_string();
+        assert!(error.contains("a.csv"), "cut at {end}: {error}");
+    }
+    let error = Partial::read(&text.replace("4,4.0", "4,4.5"), "a.csv").unwrap_err().to_string();
+    assert!(error.contains("cut or changed"), "{error}");
 }

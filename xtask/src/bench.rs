@@ -40,6 +40,8 @@ enum Bench {
     Search,
     /// The solver and the flame front
     Flame,
+    /// How true the steps between a simulation's frames are (PYROPHONE_REFERENCE names the folder of the reference cache)
+    Upsample,
     /// The editor's window, frame by frame
     Window,
     /// Loading a recording, for the first time and in a session that is opened again
@@ -68,6 +70,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     for (bench, package, name) in [
         (Bench::Extend, PACKAGE, "extend"),
         (Bench::Flame, "pyrophone-flame", "flame"),
+        (Bench::Upsample, "pyrophone-flame", "upsample"),
         (Bench::Window, "pyrophone-plugin", "window"),
         (Bench::Reload, "pyrophone-plugin", "reload"),
     ] {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use pyrophone_flame::flux::{Partial, Row, Steps};
+use pyrophone_flame::flux::{Changes, Partial, Row, Steps};
 
 use crate::error::Error;
 
@@ -15,8 +15,10 @@ const SUFFIX: &str = ".flux-progress";
 pub struct Kept {
     path: PathBuf,
     settings: String,
-    /// Frames done by the run before.
+    /// Frames done by the run before; in the end, all of them.
     pub steps: Steps,
+    /// How they change to the next ones, where that is asked for.
+    pub changes: Changes,
     /// Open once there is something to keep.
     file: Option<File>,
     done: usize,
@@ -32,21 +34,22 @@ impl Kept {
         let text = std::fs::read_to_string(&path).unwrap_or_default();
         // The last line may have been cut off while it was written.
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
-        let found = Partial::read(whole, "").ok().filter(|part| part.settings == settings);
-        let steps = found.map_or_else(Steps::new, |part| part.steps);
+        let found = Partial::read_unfinished(whole, "").ok().filter(|part| part.settings == settings);
+        let Partial { steps, changes, .. } = found.unwrap_or_default();
         let done = steps.values().flatten().count();
-        Self { path, settings, steps, file: None, done }
+        Self { path, settings, steps, changes, file: None, done }
     }
 
-    /// Adds frames.
-    pub fn add<'a>(&mut self, rows: impl Iterator<Item = &'a Row>) -> Result<(), Error> {
+    /// Adds frames, and how they change.
+    pub fn add<'a>(&mut self, rows: impl Iterator<Item = (&'a Row, Option<&'a [f64]>)>) -> Result<(), Error> {
         let (mut text, mut count) = (vec![], 0);
         let failure = |error: std::io::Error| {
             let reason = error.kind().to_string();
             Error::Recording(pyrophone_recording::Error::NotWritten { path: self.path.display().to_string(), reason })
         };
-        for row in rows {
+        for (row, change) in rows {
             Partial::write_step(row.frame, Some(row), &mut text).map_err(failure)?;
+            change.map_or(Ok(()), |change| Partial::write_change(row.frame, change, &mut text)).map_err(failure)?;
             count += 1;
         }
         if text.is_empty() {
@@ -56,9 +59,13 @@ impl Kept {
             Some(file) => file,
             none => {
                 let mut head = vec![];
-                Partial::write_head(&self.settings, &mut head).map_err(failure)?;
+                let part = Partial { settings: self.settings.clone(), ..Partial::default() };
+                part.write_head(&mut head).map_err(failure)?;
                 for (frame, row) in &self.steps {
                     Partial::write_step(*frame, row.as_ref(), &mut head).map_err(failure)?;
+                }
+                for (frame, change) in &self.changes {
+                    Partial::write_change(*frame, change, &mut head).map_err(failure)?;
                 }
                 let mut file = File::create(&self.path).map_err(failure)?;
                 file.write_all(&head).map_err(failure)?;

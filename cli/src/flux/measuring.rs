@@ -1,28 +1,28 @@
 //! Measuring the frames of a simulation, several at a time.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
 
 use pyrophone_flame::flux::{Row, Steps};
 use pyrophone_flame::front::Front;
 use pyrophone_flame::import::{PlacementChoice, Selection, Sequence};
+use pyrophone_flame::upsample::{Source, Upsampler};
 use pyrophone_flame::{Error as FlameError, Frame};
-use pyrophone_recording::{content_hash, write_file};
+use pyrophone_recording::write_file;
 use rayon::prelude::*;
 
+use super::cache;
 use super::kept::Kept;
-use crate::args::{FluxArgs, MeshKind, Placement};
+use super::sight::Sight;
+use crate::args::{FluxArgs, Measure, MeshKind, Placement};
 use crate::error::Error;
 use crate::progress::{Work, note};
-
-/// How much voxels may differ between frames, as a part of their edge: rounding.
-const SAME_VOXEL: f64 = 1e-5;
 
 /// How much a given rate may differ from the frames' own, as a part of it.
 const SAME_RATE: f64 = 0.01;
 
-/// Iso value of a field of 0 to 1.
-const ISO: f64 = 0.5;
+/// Frames for each thread that are measured before they are kept.
+const PORTION: usize = 4;
 
 /// What is to be measured, and how.
 pub struct Plan {
@@ -34,101 +34,117 @@ pub struct Plan {
     pub front: Front,
     /// Frames of the sequence that are asked for, counted from 0.
     pub indices: Vec<usize>,
-    /// Numbers among those asked for that have no file.
+    /// Steps among those asked for that have no file.
     missing: Vec<i64>,
-    /// Every frame's voxels have these edges.
-    voxel_edges: [f64; 3],
+    /// What the first good frame shows; none where there is no good one.
+    pub sight: Option<Sight>,
     /// All that the numbers depend on, but for the files.
     pub settings: String,
+    measure: Measure,
+    /// What is told of the change from each step to the next, where that is asked for.
+    pub upsampler: Option<Upsampler>,
     skip_bad: bool,
-    /// Where fronts are written: of every so many frames one, from this number on.
+    /// Where fronts are written: of every so many steps one, from this one on.
     mesh: Option<(PathBuf, u64, i64)>,
     mesh_kind: MeshKind,
+}
+
+/// What was measured of a step.
+struct Measured {
+    row: Row,
+    /// How it changes to the next one.
+    change: Option<Vec<f64>>,
 }
 
 impl Plan {
     /// Opens the frames and looks at the first good one; says what the user may want otherwise.
     pub fn new(args: &FluxArgs, work: &Work) -> Result<Self, Error> {
         let sequence = Sequence::open(&args.input)?;
-        if sequence.left_out() > 0 {
-            note(&format!("{} numbered files of other sorts are left out", sequence.left_out()));
-        }
+        note_names(&sequence);
         let numbers: Vec<i64> = sequence.numbers().collect();
-        let (first, last) = wanted(args, &numbers)?;
-        let is_wanted = |number: &i64| (first..=last).contains(number);
+        let is_wanted = |step: &i64| args.frames.as_ref().is_none_or(|list| list.holds(*step, sequence.numbering()));
         let indices: Vec<usize> = (0..numbers.len()).filter(|index| is_wanted(&numbers[*index])).collect();
         let missing: Vec<i64> = sequence.missing().into_iter().filter(is_wanted).collect();
-        if let (Some(frame), false) = (missing.first(), args.skip_bad) {
-            return Err(Error::Conflict(format!(
-                "{}: frame {frame} is missing ({} in all); add --skip-bad to interpolate, or the missing files",
-                args.input.display(),
-                missing.len()
-            )));
-        }
-        let selection = Selection {
-            field: args.field.clone(),
-            velocity: args.velocity.clone(),
-            placement: match args.placement {
-                Placement::Collocated => PlacementChoice::Collocated,
-                Placement::Staggered => PlacementChoice::Staggered,
-                Placement::File => PlacementChoice::FromFile,
-            },
-        };
+        check_wanted(args, &sequence, &indices, &missing)?;
+        let selection = selection(args);
         let look = |index: &usize| {
             work.check()?;
-            look_at(&sequence, *index, &selection, args)
+            Sight::of(&sequence, *index, &selection, args)
         };
-        // Where all are bad the first one's reason is told: most often a name that no frame has.
+        // Where all are bad the first one's reason is told: most often a name that no frame has. A frame before ignition
+        // has no field, and nothing that could be told of it.
         let is_bad = |look: &Result<Sight, Error>| matches!(look, Err(Error::Import(_)));
-        let first_look = indices.first().map_or(Err(FlameError::NoFrames.into()), look);
-        let good = match first_look {
-            bad if is_bad(&bad) && args.skip_bad => {
-                indices.iter().skip(1).map(look).find(|look| !is_bad(look)).unwrap_or(bad)
-            }
-            look => look,
+        let is_unlit = |index: &usize| sequence.is_unlit(*index, &selection);
+        let mut lit = indices.iter().skip_while(|index| is_unlit(index));
+        let first_look = match lit.next() {
+            Some(index) => look(index).map(Some),
+            None => Ok(None),
         };
-        let Sight { iso, voxel_edges, field, velocity } = good?;
+        let is_first_bad = matches!(&first_look, Err(Error::Import(_)));
+        let sight = match first_look {
+            Err(error) if is_first_bad && args.skip_bad => match lit.map(look).find(|look| !is_bad(look)) {
+                Some(look) => Some(look?),
+                // A farm's shard without one good frame writes an empty part.
+                None if args.partial.is_some() => None,
+                None => return Err(error),
+            },
+            look => look?,
+        };
+        if sight.is_none() && args.partial.is_none() && !indices.is_empty() && !args.skip_bad {
+            note("nothing burns in any of the frames");
+        }
+        let iso = sight.as_ref().map_or(args.iso.unwrap_or(0.0), |sight| sight.iso);
         let front = Front::new(iso, args.refine)?;
-        let placement = format!("{:?}", args.placement).to_lowercase();
-        let voxel = voxel_edges.map(shortly).join(" x ");
-        let settings = format!(
-            "iso {iso:?}, refine {}, field {field}, velocity {velocity}, placement {placement}, voxel {voxel}",
-            args.refine
-        );
-        let mesh = args.mesh.clone().map(|folder| (folder, args.mesh_every, first));
+        let mesh =
+            args.mesh.clone().map(|folder| (folder, args.mesh_every, indices.first().map_or(0, |i| numbers[*i])));
+        let selection = super::units::scaled(selection, sight.as_ref(), args)?;
+        let settings = sight.as_ref().map_or(String::new(), |sight| settings(args, sight, &selection));
         Ok(Self {
             sequence,
             selection,
             front,
             indices,
             missing,
-            voxel_edges,
+            sight,
             settings,
+            measure: args.measure,
+            upsampler: None,
             skip_bad: args.skip_bad,
             mesh,
             mesh_kind: args.mesh_kind,
         })
     }
 
+    /// The same with the change from each step to the next told for an upsampler.
+    pub fn with_upsampler(mut self, upsampler: Option<Upsampler>) -> Self {
+        if let (Some(upsampler), Some(_)) = (&upsampler, &self.sight) {
+            self.settings += &format!(", upsample {upsampler}");
+        }
+        self.upsampler = upsampler;
+        self
+    }
+
     /// Every frame's numbers; none for those skipped. What is done is kept beside `output` until all is.
-    pub fn measure(&self, output: &Path, work: &Work) -> Result<(Steps, Kept), Error> {
+    pub fn measure(&self, output: &Path, work: &Work) -> Result<Kept, Error> {
         if let Some((folder, ..)) = &self.mesh {
             make_folder(folder)?;
         }
-        let mut kept = Kept::open(output, format!("{}, files {}", self.settings, self.files()));
+        let files = cache::files_of(&self.sequence, &self.indices);
+        let mut kept = Kept::open(output, format!("{}, files {}", self.settings, cache::identity(&files)));
         match self.go_on(&mut kept, work) {
-            Ok(steps) => Ok((steps, kept)),
+            Ok(()) => Ok(kept),
             Err(error) => Err(kept.unfinished(error)),
         }
     }
 
-    fn go_on(&self, kept: &mut Kept, work: &Work) -> Result<Steps, Error> {
+    fn go_on(&self, kept: &mut Kept, work: &Work) -> Result<(), Error> {
         let stage = work.stage("measuring");
         let numbers: Vec<i64> = self.sequence.numbers().collect();
         let is_done = |index: &usize| {
             let number = numbers[*index];
             kept.steps.get(&number).is_some_and(Option::is_some)
                 && self.mesh_path(number).is_none_or(|path| path.is_file())
+                && (kept.changes.contains_key(&number) || !self.tells_change(*index))
         };
         let (done, left): (Vec<usize>, Vec<usize>) = self.indices.iter().partition(|index| is_done(index));
         let mut steps: Steps = self.missing.iter().map(|number| (*number, None)).collect();
@@ -138,33 +154,96 @@ impl Plan {
         }
         let total = self.indices.len().max(1) as f32;
         let finished = std::sync::atomic::AtomicUsize::new(done.len());
+        // What comes from where in the frames that more than one change needs.
+        let mut sources: BTreeMap<usize, Source> = BTreeMap::new();
         // In portions, so that what is done is kept and the first bad frame is always the same one.
-        for portion in left.chunks(4 * rayon::current_num_threads()) {
-            let results: Vec<Result<Row, Error>> = portion
+        for portion in left.chunks(PORTION * rayon::current_num_threads()) {
+            sources = self.sources(portion, sources, work)?;
+            let results: Vec<Result<Measured, Error>> = portion
                 .par_iter()
                 .map(|index| {
                     work.check()?;
-                    let row = self.row(*index);
+                    let measured = Measured { row: self.row(*index)?, change: self.change(*index, &sources) };
                     stage.at((finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1) as f32 / total);
-                    row
+                    Ok(measured)
                 })
                 .collect();
-            kept.add(results.iter().flatten())?;
+            kept.add(results.iter().flatten().map(|measured| (&measured.row, measured.change.as_deref())))?;
             for (index, result) in portion.iter().zip(results) {
                 match result {
-                    Ok(row) => steps.insert(row.frame, Some(row)),
+                    Ok(Measured { row, change }) => {
+                        kept.changes.extend(change.map(|change| (row.frame, change)));
+                        steps.insert(row.frame, Some(row));
+                    }
                     Err(error @ (Error::Import(_) | Error::Frame { .. })) if self.skip_bad => {
-                        note(&format!("frame {} is skipped: {error}", numbers[*index]));
-                        steps.insert(numbers[*index], None)
+                        note(&format!("frame {} is skipped: {error}", self.label(numbers[*index])));
+                        steps.insert(numbers[*index], None);
                     }
                     Err(error) => return Err(error),
                 };
             }
         }
-        Ok(steps)
+        kept.steps = steps;
+        Ok(())
+    }
+
+    /// The sources of the frames of a portion and of the two behind each, asked for or not: a shard looks beyond its own.
+    /// What cannot be read is left out; when it is measured itself, its fault is told.
+    fn sources(
+        &self,
+        portion: &[usize],
+        known: BTreeMap<usize, Source>,
+        work: &Work,
+    ) -> Result<BTreeMap<usize, Source>, Error> {
+        if !self.upsampler.as_ref().is_some_and(Upsampler::needs_changes) {
+            return Ok(BTreeMap::new());
+        }
+        let ahead =
+            |index: &usize| [Some(*index), self.next(*index), self.next(*index).and_then(|next| self.next(next))];
+        let needed: BTreeSet<usize> = portion.iter().flat_map(ahead).flatten().collect();
+        let mut sources: BTreeMap<usize, Source> =
+            known.into_iter().filter(|(index, _)| needed.contains(index)).collect();
+        let new: Vec<usize> = needed.into_iter().filter(|index| !sources.contains_key(index)).collect();
+        let read = |index: &usize| work.check().map(|()| self.source(*index).ok().map(|source| (*index, source)));
+        let found: Result<Vec<_>, Error> = new.par_iter().map(read).collect();
+        sources.extend(found?.into_iter().flatten());
+        Ok(sources)
+    }
+
+    /// How a frame changes to the next one, where that is asked for and both can be read.
+    fn change(&self, index: usize, sources: &BTreeMap<usize, Source>) -> Option<Vec<f64>> {
+        let next = self.next(index)?;
+        let beyond = self.next(next).and_then(|beyond| sources.get(&beyond));
+        let (before, after) = (sources.get(&index)?, sources.get(&next)?);
+        Some(self.upsampler.as_ref()?.change(self.sequence.numbers().nth(index)?, before, after, beyond))
+    }
+
+    /// The frame of the step behind this one, asked for or not: a shard looks one frame beyond its own.
+    fn next(&self, index: usize) -> Option<usize> {
+        let numbers: Vec<i64> = self.sequence.numbers().skip(index).take(2).collect();
+        matches!(numbers[..], [this, next] if this.checked_add(1) == Some(next)).then_some(index + 1)
+    }
+
+    fn tells_change(&self, index: usize) -> bool {
+        self.upsampler.as_ref().is_some_and(Upsampler::needs_changes) && self.next(index).is_some()
+    }
+
+    /// What comes from where in a frame.
+    fn source(&self, index: usize) -> Result<Source, Error> {
+        let of_frame = |source| self.of_frame(index, source);
+        match self.measure {
+            Measure::Flux if !self.upsampler.as_ref().is_some_and(Upsampler::takes_field_alone) => {
+                Source::of_front(&self.read(index)?, self.front.iso()).map_err(of_frame)
+            }
+            _ if self.sequence.is_unlit(index, &self.selection) => Ok(Source::default()),
+            _ => Source::of_field(&self.sequence.read_field(index, &self.selection)?).map_err(of_frame),
+        }
     }
 
     fn row(&self, index: usize) -> Result<Row, Error> {
+        if self.measure != Measure::Flux {
+            return self.integral(index);
+        }
         let frame = self.read(index)?;
         let measure = self.front.measure(&frame).map_err(|source| self.of_frame(index, source))?;
         if let Some(path) = self.mesh_path(frame.number) {
@@ -181,9 +260,29 @@ impl Plan {
         Ok(Row::new(frame.number, &measure))
     }
 
+    /// The field summed over the frame, or how much it changes to the next one: neither needs a front.
+    fn integral(&self, index: usize) -> Result<Row, Error> {
+        let source = self.source(index)?;
+        let flux = match (self.measure, self.next(index)) {
+            (Measure::Change, Some(next)) => source.difference(&self.source(next)?),
+            // The last frame changes as the one before it did.
+            (Measure::Change, None) if index > 0 => self.source(index - 1)?.difference(&source),
+            (Measure::Change, None) => 0.0,
+            _ => source.total(),
+        };
+        let frame = self.sequence.numbers().nth(index).unwrap_or_default();
+        Ok(Row { frame, flux, area: 0.0, mean_curvature: None })
+    }
+
     /// Frames per second: as given, else as the frames say.
     pub fn rate_hz(&self, given_hz: Option<f64>) -> Result<Option<f64>, Error> {
-        let told = self.sequence.rate_hz(&self.indices);
+        // Of a single frame nobody can tell a rate, but a shard of one frame has neighbours.
+        let near = |index: &usize| index.saturating_sub(1)..=(index + 1).min(self.sequence.len() - 1);
+        let asked =
+            if self.indices.len() > 1 { self.indices.clone() } else { self.indices.iter().flat_map(near).collect() };
+        let told = self.sequence.rate_hz(&asked);
+        // What the user calls a frame may be several steps, or a part of one.
+        let given_hz = given_hz.map(|frames_hz| frames_hz * self.sequence.numbering().steps_per_frame());
         match (given_hz, told) {
             (Some(given_hz), Ok(Some(told_hz))) if (given_hz / told_hz - 1.0).abs() > SAME_RATE => {
                 note(&format!(
@@ -196,82 +295,113 @@ impl Plan {
         }
     }
 
-    /// Reads a frame, whose voxels must be as large as the first one's.
+    /// Reads a frame; one before ignition is empty.
     pub fn read(&self, index: usize) -> Result<Frame, Error> {
-        let frame = self.sequence.read(index, &self.selection)?;
-        let edges = frame.field.transform().voxel_edges();
-        let is_same = |(found, expected): (&f64, &f64)| (found / expected - 1.0).abs() <= SAME_VOXEL;
-        if edges.iter().zip(&self.voxel_edges).all(is_same) {
-            return Ok(frame);
-        }
-        Err(Error::Conflict(format!(
-            "{}: the voxels of frame {} measure {edges:?}, those of the first frame {:?}; all frames must have one voxel size",
-            self.sequence.path_of(index).display(),
-            frame.number,
-            self.voxel_edges
-        )))
+        self.sequence.read(index, &self.selection).or_else(|error| {
+            if self.sequence.is_unlit(index, &self.selection) {
+                let number = self.sequence.numbers().nth(index).unwrap_or_default();
+                return Ok(Frame::unlit(number));
+            }
+            Err(error.into())
+        })
     }
 
     fn of_frame(&self, index: usize, source: FlameError) -> Error {
         Error::Frame { path: self.sequence.path_of(index).display().to_string(), source: Box::new(source) }
     }
 
-    /// Number of the first frame that is asked for, missing ones included.
+    /// The first step that is asked for, missing ones included.
     pub fn first_frame(&self) -> Option<i64> {
         let found = self.indices.first().and_then(|index| self.sequence.numbers().nth(*index));
         found.into_iter().chain(self.missing.iter().copied()).min()
     }
 
-    /// Number of the last frame that is asked for, missing ones included.
+    /// The last step that is asked for, missing ones included.
     pub fn last_frame(&self) -> Option<i64> {
         let found = self.indices.last().and_then(|index| self.sequence.numbers().nth(*index));
         found.into_iter().chain(self.missing.iter().copied()).max()
     }
 
-    /// All files of the simulation, whether or not they are asked for.
-    pub fn simulation_files(&self) -> Vec<PathBuf> {
-        let mut files: Vec<PathBuf> =
-            (0..self.sequence.len()).map(|index| self.sequence.path_of(index).into()).collect();
-        files.extend(files.first().map(|path| arrays_beside(path)).unwrap_or_default());
-        files
+    /// The number of a step as its file names it.
+    pub fn label(&self, step: i64) -> String {
+        self.sequence.numbering().label(step)
     }
 
     fn mesh_path(&self, number: i64) -> Option<PathBuf> {
         let (folder, every, first) = self.mesh.as_ref()?;
-        let name = format!("front_{number:04}.{}", self.mesh_kind.extension());
+        let name = match self.sequence.numbering().is_plain() {
+            true => format!("front_{number:04}.{}", self.mesh_kind.extension()),
+            false => format!("front_{}.{}", self.label(number), self.mesh_kind.extension()),
+        };
         number.abs_diff(*first).is_multiple_of(*every).then(|| folder.join(name))
-    }
-
-    /// A number for the files as they are now: names, sizes and times of change.
-    fn files(&self) -> String {
-        let mut paths: Vec<PathBuf> = self.indices.iter().map(|index| self.sequence.path_of(*index).into()).collect();
-        let arrays = paths.first().map(|path| arrays_beside(path)).unwrap_or_default();
-        if !arrays.is_empty() {
-            paths = arrays;
-        }
-        let mut list = String::new();
-        for path in paths {
-            let metadata = path.metadata();
-            let size = metadata.as_ref().map_or(0, std::fs::Metadata::len);
-            let time = metadata.and_then(|metadata| metadata.modified()).ok();
-            let time_ns = time.and_then(|time| time.duration_since(UNIX_EPOCH).ok()).map_or(0, |time| time.as_nanos());
-            list += &format!("{} {size} {time_ns}\n", path.display());
-        }
-        content_hash(list.as_bytes()).chars().take(16).collect()
     }
 }
 
-/// All arrays in the folder of one, in order: a frame of arrays has several files, of which a sequence names the first.
-/// None where `path` is no array.
-fn arrays_beside(path: &Path) -> Vec<PathBuf> {
-    let is_array = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy"));
-    let folder = path.parent().filter(|_| is_array(path));
-    let entries = folder.and_then(|folder| folder.read_dir().ok()).into_iter().flatten().flatten();
-    let is_hidden = |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-    let paths = entries.map(|entry| entry.path());
-    let mut arrays: Vec<PathBuf> = paths.filter(|path| is_array(path) && !is_hidden(path)).collect();
-    arrays.sort_unstable();
-    arrays
+fn selection(args: &FluxArgs) -> Selection {
+    let is_usual = args.field.eq_ignore_ascii_case("flame");
+    Selection {
+        field: if args.measure == Measure::Divergence && is_usual { "divergence".into() } else { args.field.clone() },
+        velocity: args.velocity.clone(),
+        velocity_scale: 1.0,
+        placement: match args.placement {
+            Placement::Collocated => PlacementChoice::Collocated,
+            Placement::Staggered => PlacementChoice::Staggered,
+            Placement::File => PlacementChoice::FromFile,
+        },
+    }
+}
+
+/// All that the numbers depend on, but for the files.
+fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
+    let Sight { iso, field, velocity, .. } = sight;
+    match args.measure {
+        Measure::Flux => {
+            let placement = format!("{:?}", args.placement).to_lowercase();
+            let scale = match selection.velocity_scale {
+                1.0 => String::new(),
+                scale => format!(" times {scale:?}"),
+            };
+            let refine = args.refine;
+            format!("iso {iso:?}, refine {refine}, field {field}, velocity {velocity}{scale}, placement {placement}")
+        }
+        measure => format!("{} of field {field}", format!("{measure:?}").to_lowercase()),
+    }
+}
+
+/// Says what is unusual about the files' names.
+fn note_names(sequence: &Sequence) {
+    if sequence.left_out() > 0 {
+        note(&format!("{} numbered files of other sorts are left out", sequence.left_out()));
+    }
+    let numbering = sequence.numbering();
+    if !numbering.is_plain() {
+        let per_frame = numbering.steps_per_frame();
+        note(&format!(
+            "the files' numbers make {numbering}: steps come {per_frame:.3} times as often as --rate says, and hold frequencies up to {:.3} times it",
+            0.5 * per_frame
+        ));
+    }
+}
+
+/// Refuses missing frames, and a choice of frames of which there is none; a shard may be empty.
+fn check_wanted(args: &FluxArgs, sequence: &Sequence, indices: &[usize], missing: &[i64]) -> Result<(), Error> {
+    let shown = args.input.display();
+    if let (Some(step), false) = (missing.first(), args.skip_bad) {
+        return Err(Error::Conflict(format!(
+            "{shown}: frame {} is missing ({} in all); add --skip-bad to interpolate, or the missing files",
+            sequence.numbering().label(*step),
+            missing.len()
+        )));
+    }
+    let Some(list) = args.frames.as_ref().filter(|_| indices.is_empty()) else { return Ok(()) };
+    let ends = [sequence.numbers().next(), sequence.numbers().last()];
+    let [first, last] = ends.map(|step| sequence.numbering().label(step.unwrap_or_default()));
+    let message = format!("--frames is {list}, but the frames in {shown} are {first}-{last}");
+    if args.partial.is_none() {
+        return Err(Error::Conflict(format!("{message}; choose some of those")));
+    }
+    note(&format!("{message}: the part is empty"));
+    Ok(())
 }
 
 /// Makes a folder and those above it.
@@ -280,54 +410,4 @@ pub fn make_folder(folder: &Path) -> Result<(), Error> {
         let (path, reason) = (folder.display().to_string(), error.kind().to_string());
         Error::Recording(pyrophone_recording::Error::NotWritten { path, reason })
     })
-}
-
-/// Six digits of a number, the last ones left out where they are zeros.
-fn shortly(number: f64) -> String {
-    format!("{number:.5e}").parse::<f64>().unwrap_or(number).to_string()
-}
-
-/// First and last number that are asked for.
-fn wanted(args: &FluxArgs, numbers: &[i64]) -> Result<(i64, i64), Error> {
-    let (Some(first), Some(last)) = (numbers.first(), numbers.last()) else { return Err(FlameError::NoFrames.into()) };
-    match args.frames {
-        None => Ok((*first, *last)),
-        Some((from, to)) if from >= *first && to <= *last => Ok((from, to)),
-        Some((from, to)) => Err(Error::Conflict(format!(
-            "--frames is {from}-{to}, but the frames in {} are {first}-{last}; choose some of those",
-            args.input.display()
-        ))),
-    }
-}
-
-/// What the first good frame shows.
-struct Sight {
-    iso: f64,
-    voxel_edges: [f64; 3],
-    field: String,
-    velocity: String,
-}
-
-fn look_at(sequence: &Sequence, index: usize, selection: &Selection, args: &FluxArgs) -> Result<Sight, Error> {
-    let description = sequence.describe(index)?;
-    let selected = description.select(selection)?;
-    let frame = sequence.read(index, selection)?;
-    let (field, velocity) = (&description.grids[selected.field], &description.grids[selected.velocity[0]]);
-    if velocity.is_staggered() && args.placement == Placement::Collocated {
-        note(&format!(
-            "the grid {} is staggered (components on the voxels' faces), but is taken at the voxels' centres; --placement file takes it where it stands",
-            velocity.name
-        ));
-    }
-    if field.is_unit_dependent() && args.iso.is_none() {
-        return Err(Error::Conflict(format!(
-            "the grid {} has a unit, so that nobody but you knows its value at the flame front; give it by --iso, or choose another --field",
-            field.name
-        )));
-    }
-    let iso = args.iso.unwrap_or(if field.is_level_set() { 0.0 } else { ISO });
-    let names: Vec<&str> = selected.velocity.iter().map(|index| description.grids[*index].name.as_str()).collect();
-    let velocity = if selected.is_split() { names.join(" ") } else { velocity.name.clone() };
-    let voxel_edges = frame.field.transform().voxel_edges();
-    Ok(Sight { iso, voxel_edges, field: field.name.clone(), velocity })
 }

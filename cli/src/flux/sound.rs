@@ -1,9 +1,12 @@
 //! From flux to the files that were asked for.
 
+use std::io::Write;
 use std::path::Path;
 
-use pyrophone_flame::flux::Flux;
+use pyrophone_flame::flux::{Changes, Flux};
+use pyrophone_flame::import::Numbering;
 use pyrophone_flame::pressure::{self, Advice, Options};
+use pyrophone_flame::upsample::Upsampler;
 use pyrophone_recording::{Broadcast, write_file};
 
 use crate::args::{Kind, SoundArgs};
@@ -33,32 +36,65 @@ pub struct Signal {
     pub area: Vec<f64>,
     /// Number of the first step.
     pub first_frame: i64,
-    /// Steps per second.
+    /// Steps per second: a likely one where nobody knows it.
     pub rate_hz: f64,
-    /// Number of the step at which the timeline starts, where that is asked for.
+    /// Whether that rate is known.
+    pub is_timed: bool,
+    /// Number of the frame at which the timeline starts, where that is asked for.
     pub start_frame: Option<i64>,
+    /// How frames' numbers count the steps that were measured.
+    pub numbering: Numbering,
+    /// Steps that stand for one that was measured.
+    pub substeps: usize,
 }
 
 impl Signal {
     /// Of measured frames.
-    pub fn of_flux(flux: &Flux, rate_hz: f64) -> Self {
+    pub fn of_flux(flux: &Flux, rate_hz: Option<f64>) -> Self {
         Self {
             flux: flux.values(),
             area: flux.rows.iter().map(|row| row.area).collect(),
             first_frame: flux.rows.first().map_or(0, |row| row.frame),
-            rate_hz,
+            rate_hz: rate_hz.unwrap_or(LIKELY_RATE_HZ),
+            is_timed: rate_hz.is_some(),
             start_frame: None,
+            numbering: Numbering::default(),
+            substeps: 1,
         }
     }
 
     /// Of a series.
     pub fn of_series(flux: Vec<f64>, first_frame: i64, rate_hz: f64) -> Self {
-        Self { flux, area: vec![], first_frame, rate_hz, start_frame: None }
+        let none = Flux::default();
+        Self { flux, first_frame, ..Self::of_flux(&none, Some(rate_hz)) }
     }
 
-    /// The same on a timeline that starts at a step.
+    /// The same, its steps counted by frames' numbers.
+    pub fn counted(self, numbering: Numbering) -> Self {
+        Self { numbering, ..self }
+    }
+
+    /// The same on a timeline that starts at a frame.
     pub fn on_timeline(self, start_frame: Option<i64>) -> Self {
         Self { start_frame, ..self }
+    }
+
+    /// The same with more steps.
+    pub fn upsampled(self, upsampler: &Upsampler, changes: &Changes) -> Self {
+        let substeps = upsampler.substeps();
+        let area = |area: &f64| std::iter::repeat_n(*area, substeps);
+        Self {
+            flux: upsampler.series(&self.flux, self.first_frame, changes),
+            area: self.area.iter().flat_map(area).collect(),
+            rate_hz: self.rate_hz * substeps as f64,
+            substeps,
+            ..self
+        }
+    }
+
+    /// Steps per second that were measured.
+    fn measured_hz(&self) -> f64 {
+        self.rate_hz / self.substeps as f64
     }
 }
 
@@ -122,11 +158,11 @@ fn options(args: &SoundArgs, rate_hz: f64) -> Options {
 }
 
 /// Says which frames were not measured.
-pub fn note_interpolated(frames: &[i64]) {
+pub fn note_interpolated(frames: &[i64], numbering: &Numbering) {
     if frames.is_empty() {
         return;
     }
-    let named: Vec<String> = frames.iter().take(NAMED_FRAMES).map(i64::to_string).collect();
+    let named: Vec<String> = frames.iter().take(NAMED_FRAMES).map(|step| numbering.label(*step)).collect();
     let more = if frames.len() > named.len() { ", ..." } else { "" };
     note(&format!("{} frames interpolated: {}{more}", frames.len(), named.join(", ")));
 }
@@ -156,7 +192,7 @@ pub fn write(
     if args.output.is_none() && args.report.is_none() {
         return match (&args.flux_csv, flux) {
             (Some(path), Some(flux)) => {
-                write_table(path, flux)?;
+                write_table(path, flux, signal)?;
                 Ok(Done::default().with_files(vec![path.clone()]))
             }
             _ => Ok(Done::default()),
@@ -174,7 +210,7 @@ pub fn write(
     }
     let mut written = vec![];
     if let (Some(path), Some(flux)) = (&args.flux_csv, flux) {
-        write_table(path, flux)?;
+        write_table(path, flux, signal)?;
         written.push(path.as_path());
     }
     if let Some(folder) = &args.report {
@@ -215,10 +251,21 @@ pub fn write(
     Ok(done)
 }
 
-fn write_table(path: &Path, flux: &Flux) -> Result<(), Error> {
+/// Frame by frame, or step by step where there are more steps than frames.
+fn write_table(path: &Path, flux: &Flux, signal: &Signal) -> Result<(), Error> {
     write_file(path, |file| {
         let mut file = std::io::BufWriter::new(file);
-        flux.write_csv(&mut file).and_then(|()| std::io::Write::flush(&mut file))
+        if signal.substeps == 1 {
+            let rate_hz = signal.is_timed.then_some(signal.rate_hz);
+            flux.write_csv(rate_hz, |step| signal.numbering.label(step), &mut file)?;
+        } else {
+            writeln!(file, "time_s,flux")?;
+            let start_s = signal.first_frame as f64 / signal.measured_hz();
+            for (step, flux) in signal.flux.iter().enumerate() {
+                writeln!(file, "{:.9},{flux:?}", start_s + step as f64 / signal.rate_hz)?;
+            }
+        }
+        file.flush()
     })?;
     Ok(())
 }
@@ -233,15 +280,15 @@ fn remove(written: &[&Path]) {
 /// Where the first sample stands on the timeline.
 pub fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
     let Some(start) = signal.start_frame else { return Ok(args.time_reference.unwrap_or(0)) };
-    let frames = frames_since(start, signal.first_frame)?;
-    Ok((frames as f64 / signal.rate_hz * f64::from(args.sample_rate)).round() as u64)
+    let steps = frames_since(start, signal.first_frame, &signal.numbering)?;
+    Ok((steps as f64 / signal.measured_hz() * f64::from(args.sample_rate)).round() as u64)
 }
 
-/// Frames from the start of the timeline to the first one.
-pub fn frames_since(start: i64, first: i64) -> Result<u64, Error> {
-    let frames = first.checked_sub(start).and_then(|frames| u64::try_from(frames).ok());
-    frames.ok_or_else(|| {
-        let what = format!("--start-frame is {start}, but the first frame is {first}");
+/// Steps from the start of the timeline to the first one.
+pub fn frames_since(start: i64, first: i64, numbering: &Numbering) -> Result<u64, Error> {
+    let steps = first.checked_sub(numbering.step_from(start)).and_then(|steps| u64::try_from(steps).ok());
+    steps.ok_or_else(|| {
+        let what = format!("--start-frame is {start}, but the first frame is {}", numbering.label(first));
         Error::Conflict(format!("{what}; the timeline must start there or before"))
     })
 }

@@ -12,7 +12,8 @@ const LONG: Duration = Duration::from_secs(60);
 
 /// The lines of one part of the work, whichever threads tell how far it is.
 pub struct Lines {
-    name: &'static str,
+    /// What stands before and behind the percent.
+    around: (&'static str, &'static str),
     last: Mutex<Last>,
 }
 
@@ -24,14 +25,24 @@ struct Last {
 
 impl Lines {
     pub fn new(name: &'static str) -> Self {
-        Self { name, last: Mutex::new(Last { time: Instant::now(), percent: 0 }) }
+        Self::around((name, " %"))
+    }
+
+    /// Lines that engines of Open Job Description read, `openjd_progress: 42`.
+    pub fn for_openjd() -> Self {
+        Self::around(("openjd_progress", ""))
+    }
+
+    fn around(around: (&'static str, &'static str)) -> Self {
+        Self { around, last: Mutex::new(Last { time: Instant::now(), percent: 0 }) }
     }
 
     /// Writes a line where one is due for how much is done (0-1).
     pub fn at(&self, done: f32) {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(percent) = last.due(Instant::now(), done) {
-            eprintln!("{}: {percent} %", self.name);
+            let (name, unit) = self.around;
+            eprintln!("{name}: {percent}{unit}");
         }
     }
 }

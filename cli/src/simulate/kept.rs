@@ -87,7 +87,7 @@ impl Kept {
     /// Keeps what is done.
     pub fn keep(&mut self, simulation: &Simulation, steps: &Steps, flow: &Flow) -> Result<(), Error> {
         let mut table = vec![];
-        let partial = Partial { settings: self.settings.clone(), steps: steps.clone() };
+        let partial = Partial { settings: self.settings.clone(), steps: steps.clone(), ..Partial::default() };
         write_file(&self.path, |file| {
             partial.write(&mut table)?;
             let mut file = std::io::BufWriter::new(file);

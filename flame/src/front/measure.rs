@@ -77,6 +77,11 @@ impl Front {
         Ok(Self { iso, refine })
     }
 
+    /// The value at the front.
+    pub fn iso(&self) -> f64 {
+        self.iso
+    }
+
     /// Flux and area of one step; zeros where there is no surface. The same frame gives the same numbers, bit
     /// for bit, on any number of threads; large frames are shared out among those of the caller's pool.
     ///

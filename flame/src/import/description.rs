@@ -19,6 +19,8 @@ pub struct GridInfo {
     pub class: String,
     /// Its vectors count voxels, not world units.
     pub in_voxels: bool,
+    /// Blender (Mantaflow) wrote it: vectors are in cells per unit of its own time.
+    pub is_blender: bool,
     /// The voxel's edges in world units, where they make sense.
     pub voxel_edges: Option<[f64; 3]>,
 }
@@ -31,7 +33,7 @@ impl GridInfo {
     /// A signed distance, negative inside. Read as a field it is negated, so that it too is larger where it burns; the
     /// front stands at 0.
     pub fn is_level_set(&self) -> bool {
-        self.has_class("level set")
+        self.has_class("level set") || (names::is_distance(&self.name) && !self.has_class("fog volume"))
     }
 
     /// Says that its components stand on the voxels' faces.
@@ -74,6 +76,16 @@ impl Description {
     /// The grids that answer to a selection; fails, with a list of those there are, where none does.
     pub fn select(&self, selection: &Selection) -> Result<Selected, Error> {
         names::select(&self.grids, selection).map_err(|fault| Error::File { path: self.path.clone(), fault })
+    }
+
+    /// The grid of a selection's field alone; fails as [`select`](Self::select) does.
+    pub fn select_field(&self, selection: &Selection) -> Result<usize, Error> {
+        names::select_field(&self.grids, selection).map_err(|fault| Error::File { path: self.path.clone(), fault })
+    }
+
+    /// The grid that tells where the gas went (density, smoke, temperature), where there is one.
+    pub fn carried(&self) -> Option<usize> {
+        names::carried(&self.grids)
     }
 }
 

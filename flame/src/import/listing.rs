@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::error::{Error, shown, shown_path};
+use super::numbering::{Name, Number, Numbering, Pattern, subframes};
 
 /// Formats of frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,6 +37,7 @@ impl Format {
 /// The files of one frame, each with the part of its name before the number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct FrameFiles {
+    /// The step that the file's number stands for, as [`Numbering`] counts them.
     pub number: i64,
     pub format: Format,
     /// One, or for `.npy` one for each field: the field's name and the file.
@@ -46,23 +48,29 @@ pub(super) struct FrameFiles {
 pub(super) struct Listing {
     pub frames: Vec<FrameFiles>,
     pub left_out: usize,
+    pub numbering: Numbering,
 }
 
-/// Files that belong together: of one format and, unless that has a file for each field, of one name.
+/// Files that belong together: of one format and, unless that has a file for each field, of one name (what comes before
+/// and behind the number).
 type Sort = (Format, String);
 
 struct Numbered {
     stem: String,
-    number: i64,
+    number: Number,
     path: PathBuf,
 }
 
 /// The frames of a folder.
 ///
-/// Files of one sort are taken; stray files, of which there is one of a sort, are left out. Fails where there are no
-/// frames, where there are several of more than one sort, and where two files claim one frame.
+/// Files of one sort are taken; stray files, of which there is one of a sort, are left out. Blender's cache folder is
+/// read for the `data` in it. Fails where there are no frames, where there are several of more than one sort, and where two
+/// files claim one frame.
 pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
-    let (sorts, others) = sorts(folder)?;
+    let (sorts, others) = sorts(folder, None)?;
+    if sorts.is_empty() && folder.join("data").is_dir() {
+        return of_folder(&folder.join("data"));
+    }
     let main = sorts.iter().max_by_key(|(_, files)| files.len());
     let Some((main, files)) = main else {
         let found = format!("but it holds {others} other files or folders");
@@ -76,29 +84,58 @@ pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
         return Err(Error::Mixed { path: shown_path(folder), found: shown(&found.join(", ")) });
     }
     let left_out = sorts.iter().filter(|(sort, _)| *sort != main).map(|(_, files)| files.len()).sum();
-    Ok(Listing { frames: frames(folder, main.0, files)?, left_out })
+    listing(folder, main.0, files, left_out)
+}
+
+/// The frames whose names fit a pattern; `path` is a folder that exists and a name with a place for the number.
+pub(super) fn of_pattern(path: &Path, pattern: &Pattern) -> Result<Listing, Error> {
+    let folder = folder_of(path);
+    let (sorts, others) = sorts(folder, Some(pattern))?;
+    let Some((sort, files)) = sorts.iter().max_by_key(|(_, files)| files.len()) else {
+        let found = format!("but none of the {others} files there has that name");
+        return Err(Error::NoFrames { path: shown_path(path), found });
+    };
+    listing(folder, sort.0, files, 0)
+}
+
+fn listing(folder: &Path, format: Format, files: &[Numbered], left_out: usize) -> Result<Listing, Error> {
+    let numbering = Numbering::of(files.iter().map(|file| &file.number));
+    Ok(Listing { frames: frames(folder, format, files, &numbering)?, left_out, numbering })
 }
 
 /// The frame that a file belongs to: itself, or for `.npy` all files beside it with its number.
 pub(super) fn of_file(path: &Path) -> Result<FrameFiles, Error> {
     let format = Format::of(path).ok_or_else(|| Error::Kind { path: shown_path(path) })?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let (stem, number) = split(&name).unwrap_or_else(|| (name.clone(), 0));
-    if format == Format::Npy && split(&name).is_some() {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let (sorts, _) = sorts(folder)?;
+    let (stem, number) = match Name::of(&name) {
+        Some(name) => (name.stem(), Some(name.number.whole)),
+        None => (name.clone(), None),
+    };
+    if let (Format::Npy, Some(number)) = (format, number) {
+        let folder = folder_of(path);
+        let (sorts, _) = sorts(folder, None)?;
         let beside = sorts.into_iter().filter(|((format, _), _)| *format == Format::Npy).flat_map(|(_, files)| files);
-        let of_number: Vec<Numbered> = beside.filter(|file| file.number == number).collect();
-        if let Some(frame) = frames(folder, format, &of_number)?.pop() {
+        let of_number: Vec<Numbered> = beside.filter(|file| file.number.whole == number).collect();
+        if let Some(frame) = frames(folder, format, &of_number, &Numbering::default())?.pop() {
             return Ok(frame);
         }
     }
-    Ok(FrameFiles { number, format, files: vec![(field(&stem), path.to_path_buf())] })
+    Ok(FrameFiles { number: number.unwrap_or(0), format, files: vec![(field(&stem), path.to_path_buf())] })
 }
 
-/// The numbered files of a folder by sort, and how many other entries there are.
-fn sorts(folder: &Path) -> Result<(BTreeMap<Sort, Vec<Numbered>>, usize), Error> {
-    let mut sorts: BTreeMap<Sort, Vec<Numbered>> = BTreeMap::new();
+/// A single file as a sequence of one frame.
+pub(super) fn of_single(path: &Path) -> Result<Listing, Error> {
+    Ok(Listing { frames: vec![of_file(path)?], left_out: 0, numbering: Numbering::default() })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// The numbered files of a folder by sort, and how many other entries there are; only those of a pattern, where there is
+/// one.
+fn sorts(folder: &Path, pattern: Option<&Pattern>) -> Result<(BTreeMap<Sort, Vec<Numbered>>, usize), Error> {
+    let mut found: Vec<(Format, Name, PathBuf)> = vec![];
     let mut others = 0;
     for entry in std::fs::read_dir(folder).map_err(Error::of_system(folder))? {
         let path = entry.map_err(Error::of_system(folder))?.path();
@@ -106,25 +143,39 @@ fn sorts(folder: &Path) -> Result<(BTreeMap<Sort, Vec<Numbered>>, usize), Error>
             continue;
         }
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        match (Format::of(&path).filter(|_| path.is_file()), split(&name)) {
-            (Some(format), Some((stem, number))) => {
-                let sort = if format == Format::Npy { String::new() } else { stem.clone() };
-                sorts.entry((format, sort)).or_default().push(Numbered { stem, number, path });
-            }
+        let name = match pattern {
+            None => Name::of(&name),
+            Some(pattern) => pattern.name(&path.file_name().unwrap_or_default().to_string_lossy()),
+        };
+        match (Format::of(&path).filter(|_| path.is_file()), name) {
+            (Some(format), Some(name)) => found.push((format, name, path)),
             _ => others += 1,
         }
+    }
+    // A directory's order is the system's affair.
+    found.sort_unstable_by(|a, b| a.2.cmp(&b.2));
+    let with_fractions = subframes::stems(found.iter().map(|(format, name, _)| (*format, name)));
+    let mut sorts: BTreeMap<Sort, Vec<Numbered>> = BTreeMap::new();
+    for (format, name, path) in found {
+        let name = match name.with_fraction() {
+            Some(read) if with_fractions.contains(&(format, read.stem())) => read,
+            _ => name,
+        };
+        let stem = name.stem();
+        let sort = if format == Format::Npy { String::new() } else { stem.clone() };
+        sorts.entry((format, sort)).or_default().push(Numbered { stem, number: name.number, path });
     }
     Ok((sorts, others))
 }
 
-fn frames(folder: &Path, format: Format, files: &[Numbered]) -> Result<Vec<FrameFiles>, Error> {
+fn frames(folder: &Path, format: Format, files: &[Numbered], numbering: &Numbering) -> Result<Vec<FrameFiles>, Error> {
     let mut frames: BTreeMap<i64, BTreeMap<String, PathBuf>> = BTreeMap::new();
     for file in files {
-        let fields = frames.entry(file.number).or_default();
+        let fields = frames.entry(numbering.step(&file.number)).or_default();
         if let Some(first) = fields.insert(field(&file.stem), file.path.clone()) {
             let name = |path: &Path| shown(&path.file_name().unwrap_or_default().to_string_lossy());
             let (first, second) = (name(&first), name(&file.path));
-            return Err(Error::Twice { path: shown_path(folder), number: file.number, first, second });
+            return Err(Error::Twice { path: shown_path(folder), number: file.number.whole, first, second });
         }
     }
     let frame = |(number, fields): (i64, BTreeMap<String, PathBuf>)| FrameFiles {
@@ -143,16 +194,6 @@ fn field(stem: &str) -> String {
 /// Files whose names begin with a dot are not the user's: systems leave `._name` beside every `name` that they copy.
 fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
-}
-
-/// Parts a name from the number at its end. A minus belongs to the number unless it parts it from a name: `fire.-5` is
-/// frame -5, `fire-5` frame 5.
-fn split(name: &str) -> Option<(String, i64)> {
-    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
-    let signed = stem.strip_suffix('-').filter(|before| !before.ends_with(char::is_alphanumeric));
-    let stem = signed.unwrap_or(stem);
-    let number = name.get(stem.len()..)?.parse().ok()?;
-    Some((stem.to_owned(), number))
 }
 
 #[cfg(test)]
@@ -185,7 +226,6 @@ mod tests {
         assert_eq!(numbers(&["-2.npz", "-1.npz"]).unwrap(), [-2, -1]);
         assert_eq!(numbers(&["a_-2.npz", "a_-1.npz"]).unwrap(), [-2, -1]);
         assert_eq!(numbers(&["a-2.npz", "a-1.npz"]).unwrap(), [1, 2], "here it parts the number from the name");
-        assert_eq!(split("fire.-"), None);
     }
 
     #[test]
@@ -196,6 +236,52 @@ mod tests {
         let alone = tempfile::tempdir().unwrap();
         std::fs::write(alone.path().join("._a.1.vdb"), "").unwrap();
         assert!(matches!(of_folder(alone.path()), Err(Error::NoFrames { .. })));
+    }
+
+    fn labels(names: &[&str]) -> Vec<String> {
+        let folder = folder(names);
+        let listing = of_folder(folder.path()).unwrap_or_else(|error| panic!("{names:?}: {error}"));
+        listing.frames.iter().map(|frame| listing.numbering.label(frame.number)).collect()
+    }
+
+    #[test]
+    fn names_as_people_have_them() {
+        for (names, expected) in [
+            (&["a.1.25.vdb", "a.1.5.vdb", "a.1.75.vdb", "a.2.25.vdb"][..], &["1.25", "1.5", "1.75", "2.25"][..]),
+            (&["a.0001.00.vdb", "a.0001.50.vdb", "a.0002.00.vdb"], &["1", "1.5", "2"]),
+            (&["a.1.vdb", "a.1.5.vdb", "a.2.vdb", "a.2.5.vdb"], &["1", "1.5", "2", "2.5"]),
+            (&["a.-1.5.vdb", "a.-1.vdb", "a.-0.5.vdb"], &["-1.5", "-1", "-0.5"]),
+            (&["a.0001_cache.vdb", "a.0002_cache.vdb"], &["1", "2"]),
+            (&["shot.2.0001.vdb", "shot.2.0002.vdb"], &["1", "2"]),
+            (&["a.1001.vdb", "a.1003.vdb", "a.1005.vdb"], &["1001", "1003", "1005"]),
+            (&["flame.1.5.npy", "flame.2.npy", "vel.1.5.npy", "vel.2.npy"], &["1.5", "2"]),
+        ] {
+            assert_eq!(labels(names), expected, "{names:?}");
+        }
+    }
+
+    #[test]
+    fn one_of_two_versions_is_chosen_by_a_pattern() {
+        let folder = folder(&["a_v1.0001.vdb", "a_v1.0002.vdb", "a_v2.0001.vdb", "a_v2.0003.vdb", "a_v2.0003.txt"]);
+        assert!(matches!(of_folder(folder.path()), Err(Error::Mixed { .. })));
+        let pattern = Pattern::of("a_v2.####.vdb").unwrap();
+        let listing = of_pattern(&folder.path().join("a_v2.####.vdb"), &pattern).unwrap();
+        assert_eq!(listing.frames.iter().map(|frame| frame.number).collect::<Vec<_>>(), [1, 3]);
+        let pattern = Pattern::of("b.####.vdb").unwrap();
+        let message = of_pattern(&folder.path().join("b.####.vdb"), &pattern).err().unwrap().to_string();
+        assert!(message.contains("b.####.vdb") && message.contains("none of the 5"), "{message}");
+    }
+
+    #[test]
+    fn the_cache_folder_of_blender_holds_its_frames_in_data() {
+        let folder = tempfile::tempdir().unwrap();
+        for (sub, name) in
+            [("config", "config_0001.uni"), ("data", "fluid_data_0001.vdb"), ("data", "fluid_data_0002.vdb")]
+        {
+            std::fs::create_dir_all(folder.path().join(sub)).unwrap();
+            std::fs::write(folder.path().join(sub).join(name), "").unwrap();
+        }
+        assert_eq!(of_folder(folder.path()).unwrap().frames.len(), 2);
     }
 
     #[test]

@@ -11,11 +11,13 @@ mod listing;
 mod names;
 pub mod npy;
 pub mod npz;
+mod numbering;
 pub mod sequence;
 pub mod series;
 pub mod vdb;
 
 pub use description::{Description, GridInfo, Selected, Source};
 pub use error::{Error, Fault};
+pub use numbering::{Numbering, Pattern};
 pub use sequence::{PlacementChoice, Selection, Sequence};
 pub use series::{Series, Timing};

@@ -5,10 +5,17 @@ use super::error::{Fault, shown};
 use super::sequence::Selection;
 
 /// Names of burning fields in the order of preference, with those of physical units last.
-const FIELDS: [&str; 8] = ["flame", "flames", "fire", "burn", "react", "heat", "fuel", "temperature"];
+const FIELDS: [&str; 10] =
+    ["flame", "flames", "fire", "flamefront", "flame_front", "burn", "react", "heat", "fuel", "temperature"];
 
 /// How many of [`FIELDS`] mean the same everywhere: near 1 where it burns, 0 elsewhere.
-const WITHOUT_UNIT: usize = 5;
+const WITHOUT_UNIT: usize = 7;
+
+/// Names of the field that tells how much volume comes from where, in the order of preference.
+const DIVERGENCES: [&str; 3] = ["divergence", "div", "expansion"];
+
+/// Names of fields that are carried by the gas and change little else, in the order of preference.
+const CARRIED: [&str; 4] = ["density", "smoke", "temperature", "temp"];
 
 /// Names of velocities in the order of preference.
 const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
@@ -26,8 +33,7 @@ pub(super) fn is_unit_dependent(name: &str) -> bool {
 /// A name is taken exactly, else without regard to case. The usual names (`flame`, `velocity`) stand for any of their
 /// kind; a velocity may come as three grids named after its components.
 pub(super) fn select(grids: &[GridInfo], selection: &Selection) -> Result<Selected, Fault> {
-    let field = candidates(&selection.field, &FIELDS).into_iter().find_map(|name| named(grids, name, 1));
-    let field = field.ok_or_else(|| absent(grids, "scalar grid", &selection.field))?;
+    let field = select_field(grids, selection)?;
     let stems = candidates(&selection.velocity, &VELOCITIES);
     let whole = stems.iter().find_map(|name| named(grids, name, 3)).map(|grid| [grid; 3]);
     let split = || stems.iter().find_map(|stem| components(grids, stem));
@@ -35,6 +41,23 @@ pub(super) fn select(grids: &[GridInfo], selection: &Selection) -> Result<Select
     let velocity =
         velocity.ok_or_else(|| absent(grids, "vector grid (or grids of components)", &selection.velocity))?;
     Ok(Selected { field, velocity })
+}
+
+/// The scalar grid of a selection's field.
+pub(super) fn select_field(grids: &[GridInfo], selection: &Selection) -> Result<usize, Fault> {
+    let usual: &[&str] = if DIVERGENCES[0].eq_ignore_ascii_case(&selection.field) { &DIVERGENCES } else { &FIELDS };
+    let field = candidates(&selection.field, usual).into_iter().find_map(|name| named(grids, name, 1));
+    field.ok_or_else(|| absent(grids, "scalar grid", &selection.field))
+}
+
+/// The field that tells best where the gas went: not the flame, which does not move with it.
+pub(super) fn carried(grids: &[GridInfo]) -> Option<usize> {
+    CARRIED.iter().find_map(|name| named(grids, name, 1))
+}
+
+/// Whether a name stands for a signed distance, whatever its grid says of itself.
+pub(super) fn is_distance(name: &str) -> bool {
+    ["flamefront", "flame_front"].iter().any(|known| known.eq_ignore_ascii_case(name.trim()))
 }
 
 /// The name asked for, and, where it is the usual one, all that may stand for it.

@@ -8,12 +8,15 @@ use super::assemble::Assembly;
 use super::budget::check_file_size;
 use super::description::{Description, Source};
 use super::error::{Error, Fault, shown_path};
-use super::listing::{self, Format, FrameFiles};
+use super::listing::{self, Format, FrameFiles, Listing};
 use super::names;
 use super::npy::Npy;
 use super::npz::Npz;
+use super::numbering::{Numbering, Pattern};
 use super::vdb::Vdb;
 use crate::frame::Frame;
+use crate::grid::Grid;
+use crate::velocity::Velocity;
 
 /// Numbers that may be missing between the first frame and the last.
 const MOST_MISSING: u64 = 1_000_000;
@@ -34,7 +37,7 @@ pub enum PlacementChoice {
 }
 
 /// Which grids of a frame are wanted.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     /// The burning field. `flame` stands for any of the usual names; another name only for itself.
     pub field: String,
@@ -42,11 +45,18 @@ pub struct Selection {
     pub velocity: String,
     /// Where its components stand.
     pub placement: PlacementChoice,
+    /// What the file's numbers are multiplied by to be world units per second.
+    pub velocity_scale: f64,
 }
 
 impl Default for Selection {
     fn default() -> Self {
-        Self { field: "flame".into(), velocity: "velocity".into(), placement: PlacementChoice::default() }
+        Self {
+            field: "flame".into(),
+            velocity: "velocity".into(),
+            placement: PlacementChoice::default(),
+            velocity_scale: 1.0,
+        }
     }
 }
 
@@ -56,23 +66,26 @@ pub struct Sequence {
     path: PathBuf,
     frames: Vec<FrameFiles>,
     left_out: usize,
+    numbering: Numbering,
 }
 
 impl Sequence {
-    /// Opens a folder of numbered `.vdb`, `.npz` or `.npy` files (`<field>_<number>.npy`, one for each field), or one
-    /// file. Files are not read yet.
+    /// Opens a folder of numbered `.vdb`, `.npz` or `.npy` files (`<field>_<number>.npy`, one for each field), those files
+    /// of a folder whose names fit a pattern such as `fire.####.vdb`, or one file. Files are not read yet.
     ///
     /// Fails where there are no frames, frames of several sorts, two files for one frame, or more than a million
     /// numbers missing.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let metadata = path.metadata().map_err(Error::of_system(path))?;
-        let (frames, left_out) = if metadata.is_dir() {
-            let listing = listing::of_folder(path)?;
-            (listing.frames, listing.left_out)
-        } else {
-            (vec![listing::of_file(path)?], 0)
+        let listing = match path.metadata() {
+            Ok(metadata) if metadata.is_dir() => listing::of_folder(path)?,
+            Ok(_) => listing::of_single(path)?,
+            Err(error) => match path.file_name().and_then(|name| Pattern::of(&name.to_string_lossy())) {
+                Some(pattern) => listing::of_pattern(path, &pattern)?,
+                None => return Err(Error::of_system(path)(error)),
+            },
         };
-        let sequence = Self { path: path.to_path_buf(), frames, left_out };
+        let Listing { frames, left_out, numbering } = listing;
+        let sequence = Self { path: path.to_path_buf(), frames, left_out, numbering };
         if let Some((first, last, missing)) = sequence.span().filter(|(.., missing)| *missing > MOST_MISSING) {
             return Err(Error::Gap { path: shown_path(path), first, last, missing, allowed: MOST_MISSING });
         }
@@ -85,7 +98,12 @@ impl Sequence {
         Some((first, last, last.abs_diff(first).saturating_sub(self.frames.len() as u64 - 1)))
     }
 
-    /// The frames' numbers, ascending.
+    /// How the numbers in the files' names count steps.
+    pub fn numbering(&self) -> &Numbering {
+        &self.numbering
+    }
+
+    /// The frames' steps, ascending: their numbers, where those count up by one.
     pub fn numbers(&self) -> impl Iterator<Item = i64> + '_ {
         self.frames.iter().map(|frame| frame.number)
     }
@@ -100,7 +118,7 @@ impl Sequence {
         self.frames.is_empty()
     }
 
-    /// Numbers between the first and the last that have no file.
+    /// Steps between the first and the last that have no file.
     pub fn missing(&self) -> Vec<i64> {
         let pairs = self.frames.windows(2).filter_map(|pair| Some((pair.first()?.number, pair.last()?.number)));
         pairs.flat_map(|(before, after)| before + 1..after).collect()
@@ -140,7 +158,7 @@ impl Sequence {
         if !(step_s.is_finite() && step_s > 0.0) || times.iter().any(|time| is_off(&time)) {
             return Err(Error::UnevenTimes { path: shown_path(&self.path) });
         }
-        Ok(Some(1.0 / step_s))
+        Ok(Some(snapped_rate_hz(1.0 / step_s)))
     }
 
     /// What a frame holds, from its headers.
@@ -152,7 +170,7 @@ impl Sequence {
     /// Reads the field and the velocity of a frame.
     ///
     /// The field is larger where it burns (a level set is negated); the velocity is in world units per unit of the
-    /// simulation's time, where its components stand as the selection says. Fails with the file and the reason, also
+    /// simulation's time, multiplied as the selection says, where its components stand as the selection says. Fails with the file and the reason, also
     /// where a value in either is not finite.
     pub fn read(&self, index: usize, selection: &Selection) -> Result<Frame, Error> {
         let path = self.path_of(index);
@@ -161,8 +179,47 @@ impl Sequence {
             let mut assembly = Assembly { source, path };
             let field = assembly.field(selected.field)?;
             let velocity = assembly.velocity(&selected, selection.placement)?;
+            let velocity = match selection.velocity_scale {
+                1.0 => velocity,
+                scale => velocity.scaled(scale),
+            };
             Ok(Frame { number, field, velocity })
         })
+    }
+
+    /// Reads the field of a frame alone, larger where it burns. Fails as [`read`](Self::read) does.
+    pub fn read_field(&self, index: usize, selection: &Selection) -> Result<Grid<1>, Error> {
+        let path = self.path_of(index);
+        self.with_source(index, |_, source| {
+            let field = names::select_field(source.grids(), selection).map_err(Error::of_file(path))?;
+            Assembly { source, path }.field(field)
+        })
+    }
+
+    /// Reads what the gas carries (density, smoke, temperature) and the flow of a frame; none where there is none.
+    pub fn read_carried(&self, index: usize, selection: &Selection) -> Result<Option<(Grid<1>, Velocity)>, Error> {
+        let path = self.path_of(index);
+        self.with_source(index, |_, source| {
+            let Some(carried) = names::carried(source.grids()) else { return Ok(None) };
+            let selected = names::select(source.grids(), selection).map_err(Error::of_file(path))?;
+            let mut assembly = Assembly { source, path };
+            let velocity = assembly.velocity(&selected, selection.placement)?.scaled(selection.velocity_scale);
+            Ok(Some((assembly.field(carried)?, velocity)))
+        })
+    }
+
+    /// Whether a frame is one before ignition: its file can be read but holds no grids at all, or an empty field.
+    pub fn is_unlit(&self, index: usize, selection: &Selection) -> bool {
+        let path = self.path_of(index);
+        let is_unlit = self.with_source(index, |_, source| {
+            if source.grids().is_empty() {
+                return Ok(true);
+            }
+            let field = names::select_field(source.grids(), selection).map_err(Error::of_file(path))?;
+            let field = Assembly { source, path }.field(field)?;
+            Ok(field.bounds().is_none() && field.tiles().next().is_none())
+        });
+        is_unlit.unwrap_or(false)
     }
 
     /// Opens a frame's files for `use_it`.
@@ -188,6 +245,18 @@ impl Sequence {
             Format::Npy => use_it(frame.number, &mut Npy::open(&frame.files).map_err(failure)?),
         }
     }
+}
+
+/// How near a rate must be to a usual one to be meant for it: times are written with so few digits.
+const SAME_RATE: f64 = 1e-6;
+
+/// The whole rate, or the one of television (n · 1000/1001), that a rate is but for rounding; else the rate itself.
+pub(super) fn snapped_rate_hz(rate_hz: f64) -> f64 {
+    let usual = [1.0, 1000.0 / 1001.0].map(|part| (rate_hz / part).round() * part);
+    let is_near = |usual: &f64| (usual / rate_hz - 1.0).abs() < SAME_RATE;
+    // Nine digits, so that parts of a simulation find the same rate as the whole.
+    let rounded = || format!("{rate_hz:.8e}").parse().unwrap_or(rate_hz);
+    usual.into_iter().find(is_near).unwrap_or_else(rounded)
 }
 
 /// Opens a file that is one, not a device or a pipe, and tells its size.

@@ -10,7 +10,7 @@ use std::path::Path;
 use self::table::Table;
 use super::error::{Error, Fault};
 use super::npy::Header;
-use super::sequence::open;
+use super::sequence::{open, snapped_rate_hz};
 
 /// Rows of a series.
 const MOST_ROWS: usize = 10_000_000;
@@ -87,5 +87,5 @@ fn rate_hz(times: &[f64]) -> Option<f64> {
     let step = (last - first) / steps;
     let is_even =
         times.iter().enumerate().all(|(i, time)| (time - first - i as f64 * step).abs() <= MOST_UNEVEN * step);
-    (steps > 0.0 && step.is_finite() && step > 0.0 && is_even).then(|| 1.0 / step)
+    (steps > 0.0 && step.is_finite() && step > 0.0 && is_even).then(|| snapped_rate_hz(1.0 / step))
 }

@@ -83,6 +83,8 @@ pub(super) struct Metadata {
     pub half: bool,
     pub class: String,
     pub in_voxels: bool,
+    /// Blender says how many voxels its domain has, and nobody else does.
+    pub is_blender: bool,
 }
 
 impl Metadata {
@@ -99,6 +101,7 @@ impl Metadata {
             match (name.as_str(), kind.as_str()) {
                 ("is_saved_as_half_float", "bool") => metadata.half = truth(&name, bytes)?,
                 ("is_local_space", "bool") => metadata.in_voxels = truth(&name, bytes)?,
+                ("file_base_resolution", _) => metadata.is_blender = true,
                 ("class", "string") => metadata.class = String::from_utf8_lossy(bytes).trim().to_owned(),
                 _ => {}
             }

@@ -221,6 +221,7 @@ fn info(name: &str, kind_name: String, kind: Option<Kind>, header: Option<&Heade
         components: kind.map_or(0, |kind| kind.readable_components()),
         class: metadata.class,
         in_voxels: metadata.in_voxels,
+        is_blender: metadata.is_blender,
         voxel_edges: transform.map(|transform| transform.voxel_edges()),
     }
 }

@@ -1,0 +1,92 @@
+//! What the first good frame of a simulation shows.
+
+use pyrophone_flame::import::{GridInfo, Selection, Sequence};
+
+use crate::args::{FluxArgs, Measure, Placement};
+use crate::error::Error;
+use crate::progress::note;
+
+/// Iso value of a field of 0 to 1.
+const ISO: f64 = 0.5;
+
+/// What a frame shows.
+pub struct Sight {
+    /// The value at the front.
+    pub iso: f64,
+    /// The voxels' edges in world units.
+    pub voxel_edges: [f64; 3],
+    /// Lowest and highest corner of what burns, in world units; none before ignition.
+    pub extent: Option<[[f64; 3]; 2]>,
+    /// The burning field's name.
+    pub field: String,
+    /// The velocity's, or those of its components; nothing where it is not needed.
+    pub velocity: String,
+    /// Whether Blender wrote it.
+    pub is_blender: bool,
+}
+
+impl Sight {
+    /// Looks at a frame.
+    ///
+    /// Fails where it cannot be read, and where nobody knows the value at its front.
+    pub fn of(sequence: &Sequence, index: usize, selection: &Selection, args: &FluxArgs) -> Result<Self, Error> {
+        let description = sequence.describe(index)?;
+        let (info, velocity) = match args.measure {
+            Measure::Flux => {
+                let selected = description.select(selection)?;
+                let velocity = selected.velocity.map(|index| &description.grids[index]);
+                note_staggered(velocity[0], args);
+                let names = velocity.map(|grid| grid.name.as_str());
+                let name = if selected.is_split() { names.join(" ") } else { names[0].to_owned() };
+                (&description.grids[selected.field], name)
+            }
+            _ => (&description.grids[description.select_field(selection)?], String::new()),
+        };
+        if info.is_unit_dependent() && args.iso.is_none() && args.measure == Measure::Flux {
+            return Err(Error::Conflict(format!(
+                "the grid {} has a unit, so that nobody but you knows its value at the flame front; give it by --iso, or choose another --field",
+                info.name
+            )));
+        }
+        let field = sequence.read_field(index, selection)?;
+        let transform = field.transform();
+        let corners =
+            field.bounds().map(|(low, high)| [low, high].map(|index| transform.to_world(index.map(f64::from))));
+        Ok(Self {
+            iso: args.iso.unwrap_or(if info.is_level_set() { 0.0 } else { ISO }),
+            voxel_edges: transform.voxel_edges(),
+            extent: corners,
+            field: info.name.clone(),
+            is_blender: info.is_blender,
+            velocity,
+        })
+    }
+
+    /// The voxels' edges, for people.
+    pub fn voxel_text(&self) -> String {
+        self.voxel_edges.map(shortly).join(" x ")
+    }
+
+    /// How far what burns reaches, for people.
+    pub fn extent_text(&self) -> String {
+        self.extent.map_or("nothing burns".into(), |[low, high]| {
+            let edges: [String; 3] =
+                std::array::from_fn(|axis| shortly((high[axis] - low[axis]).abs() + self.voxel_edges[axis]));
+            edges.join(" x ")
+        })
+    }
+}
+
+fn note_staggered(velocity: &GridInfo, args: &FluxArgs) {
+    if velocity.is_staggered() && args.placement == Placement::Collocated {
+        note(&format!(
+            "the grid {} is staggered (components on the voxels' faces), but is taken at the voxels' centres; --placement file takes it where it stands",
+            velocity.name
+        ));
+    }
+}
+
+/// Six digits of a number, the last ones left out where they are zeros.
+fn shortly(number: f64) -> String {
+    format!("{number:.5e}").parse::<f64>().unwrap_or(number).to_string()
+}

@@ -1,0 +1,67 @@
+//! The unit of a simulation's velocity, and whether it and the rate can be right.
+
+use pyrophone_flame::advection::fit;
+use pyrophone_flame::import::{Selection, Sequence};
+
+use super::sight::Sight;
+use crate::args::{FluxArgs, Measure};
+use crate::error::Error;
+use crate::input::in_range;
+use crate::progress::{Work, note};
+
+/// Mantaflow's units of time in a second, at a time scale of 1: a frame is 0.1 · 25/fps of them (Blender's
+/// `MANTA::initDomain`, dt_default).
+const BLENDER_UNITS_PER_S: f64 = 2.5;
+
+/// Pairs of frames that are looked at, at even distances.
+const PAIRS: usize = 3;
+
+/// The selection with its velocity in world units per second: as given, else as is known of the program that wrote it.
+pub fn scaled(selection: Selection, sight: Option<&Sight>, args: &FluxArgs) -> Result<Selection, Error> {
+    if let Some(scale) = args.velocity_scale {
+        in_range("--velocity-scale", scale, 1e-9, 1e9)?;
+        return Ok(Selection { velocity_scale: scale, ..selection });
+    }
+    let Some(sight) = sight.filter(|sight| sight.is_blender && args.measure == Measure::Flux) else {
+        return Ok(selection);
+    };
+    let scale = BLENDER_UNITS_PER_S * sight.voxel_edges[0];
+    note(&format!(
+        "the velocity is Blender's, in cells per unit of its own time: multiplied by 2.5 voxels ({scale:.6}) to be world units per second at a time scale of 1; for another time scale give --velocity-scale"
+    ));
+    Ok(Selection { velocity_scale: scale, ..selection })
+}
+
+/// Says so where smoke does not go where the gas goes, so that the rate or the velocity's unit cannot be right.
+pub fn check(
+    sequence: &Sequence,
+    selection: &Selection,
+    indices: &[usize],
+    rate_hz: Option<f64>,
+    work: &Work,
+) -> Result<Option<String>, Error> {
+    let Some(rate_hz) = rate_hz else { return Ok(None) };
+    let numbers: Vec<i64> = sequence.numbers().collect();
+    let follow = |pair: &&[usize]| numbers[pair[0]].checked_add(1) == Some(numbers[pair[1]]);
+    let neighbours: Vec<&[usize]> = indices.windows(2).filter(follow).collect();
+    let mut pairs = vec![];
+    for n in 1..=PAIRS {
+        work.check()?;
+        let Some(pair) = neighbours.get(n * neighbours.len() / (PAIRS + 1)) else { continue };
+        // What cannot be read is told when it is measured.
+        let carried = |index: usize| sequence.read_carried(index, selection).ok().flatten();
+        if let (Some((before, flow)), Some((after, _))) = (carried(pair[0]), carried(pair[1])) {
+            pairs.push((before, after, flow));
+        }
+    }
+    let Some(fit) = fit(&pairs, 1.0 / rate_hz) else { return Ok(None) };
+    let told = format!("smoke moves as the velocity times {:.3} does, at {rate_hz} steps per second", fit.factor);
+    if fit.is_wrong() {
+        note(&format!(
+            "{told}: the rate or the velocity's unit cannot be right; if the unit is, the rate is about {:.0} (--rate), and if the rate is, the unit needs --velocity-scale {:.4}",
+            rate_hz / fit.factor,
+            selection.velocity_scale * fit.factor
+        ));
+    }
+    Ok(Some(format!("{told} (at 1 rate and unit agree; {:.0} % of its change is left over)", 100.0 * fit.left)))
+}

@@ -1,0 +1,172 @@
+//! `pyrophone flux-plan`: a job for a farm, from a look at the cache.
+
+mod openjd;
+mod shell;
+
+use std::path::{Path, PathBuf};
+
+use pyrophone_flame::import::Sequence;
+use pyrophone_recording::write_file;
+
+use crate::args::{FarmFormat, FluxPlanArgs};
+use crate::error::Error;
+use crate::input::in_range;
+use crate::output;
+use crate::progress::note;
+use crate::summary::{Done, print};
+
+/// Most jobs that are written out one by one.
+const MOST_CHUNKS: u64 = 100_000;
+
+/// What a job does, whatever engine runs it.
+struct Job {
+    program: PathBuf,
+    input: PathBuf,
+    /// The sound in the end.
+    output: PathBuf,
+    /// Folder of the parts.
+    parts: PathBuf,
+    /// Frames, first and last, by their numbers.
+    frames: (i64, i64),
+    chunk: u64,
+    /// Options of every part's `flux`.
+    measure: Vec<String>,
+    /// Options of `flux-merge`.
+    merge: Vec<String>,
+}
+
+/// Writes a job that measures the frames of a cache in parts and puts them together.
+pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
+    in_range("--chunk", args.chunk as f64, 1.0, 1e9)?;
+    output::check(&args.output, &[])?;
+    let sequence = Sequence::open(&args.input)?;
+    let numbering = sequence.numbering();
+    let ends = (sequence.numbers().next(), sequence.numbers().last());
+    let (Some(first), Some(last)) = ends else { return Err(pyrophone_flame::Error::NoFrames.into()) };
+    let output = absolute(&args.output)?;
+    let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let job = Job {
+        program: std::env::current_exe()
+            .map_err(|_| Error::Conflict("the program does not know where it is".into()))?,
+        input: absolute(&args.input)?,
+        parts: output.with_file_name(format!("{name}.parts")),
+        frames: (numbering.frame_of(first), numbering.frame_of(last)),
+        chunk: args.chunk,
+        measure: measure_options(args),
+        merge: args.merge_options.clone(),
+        output,
+    };
+    let chunks = job.chunks().count() as u64;
+    if chunks > MOST_CHUNKS {
+        let message = format!(
+            "--chunk {} makes {chunks} jobs, {MOST_CHUNKS} at most are written; choose more frames for each",
+            args.chunk
+        );
+        return Err(Error::Conflict(message));
+    }
+    note(&format!("{} frames in {chunks} parts", sequence.len()));
+    let text = match args.format {
+        FarmFormat::Openjd => openjd::template(&job),
+        FarmFormat::Slurm => shell::slurm(&job),
+        FarmFormat::Shell => shell::plain(&job),
+    };
+    let Some(path) = &args.job else {
+        print(&text);
+        return Ok(Done::default());
+    };
+    write_file(path, |file| std::io::Write::write_all(file, text.as_bytes()))?;
+    Ok(Done::default().with_files(vec![path.clone()]))
+}
+
+fn measure_options(args: &FluxPlanArgs) -> Vec<String> {
+    let mut options = vec![];
+    if let Some(rate) = &args.rate {
+        options.extend(["--rate".to_owned(), rate.clone()]);
+    }
+    if args.skip_bad {
+        options.push("--skip-bad".to_owned());
+    }
+    options.extend(args.flux_options.iter().cloned());
+    options
+}
+
+/// A path that is the same from every folder; patterns for frames' names need not exist.
+fn absolute(path: &Path) -> Result<PathBuf, Error> {
+    let failed = |error: std::io::Error| Error::Conflict(format!("{}: {}", path.display(), error.kind()));
+    std::path::absolute(path).map_err(failed)
+}
+
+impl Job {
+    /// First and last frame of every part.
+    fn chunks(&self) -> impl Iterator<Item = (i64, i64)> + '_ {
+        let (first, last) = self.frames;
+        let chunk = i64::try_from(self.chunk).unwrap_or(i64::MAX);
+        let starts = (0..)
+            .map_while(move |n: i64| n.checked_mul(chunk)?.checked_add(first))
+            .take_while(move |from| *from <= last);
+        starts.map(move |from| (from, from.saturating_add(chunk - 1).min(last)))
+    }
+
+    /// The arguments of one part's `flux`; `frames` is what the engine puts in for them.
+    fn measure_arguments(&self, frames: &str) -> Vec<String> {
+        let part = self.parts.join(format!("part_{frames}.csv"));
+        let fixed = ["flux", "--input"].map(str::to_owned);
+        let named = [self.input.display().to_string(), "--frames".into(), frames.into(), "--partial".into()];
+        fixed.into_iter().chain(named).chain([part.display().to_string()]).chain(self.measure.iter().cloned()).collect()
+    }
+
+    /// The arguments of the `flux-merge` at the end.
+    fn merge_arguments(&self) -> Vec<String> {
+        let parts = self.parts.display().to_string();
+        let fixed = ["flux-merge".to_owned(), parts, "--output".into(), self.output.display().to_string()];
+        fixed.into_iter().chain(self.merge.iter().cloned()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn job() -> Job {
+        Job {
+            program: "/opt/it's/pyrophone".into(),
+            input: "/shot 1/fire.####.vdb".into(),
+            output: "/shot 1/fire.wav".into(),
+            parts: "/shot 1/fire.wav.parts".into(),
+            frames: (-2, 65),
+            chunk: 30,
+            measure: vec!["--rate".into(), "24000/1001".into()],
+            merge: vec!["--peak-db".into(), "-12".into()],
+        }
+    }
+
+    #[test]
+    fn chunks_cover_all_frames_once() {
+        assert_eq!(job().chunks().collect::<Vec<_>>(), [(-2, 27), (28, 57), (58, 65)]);
+        let far = Job { frames: (i64::MAX - 3, i64::MAX), chunk: 2, ..job() };
+        assert_eq!(far.chunks().count(), 2);
+    }
+
+    #[test]
+    fn jobs_quote_what_they_name() {
+        let text = shell::plain(&job());
+        assert!(
+            text.contains(r"'/opt/it'\''s/pyrophone' flux --input '/shot 1/fire.####.vdb' --frames -2-27"),
+            "{text}"
+        );
+        assert!(
+            text.contains("flux-merge '/shot 1/fire.wav.parts' --output '/shot 1/fire.wav' --peak-db -12"),
+            "{text}"
+        );
+        let text = shell::slurm(&job());
+        assert!(text.contains("--array=0-2") && text.contains("--requeue") && text.contains("afterok"), "{text}");
+        let text = openjd::template(&job());
+        let parsed: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let frames = &parsed["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0];
+        assert_eq!(
+            (frames["range"].as_str(), frames["chunks"]["defaultTaskCount"].as_i64()),
+            (Some("-2-65"), Some(30))
+        );
+        assert_eq!(parsed["steps"][1]["dependencies"][0]["dependsOn"], "Measure");
+    }
+}

@@ -1,0 +1,132 @@
+//! Whether a flow carries what it should: a check of its rate and unit.
+//!
+//! Smoke goes where the gas goes. If a frame's smoke, moved by `factor · velocity · time` to the next frame, fits that best
+//! at a factor far from one, then either the frames are not as far apart in time as was said, or the velocity is not in
+//! the world's units per second. The flame itself does not move with its gas and tells nothing.
+
+use crate::grid::{BLOCK, Grid};
+use crate::velocity::{Velocity, trilinear};
+
+/// Voxels that are looked at, at most.
+const MOST_VOXELS: usize = 20_000;
+
+/// Factors tried: powers of the square root of two, as far as these exponents either way.
+const MOST_STEPS: i32 = 14;
+
+/// Values above this part of the largest count as smoke.
+const LEAST_SHARE: f32 = 0.02;
+
+/// The factor at which a flow carries a field best.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fit {
+    /// What the velocity must be multiplied by.
+    pub factor: f64,
+    /// What of the field's change is left unexplained then, 0-1.
+    pub left: f64,
+    /// What is left at a factor of one; above 1 where moving the field is worse than leaving it.
+    pub left_at_one: f64,
+}
+
+impl Fit {
+    /// Whether the factor is far from one and so much better that rate and unit cannot both be right.
+    pub fn is_wrong(&self) -> bool {
+        let is_far = !(0.6..=1.7).contains(&self.factor);
+        is_far && self.left < 0.85 && self.left < 0.8 * self.left_at_one
+    }
+}
+
+/// Finds the factor for pairs of frames `time_s` apart: a field, what it has become, and the flow of the first.
+///
+/// None where nothing changes, or nothing moves.
+pub fn fit(pairs: &[(Grid<1>, Grid<1>, Velocity)], time_s: f64) -> Option<Fit> {
+    let voxels: Vec<Vec<[i32; 3]>> = pairs.iter().map(|(before, ..)| smoky(before)).collect();
+    let unexplained = |factor: f64| -> f64 {
+        let pairs = pairs.iter().zip(&voxels);
+        pairs.map(|((before, after, flow), voxels)| mismatch(before, after, flow, voxels, factor * time_s)).sum()
+    };
+    let still = unexplained(0.0);
+    if !(still.is_finite() && still > 0.0) {
+        return None;
+    }
+    let factors = (-MOST_STEPS..=MOST_STEPS).map(|step| 2f64.powf(0.5 * f64::from(step)));
+    let tried: Vec<(f64, f64)> = factors.map(|factor| (factor, unexplained(factor) / still)).collect();
+    let (factor, left) = tried.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let left_at_one = tried.get(MOST_STEPS as usize)?.1;
+    (left < 1.0).then_some(Fit { factor, left, left_at_one })
+}
+
+/// How far the field, moved by its flow for `time_s`, is from what it has become: a sum of squares.
+fn mismatch(before: &Grid<1>, after: &Grid<1>, flow: &Velocity, voxels: &[[i32; 3]], time_s: f64) -> f64 {
+    let transform = before.transform();
+    let miss = |index: &[i32; 3]| {
+        let world = transform.to_world(index.map(f64::from));
+        let speed = flow.at(world);
+        // Back along the path, to where what is here now has been.
+        let from = std::array::from_fn(|axis| world[axis] - time_s * speed[axis]);
+        let expected = trilinear(before, transform.to_index(from))[0];
+        let found = trilinear(after, after.transform().to_index(world))[0];
+        (found - expected).powi(2)
+    };
+    voxels.iter().map(miss).sum()
+}
+
+/// Voxels of smoke at even distances.
+fn smoky(field: &Grid<1>) -> Vec<[i32; 3]> {
+    let largest = field.blocks().flat_map(|(_, block)| block.iter()).fold(0.0f32, |largest, [x]| largest.max(x.abs()));
+    let mut voxels = vec![];
+    for (key, block) in field.blocks() {
+        for (place, _) in block.iter().enumerate().filter(|(_, [x])| x.abs() > LEAST_SHARE * largest) {
+            let within = [place >> 6, (place >> 3) & 7, place & 7];
+            voxels.push(std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32));
+        }
+    }
+    let every = voxels.len().div_ceil(MOST_VOXELS).max(1);
+    voxels.into_iter().step_by(every).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Transform;
+    use crate::velocity::Placement;
+
+    const SIZE: usize = 24;
+
+    /// A cloud that has gone `shift` voxels of 0.1, in a wind of 3 a second.
+    fn pair(shift: f64) -> (Grid<1>, Grid<1>, Velocity) {
+        let transform = Transform::uniform(0.1, [0.0; 3]).unwrap();
+        let cloud = |shift: f64| {
+            let values: Vec<[f32; 1]> = (0..SIZE * SIZE * SIZE)
+                .map(|n| {
+                    let [x, y, z] = [n / (SIZE * SIZE), n / SIZE % SIZE, n % SIZE].map(|i| i as f64 - 11.0);
+                    [(-((x - shift).powi(2) + y * y + z * z) / 12.0).exp() as f32]
+                })
+                .collect();
+            Grid::dense([SIZE; 3], &values, transform).unwrap()
+        };
+        let wind = vec![[3.0, 0.0, 0.0]; SIZE * SIZE * SIZE];
+        let flow = Velocity::Vectors(Grid::dense([SIZE; 3], &wind, transform).unwrap(), Placement::Collocated);
+        (cloud(0.0), cloud(shift), flow)
+    }
+
+    #[test]
+    fn the_right_rate_fits_and_a_wrong_one_is_told() {
+        // 0.3 of the world in a tenth of a second.
+        let pairs = [pair(3.0)];
+        let right = fit(&pairs, 0.1).unwrap();
+        assert!(right.factor == 1.0 && right.left < 0.05 && !right.is_wrong(), "{right:?}");
+        let slow = fit(&pairs, 0.8).unwrap();
+        assert!((slow.factor - 0.125).abs() < 1e-9 && slow.is_wrong(), "{slow:?}");
+        let fast = fit(&pairs, 0.0125).unwrap();
+        assert!((fast.factor - 8.0).abs() < 1e-9 && fast.is_wrong(), "{fast:?}");
+    }
+
+    #[test]
+    fn what_does_not_move_tells_nothing() {
+        assert_eq!(fit(&[pair(0.0)], 0.1), None);
+        assert_eq!(fit(&[], 0.1), None);
+        let (before, after, _) = pair(3.0);
+        let still = Velocity::Vectors(Grid::new([0.0; 3], *before.transform()), Placement::Collocated);
+        assert_eq!(fit(&[(before, after, still)], 0.1), None);
+    }
+}

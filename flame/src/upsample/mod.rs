@@ -1,0 +1,126 @@
+//! Steps between the frames of a simulation that has too few of them for sound.
+//!
+//! ```text
+//! frames ─ flux ─────────────────── natural cubic spline ─┬─ steps
+//!   └─ source ─ change of a pair ─ flips or noise ─ gain ─┘
+//! ```
+//!
+//! Frames at 24 a second say nothing certain above 12 Hz, but how much of the flame changed between two of them, and in how
+//! many parts, says how loud it is there. A pair's change is a function of its two frames, their number and a seed, so that
+//! shards of a farm tell what one run tells.
+
+mod filter;
+mod flips;
+mod noise;
+mod source;
+mod spline;
+
+pub use source::Source;
+
+use crate::error::{Error, in_range};
+use crate::flux::Changes;
+
+/// Most steps that are made of one.
+const MOST_SUBSTEPS: usize = 512;
+
+/// How the steps between two frames are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Every part of the flame changes from one frame to the next at a random time.
+    Flips,
+    /// As flips, by what the burning field alone releases.
+    Release,
+    /// Noise whose power falls with frequency, as loud as the frames change.
+    Noise,
+    /// A smooth curve through the frames and no more.
+    Cubic,
+}
+
+impl Method {
+    const ALL: [Self; 4] = [Self::Flips, Self::Release, Self::Noise, Self::Cubic];
+
+    /// Its name in options and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flips => "flips",
+            Self::Release => "release",
+            Self::Noise => "noise",
+            Self::Cubic => "cubic",
+        }
+    }
+}
+
+/// Makes several steps of one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Upsampler {
+    method: Method,
+    substeps: usize,
+    seed: u64,
+}
+
+impl Upsampler {
+    /// `substeps` (1-512) steps of every one.
+    pub fn new(method: Method, substeps: usize, seed: u64) -> Result<Self, Error> {
+        in_range("the number of steps made of one", substeps as f64, 1.0, MOST_SUBSTEPS as f64)?;
+        Ok(Self { method, substeps, seed })
+    }
+
+    /// The upsampler that a part's settings name at their end, as its text does.
+    pub fn of_settings(settings: &str) -> Option<Self> {
+        let (_, text) = settings.rsplit_once("upsample ")?;
+        let mut words = text.split(' ').map(|word| word.trim_end_matches(','));
+        let name = words.next()?;
+        let method = Method::ALL.into_iter().find(|method| name == method.name())?;
+        let mut number = || words.find_map(|word| word.parse::<u64>().ok());
+        let substeps = usize::try_from(number()?).ok()?;
+        Self::new(method, substeps, number()?).ok()
+    }
+
+    /// Steps made of one.
+    pub fn substeps(&self) -> usize {
+        self.substeps
+    }
+
+    /// Number of all that is random.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Whether it needs to know how each frame changes to the next.
+    pub fn needs_changes(&self) -> bool {
+        self.method != Method::Cubic
+    }
+
+    /// Whether it looks at the burning field alone, not at the flow.
+    pub fn takes_field_alone(&self) -> bool {
+        self.method == Method::Release
+    }
+
+    /// What [`series`](Self::series) needs to know of the change from step `number` to the next; `beyond` is the step behind
+    /// that, where there is one.
+    pub fn change(&self, number: i64, before: &Source, after: &Source, beyond: Option<&Source>) -> Vec<f64> {
+        flips::change(number, [before, after], beyond, self.substeps, self.seed)
+    }
+
+    /// `substeps` times as many steps as `values`, of which the first is step `first`. Where a pair's change is not known,
+    /// nothing is added to the curve through the steps.
+    pub fn series(&self, values: &[f64], first: i64, changes: &Changes) -> Vec<f64> {
+        let smooth = spline::natural_cubic(values, self.substeps);
+        if self.substeps == 1 || self.method == Method::Cubic {
+            return smooth;
+        }
+        let pairs: Vec<Option<&[f64]>> =
+            (0..values.len()).map(|n| changes.get(&first.saturating_add(n as i64)).map(Vec::as_slice)).collect();
+        let added = match self.method {
+            Method::Noise => noise::added(values, &pairs, self),
+            _ => flips::added(values, &pairs, self),
+        };
+        smooth.iter().zip(added).map(|(smooth, added)| smooth + added).collect()
+    }
+}
+
+impl std::fmt::Display for Upsampler {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, {} steps, seed {}", self.method.name(), self.substeps, self.seed)
+    }
+}
