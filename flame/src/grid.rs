@@ -78,7 +78,7 @@ impl Transform {
     }
 
     /// From an index of `self` to one of `other`: `index * matrix + translation`.
-    pub(crate) fn to_index_of(&self, other: &Self) -> ([[f64; 3]; 3], [f64; 3]) {
+    pub(crate) fn index_map(&self, other: &Self) -> ([[f64; 3]; 3], [f64; 3]) {
         let onto = |step: [f64; 3]| -> [f64; 3] {
             std::array::from_fn(|axis| (0..3).map(|of| step[of] * other.inverse[of][axis]).sum())
         };

@@ -94,7 +94,7 @@ pub fn join(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
 /// The velocity at many places that lie near each other, told as indices of some other grid: the samples around a place are
 /// kept for the next.
 pub(crate) enum Probe<'a> {
-    Collocated(Cells<'a, 3>),
+    Collocated(Box<Cells<'a, 3>>),
     Staggered(Box<[Cells<'a, 3>; 3]>),
     Components(Box<[Cells<'a, 1>; 3]>),
 }
@@ -103,7 +103,9 @@ impl<'a> Probe<'a> {
     /// For places told as indices of a grid that lies in the world as `from` says.
     pub fn new(velocity: &'a Velocity, from: &Transform) -> Self {
         match velocity {
-            Velocity::Vectors(grid, Placement::Collocated) => Self::Collocated(Cells::new(grid, from, [0.0; 3])),
+            Velocity::Vectors(grid, Placement::Collocated) => {
+                Self::Collocated(Box::new(Cells::new(grid, from, [0.0; 3])))
+            }
             Velocity::Vectors(grid, Placement::Staggered) => {
                 let shift = |axis: usize| std::array::from_fn(|of| if of == axis { 0.5 } else { 0.0 });
                 Self::Staggered(Box::new([0, 1, 2].map(|axis| Cells::new(grid, from, shift(axis)))))
@@ -142,7 +144,7 @@ struct Cell<const N: usize> {
 
 impl<'a, const N: usize> Cells<'a, N> {
     fn new(grid: &'a Grid<N>, from: &Transform, shift: [f64; 3]) -> Self {
-        let (rows, translation) = from.to_index_of(grid.transform());
+        let (rows, translation) = from.index_map(grid.transform());
         let translation = std::array::from_fn(|axis| translation[axis] + shift[axis]);
         Self { grid, rows, translation, kept: [Cell { base: None, values: [[0.0; 8]; N] }; 8] }
     }

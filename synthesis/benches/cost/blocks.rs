@@ -64,10 +64,10 @@ fn all_controls() -> Controls {
 }
 
 /// The shortest time of every block, in seconds.
-fn least(work: impl Fn(&mut dyn FnMut(usize, f64)), blocks: usize) -> Vec<f64> {
+fn least(blocks: usize, work: impl Fn(&mut dyn FnMut(usize, f64))) -> Vec<f64> {
     let mut least = vec![f64::INFINITY; blocks];
     for _ in 0..RUNS {
-        work(&mut |block, seconds: f64| least[block] = least[block].min(seconds));
+        work(&mut |block: usize, seconds: f64| least[block] = least[block].min(seconds));
     }
     least
 }
@@ -79,7 +79,7 @@ fn chain(pair: &Pair, rate_hz: f64, channels: usize, controls: &Controls) -> Vec
     let dictionary =
         Arc::new(Dictionary::for_dynamics(structure.dynamics, recording, rate_hz, &shape, &|_| true).unwrap());
     let blocks = (SECONDS * rate_hz) as usize / BLOCK;
-    let play = |took: &mut dyn FnMut(usize, f64)| {
+    least(blocks, |took| {
         let sizes = Channels { input: channels, sidechain: 0, output: channels };
         let mut chain = Chain::new(rate_hz, sizes, &structure).unwrap();
         chain.swap_dictionary(Some(Arc::clone(&dictionary)));
@@ -95,13 +95,12 @@ fn chain(pair: &Pair, rate_hz: f64, channels: usize, controls: &Controls) -> Vec
             let ((), time) = timed(|| chain.process(&mut main, &[], controls, transport));
             took(block, time.as_secs_f64());
         }
-    };
-    least(play, blocks)
+    })
 }
 
 fn extension(rate_hz: f64) -> Vec<f64> {
     let blocks = (SECONDS * rate_hz) as usize / BLOCK;
-    let play = |took: &mut dyn FnMut(usize, f64)| {
+    least(blocks, |took| {
         let mut engine = Extend::new(&Structure::default(), 2, rate_hz).unwrap();
         let white = White::new(1, 99);
         let (mut state, mut drive, mut low, mut noise) = (0.0, [0.0; BLOCK], [0.0; BLOCK], [[0.0; BLOCK]; 2]);
@@ -118,6 +117,5 @@ fn extension(rate_hz: f64) -> Vec<f64> {
                 timed(|| engine.process(&drive, &controls, &mut low, &mut [&mut left[..], &mut right[..]]));
             took(block, time.as_secs_f64());
         }
-    };
-    least(play, blocks)
+    })
 }
