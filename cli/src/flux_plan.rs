@@ -46,7 +46,8 @@ pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
     let output = absolute(&args.output)?;
     let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let job = Job {
-        program: std::env::current_exe().map_err(|_| Error::Conflict("the program does not know where it is".into()))?,
+        program: std::env::current_exe()
+            .map_err(|_| Error::Conflict("the program does not know where it is".into()))?,
         input: absolute(&args.input)?,
         parts: output.with_file_name(format!("{name}.parts")),
         frames: (numbering.frame_of(first), numbering.frame_of(last)),
@@ -57,7 +58,10 @@ pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
     };
     let chunks = job.chunks().count() as u64;
     if chunks > MOST_CHUNKS {
-        let message = format!("--chunk {} makes {chunks} jobs, {MOST_CHUNKS} at most are written; choose more frames for each", args.chunk);
+        let message = format!(
+            "--chunk {} makes {chunks} jobs, {MOST_CHUNKS} at most are written; choose more frames for each",
+            args.chunk
+        );
         return Err(Error::Conflict(message));
     }
     note(&format!("{} frames in {chunks} parts", sequence.len()));
@@ -97,7 +101,9 @@ impl Job {
     fn chunks(&self) -> impl Iterator<Item = (i64, i64)> + '_ {
         let (first, last) = self.frames;
         let chunk = i64::try_from(self.chunk).unwrap_or(i64::MAX);
-        let starts = (0..).map_while(move |n: i64| n.checked_mul(chunk)?.checked_add(first)).take_while(move |from| *from <= last);
+        let starts = (0..)
+            .map_while(move |n: i64| n.checked_mul(chunk)?.checked_add(first))
+            .take_while(move |from| *from <= last);
         starts.map(move |from| (from, from.saturating_add(chunk - 1).min(last)))
     }
 
@@ -144,14 +150,23 @@ mod tests {
     #[test]
     fn jobs_quote_what_they_name() {
         let text = shell::plain(&job());
-        assert!(text.contains(r"'/opt/it'\''s/pyrophone' flux --input '/shot 1/fire.####.vdb' --frames -2-27"), "{text}");
-        assert!(text.contains("flux-merge '/shot 1/fire.wav.parts' --output '/shot 1/fire.wav' --peak-db -12"), "{text}");
+        assert!(
+            text.contains(r"'/opt/it'\''s/pyrophone' flux --input '/shot 1/fire.####.vdb' --frames -2-27"),
+            "{text}"
+        );
+        assert!(
+            text.contains("flux-merge '/shot 1/fire.wav.parts' --output '/shot 1/fire.wav' --peak-db -12"),
+            "{text}"
+        );
         let text = shell::slurm(&job());
         assert!(text.contains("--array=0-2") && text.contains("--requeue") && text.contains("afterok"), "{text}");
         let text = openjd::template(&job());
         let parsed: serde_json::Value = serde_json::from_str(&text).unwrap();
         let frames = &parsed["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0];
-        assert_eq!((frames["range"].as_str(), frames["chunks"]["defaultTaskCount"].as_i64()), (Some("-2-65"), Some(30)));
+        assert_eq!(
+            (frames["range"].as_str(), frames["chunks"]["defaultTaskCount"].as_i64()),
+            (Some("-2-65"), Some(30))
+        );
         assert_eq!(parsed["steps"][1]["dependencies"][0]["dependsOn"], "Measure");
     }
 }

@@ -48,7 +48,17 @@ fn plan(at: &Path, format: &str, job: &str) {
 /// What one run makes.
 fn whole(at: &Path) -> Vec<u8> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pyrophone"));
-    command.current_dir(at).args(["flux", "--input", "the cache", "--rate", "24", "--refine", "2", "--upsample-seed", "3"]);
+    command.current_dir(at).args([
+        "flux",
+        "--input",
+        "the cache",
+        "--rate",
+        "24",
+        "--refine",
+        "2",
+        "--upsample-seed",
+        "3",
+    ]);
     let output = command.args(["--peak-db=-9", "--output", "whole.wav"]).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     std::fs::read(at.join("whole.wav")).unwrap()
@@ -61,7 +71,8 @@ fn a_shell_job_makes_what_one_run_makes() {
     let at = folder.path();
     plan(at, "shell", "job.sh");
     for threads in ["1", "3"] {
-        let status = Command::new("sh").arg("job.sh").current_dir(at).env("RAYON_NUM_THREADS", threads).status().unwrap();
+        let status =
+            Command::new("sh").arg("job.sh").current_dir(at).env("RAYON_NUM_THREADS", threads).status().unwrap();
         assert!(status.success());
         assert_eq!(std::fs::read(at.join("farm.wav")).unwrap(), whole(at), "{threads} threads");
     }

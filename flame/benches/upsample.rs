@@ -39,8 +39,12 @@ fn main() {
     let names: Vec<&String> = arguments.iter().filter(|argument| !argument.contains('=')).collect();
     let is_wanted = |name: &str| names.is_empty() || names.iter().any(|wanted| *wanted == name);
     println!("### Steps between frames\n");
-    println!("Against the true {STEP_RATE_HZ} steps a second: level errors in dB at 30-60, 60-120 and 120-175 Hz; correlation of");
-    println!("the envelopes ({ENVELOPE_S} s); strongest line at a multiple of the frame rate over its surroundings in dB; kurtosis.\n");
+    println!(
+        "Against the true {STEP_RATE_HZ} steps a second: level errors in dB at 30-60, 60-120 and 120-175 Hz; correlation of"
+    );
+    println!(
+        "the envelopes ({ENVELOPE_S} s); strongest line at a multiple of the frame rate over its surroundings in dB; kurtosis.\n"
+    );
     println!("| flame | fps | method | 30-60 | 60-120 | 120-175 | envelope | line | true | kurtosis | true |");
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
     let mut sums = vec![];
@@ -104,7 +108,8 @@ fn report(truth: &Truth, sums: &mut Vec<(usize, Method, Figures)>) {
         for method in [Method::Flips, Method::Noise, Method::Cubic] {
             let upsampler = Upsampler::new(method, every, 1).expect("in range");
             let source = |n: usize| frames.get(n).map(|frame| &truth.sources[*frame]);
-            let change = |n: usize| Some((n as i64, upsampler.change(n as i64, source(n)?, source(n + 1)?, source(n + 2))));
+            let change =
+                |n: usize| Some((n as i64, upsampler.change(n as i64, source(n)?, source(n + 1)?, source(n + 2))));
             let changes: Changes = (0..frames.len()).filter_map(change).collect();
             let made = upsampler.series(&values, 0, &changes);
             let end = (frames.len() - 1) * every + 1;
@@ -112,7 +117,12 @@ fn report(truth: &Truth, sums: &mut Vec<(usize, Method, Figures)>) {
             let Figures { levels_db: [a, b, c], envelope, line_db, kurtosis } = figures;
             println!(
                 "| {} | {rate_hz} | {} | {a:.1} | {b:.1} | {c:.1} | {envelope:.2} | {:.1} | {:.1} | {:.1} | {:.1} |",
-                truth.name, method.name(), line_db[0], line_db[1], kurtosis[0], kurtosis[1]
+                truth.name,
+                method.name(),
+                line_db[0],
+                line_db[1],
+                kurtosis[0],
+                kurtosis[1]
             );
             sums.push((rate_hz, method, figures));
         }
@@ -131,7 +141,10 @@ fn means(sums: &[(usize, Method, Figures)]) {
             let bands: [f64; 3] = std::array::from_fn(|band| mean(&|f: &Figures| f.levels_db[band].abs()));
             println!(
                 "| {} | {rate_hz} | {:.1} | {:.1} | {:.1} | {:.2} | {:.1} | {:.2} |",
-                method.name(), bands[0], bands[1], bands[2],
+                method.name(),
+                bands[0],
+                bands[1],
+                bands[2],
                 mean(&|f: &Figures| f.envelope),
                 mean(&|f: &Figures| f.line_db[0] - f.line_db[1]),
                 mean(&|f: &Figures| f.kurtosis[0] / f.kurtosis[1])
@@ -204,8 +217,10 @@ fn line_db(spectrum: &[f64], frame_rate_hz: f64) -> f64 {
     let multiples = (1..=7).map(|n| f64::from(n) * frame_rate_hz).filter(|hz| (30.0..170.0).contains(hz));
     let over = multiples.map(|line_hz| {
         let peak = band(spectrum, line_hz - 1.5, line_hz + 1.5).fold(0.0, |peak: f64, (_, power)| peak.max(power));
-        let mut around: Vec<f64> =
-            band(spectrum, line_hz - 8.0, line_hz + 8.0).filter(|(hz, _)| (hz - line_hz).abs() > 2.0).map(|(_, p)| p).collect();
+        let mut around: Vec<f64> = band(spectrum, line_hz - 8.0, line_hz + 8.0)
+            .filter(|(hz, _)| (hz - line_hz).abs() > 2.0)
+            .map(|(_, p)| p)
+            .collect();
         around.sort_unstable_by(f64::total_cmp);
         10.0 * (peak / around[around.len() / 2].max(1e-300)).log10()
     });

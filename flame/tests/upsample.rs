@@ -19,8 +19,7 @@ fn ball(radius: f64, shift: [f64; 3], flow: impl Fn([f64; 3]) -> [f64; 3], origi
         std::array::from_fn(|axis| index[axis] as f64 - middle + (origin[axis] / 0.1).round())
     };
     let away = |n: usize| place(n).iter().zip(shift).map(|(x, shift)| (x - shift).powi(2)).sum::<f64>().sqrt();
-    let field: Vec<[f32; 1]> =
-        (0..count).map(|n| [(0.5 + 0.5 * (radius - away(n))).clamp(0.0, 1.0) as f32]).collect();
+    let field: Vec<[f32; 1]> = (0..count).map(|n| [(0.5 + 0.5 * (radius - away(n))).clamp(0.0, 1.0) as f32]).collect();
     let velocity: Vec<[f32; 3]> = (0..count).map(|n| flow(place(n)).map(|x| x as f32)).collect();
     Frame {
         number: 0,
@@ -75,7 +74,9 @@ fn boxes_that_move_by_whole_voxels_keep_their_places() {
 /// A flame that changes in all its parts: balls of random sizes.
 fn changing(frames: usize) -> Vec<Source> {
     let size = |n: usize| 6.0 + 1.5 * ((n * n * 7) as f64).sin();
-    (0..frames).map(|n| source(&ball(size(n), [(n as f64).sin(), 0.0, (2.0 * n as f64).cos()], outwards, [0.0; 3]))).collect()
+    (0..frames)
+        .map(|n| source(&ball(size(n), [(n as f64).sin(), 0.0, (2.0 * n as f64).cos()], outwards, [0.0; 3])))
+        .collect()
 }
 
 fn changes(upsampler: &Upsampler, sources: &[Source], numbers: std::ops::Range<usize>) -> Changes {

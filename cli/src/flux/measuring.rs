@@ -95,7 +95,8 @@ impl Plan {
         }
         let iso = sight.as_ref().map_or(args.iso.unwrap_or(0.0), |sight| sight.iso);
         let front = Front::new(iso, args.refine)?;
-        let mesh = args.mesh.clone().map(|folder| (folder, args.mesh_every, indices.first().map_or(0, |i| numbers[*i])));
+        let mesh =
+            args.mesh.clone().map(|folder| (folder, args.mesh_every, indices.first().map_or(0, |i| numbers[*i])));
         let selection = super::units::scaled(selection, sight.as_ref(), args)?;
         let settings = sight.as_ref().map_or(String::new(), |sight| settings(args, sight, &selection));
         Ok(Self {
@@ -197,7 +198,8 @@ impl Plan {
         if !self.upsampler.as_ref().is_some_and(Upsampler::needs_changes) {
             return Ok(BTreeMap::new());
         }
-        let ahead = |index: &usize| [Some(*index), self.next(*index), self.next(*index).and_then(|next| self.next(next))];
+        let ahead =
+            |index: &usize| [Some(*index), self.next(*index), self.next(*index).and_then(|next| self.next(next))];
         let needed: BTreeSet<usize> = portion.iter().flat_map(ahead).flatten().collect();
         let mut sources: BTreeMap<usize, Source> =
             known.into_iter().filter(|(index, _)| needed.contains(index)).collect();
@@ -276,7 +278,8 @@ impl Plan {
     pub fn rate_hz(&self, given_hz: Option<f64>) -> Result<Option<f64>, Error> {
         // Of a single frame nobody can tell a rate, but a shard of one frame has neighbours.
         let near = |index: &usize| index.saturating_sub(1)..=(index + 1).min(self.sequence.len() - 1);
-        let asked = if self.indices.len() > 1 { self.indices.clone() } else { self.indices.iter().flat_map(near).collect() };
+        let asked =
+            if self.indices.len() > 1 { self.indices.clone() } else { self.indices.iter().flat_map(near).collect() };
         let told = self.sequence.rate_hz(&asked);
         // What the user calls a frame may be several steps, or a part of one.
         let given_hz = given_hz.map(|frames_hz| frames_hz * self.sequence.numbering().steps_per_frame());
@@ -408,4 +411,3 @@ pub fn make_folder(folder: &Path) -> Result<(), Error> {
         Error::Recording(pyrophone_recording::Error::NotWritten { path, reason })
     })
 }
-

@@ -50,7 +50,8 @@ impl Sight {
         }
         let field = sequence.read_field(index, selection)?;
         let transform = field.transform();
-        let corners = field.bounds().map(|(low, high)| [low, high].map(|index| transform.to_world(index.map(f64::from))));
+        let corners =
+            field.bounds().map(|(low, high)| [low, high].map(|index| transform.to_world(index.map(f64::from))));
         Ok(Self {
             iso: args.iso.unwrap_or(if info.is_level_set() { 0.0 } else { ISO }),
             voxel_edges: transform.voxel_edges(),

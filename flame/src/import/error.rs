@@ -101,7 +101,9 @@ pub enum Error {
         found: String,
     },
     /// A folder with frames of several sorts.
-    #[error("{path}: frames of several sorts ({found}); keep one sort in a folder of its own, or name one by --input \"NAME.####.vdb\"")]
+    #[error(
+        "{path}: frames of several sorts ({found}); keep one sort in a folder of its own, or name one by --input \"NAME.####.vdb\""
+    )]
     Mixed {
         /// The folder.
         path: String,

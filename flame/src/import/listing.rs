@@ -168,12 +168,7 @@ fn sorts(folder: &Path, pattern: Option<&Pattern>) -> Result<(BTreeMap<Sort, Vec
     Ok((sorts, others))
 }
 
-fn frames(
-    folder: &Path,
-    format: Format,
-    files: &[Numbered],
-    numbering: &Numbering,
-) -> Result<Vec<FrameFiles>, Error> {
+fn frames(folder: &Path, format: Format, files: &[Numbered], numbering: &Numbering) -> Result<Vec<FrameFiles>, Error> {
     let mut frames: BTreeMap<i64, BTreeMap<String, PathBuf>> = BTreeMap::new();
     for file in files {
         let fields = frames.entry(numbering.step(&file.number)).or_default();
@@ -280,7 +275,9 @@ mod tests {
     #[test]
     fn the_cache_folder_of_blender_holds_its_frames_in_data() {
         let folder = tempfile::tempdir().unwrap();
-        for (sub, name) in [("config", "config_0001.uni"), ("data", "fluid_data_0001.vdb"), ("data", "fluid_data_0002.vdb")] {
+        for (sub, name) in
+            [("config", "config_0001.uni"), ("data", "fluid_data_0001.vdb"), ("data", "fluid_data_0002.vdb")]
+        {
             std::fs::create_dir_all(folder.path().join(sub)).unwrap();
             std::fs::write(folder.path().join(sub).join(name), "").unwrap();
         }

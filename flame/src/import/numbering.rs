@@ -137,7 +137,12 @@ impl Numbering {
     pub(super) fn step(&self, number: &Number) -> i64 {
         let share = (number.share() * self.subframes as f64).round() as i64;
         let share = if number.is_negative { -share } else { share };
-        number.whole.saturating_mul(self.subframes).saturating_add(share).saturating_sub(self.rest).div_euclid(self.stride)
+        number
+            .whole
+            .saturating_mul(self.subframes)
+            .saturating_add(share)
+            .saturating_sub(self.rest)
+            .div_euclid(self.stride)
     }
 
     /// The first step at or after the start of a frame.
@@ -155,6 +160,11 @@ impl Numbering {
     /// The frame that a step belongs to.
     pub fn frame_of(&self, step: i64) -> i64 {
         step.saturating_mul(self.stride).saturating_add(self.rest).div_euclid(self.subframes)
+    }
+
+    /// The number of a step: 1001, 12.25.
+    pub fn number(&self, step: i64) -> f64 {
+        (step as f64 * self.stride as f64 + self.rest as f64) / self.subframes as f64
     }
 
     /// Steps of one frame: 4 of quarter frames, 0.5 on twos.

@@ -51,7 +51,12 @@ pub struct Selection {
 
 impl Default for Selection {
     fn default() -> Self {
-        Self { field: "flame".into(), velocity: "velocity".into(), placement: PlacementChoice::default(), velocity_scale: 1.0 }
+        Self {
+            field: "flame".into(),
+            velocity: "velocity".into(),
+            placement: PlacementChoice::default(),
+            velocity_scale: 1.0,
+        }
     }
 }
 

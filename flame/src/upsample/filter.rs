@@ -49,8 +49,10 @@ mod tests {
 
     #[test]
     fn what_is_high_passes_in_place_and_what_is_low_does_not() {
-        let wave = |cycles: f64| (0..2000).map(|n| (std::f64::consts::TAU * cycles * f64::from(n)).sin()).collect::<Vec<_>>();
-        let far = |a: &[f64], b: &[f64]| a.iter().zip(b).skip(500).take(1000).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let wave =
+            |cycles: f64| (0..2000).map(|n| (std::f64::consts::TAU * cycles * f64::from(n)).sin()).collect::<Vec<_>>();
+        let far =
+            |a: &[f64], b: &[f64]| a.iter().zip(b).skip(500).take(1000).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let high = wave(0.2);
         assert!(far(&high_passed(&high, 0.02), &high) < 0.01);
         assert!(far(&high_passed(&wave(0.002), 0.02), &[0.0; 2000]) < 2e-4);

@@ -164,9 +164,11 @@ fn burning_blocks(field: &Grid<1>, iso: f64) -> Vec<[i32; 3]> {
     for (key, block) in field.blocks() {
         if block.iter().any(|[value]| f64::from(*value) > iso) {
             // The smoothed front may lie a voxel beyond the block.
-            keys.extend((0..27).map(|n| [n / 9, n / 3 % 3, n % 3]).map(|offset: [i32; 3]| {
-                std::array::from_fn(|axis| key[axis] + offset[axis] - 1)
-            }));
+            keys.extend(
+                (0..27)
+                    .map(|n| [n / 9, n / 3 % 3, n % 3])
+                    .map(|offset: [i32; 3]| std::array::from_fn(|axis| key[axis] + offset[axis] - 1)),
+            );
         }
     }
     keys.extend(tiled_blocks(field, |value| f64::from(value) > iso));
@@ -207,8 +209,7 @@ fn fill(field: &Grid<1>, key: [i32; 3], iso: f64) -> Vec<f64> {
             let offset = [n / 9, n / 3 % 3, n % 3];
             let value = values[at(std::array::from_fn(|axis| within[axis] + offset[axis]))];
             for (sum, sloped) in sums.iter_mut().zip([None, Some(0), Some(1), Some(2)]) {
-                let weight: f64 =
-                    (0..3).map(|axis| KERNELS[usize::from(sloped == Some(axis))][offset[axis]]).product();
+                let weight: f64 = (0..3).map(|axis| KERNELS[usize::from(sloped == Some(axis))][offset[axis]]).product();
                 *sum += weight * value;
             }
         }
