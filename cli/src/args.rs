@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use pyrophone_flame::scenes::Scene;
 use pyrophone_settings::Id;
 
+use crate::flux::film::{FilmRate, Timecode};
 use crate::flux::frames::FrameList;
 
 /// Turns a low-frequency flame signal into full-band fire.
@@ -347,7 +348,7 @@ pub enum Measure {
 /// Values of `--upsample`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Upsample {
-    /// flips below 100 steps a second, cubic below 200, else off
+    /// flips below 200 steps a second, else off
     Auto,
     /// Not at all
     Off,
@@ -442,6 +443,9 @@ pub struct SoundArgs {
     /// Level of the loudest sample, -100 to 0
     #[arg(long, value_name = "DB", default_value_t = -6.0, allow_negative_numbers = true)]
     pub peak_db: f64,
+    /// File with the scale that all flames of a shot share, instead of --peak-db: the first one writes it
+    #[arg(long, value_name = "FILE", conflicts_with = "peak_db")]
+    pub scale_file: Option<PathBuf>,
     /// Corner of the pressure's high-pass, 0-1000; 0 switches it off
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true)]
     pub high_pass: f64,
@@ -486,7 +490,7 @@ fn rate(text: &str) -> Result<f64, String> {
 }
 
 /// When the steps of a flux are.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct TimelineArgs {
     /// Frames per second of simulated time [default: what the frames or the series say]
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
@@ -494,6 +498,30 @@ pub struct TimelineArgs {
     /// Number of the frame at which the timeline starts, instead of --time-reference
     #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
     pub start_frame: Option<i64>,
+    /// Frames per second of the film: places the sound by frames of the film, and is written beside the time stamp (iXML)
+    #[arg(long, value_name = "HZ", value_parser = FilmRate::parse, conflicts_with_all = ["start_frame", "time_reference"])]
+    pub film_rate: Option<FilmRate>,
+    /// Frame of the film at which the first frame stands [default: its own number, where both have the same rate]
+    #[arg(long, value_name = "FRAME", requires = "film_rate", allow_negative_numbers = true)]
+    pub film_frame: Option<i64>,
+    /// Frame of the film at which the timeline starts
+    #[arg(long, value_name = "FRAME", default_value_t = 0, requires = "film_rate", allow_negative_numbers = true)]
+    pub timeline_start: i64,
+    /// Timecode of the timeline's start, as in 01:00:00:00; 01:00:00;00 drops frames
+    #[arg(long, value_name = "HH:MM:SS:FF", value_parser = Timecode::parse, requires = "film_rate")]
+    pub timecode: Option<Timecode>,
+    /// Curve of film frame, simulation frame for time that the film bends
+    #[arg(long, value_name = "FILE.csv", requires = "film_rate", conflicts_with = "film_frame")]
+    pub retime: Option<PathBuf>,
+    /// Name of the scene, for iXML
+    #[arg(long, value_name = "NAME")]
+    pub scene: Option<String>,
+    /// Name of the take, for iXML
+    #[arg(long, value_name = "NAME")]
+    pub take: Option<String>,
+    /// Write the day and time of making into the file, which then differs from run to run
+    #[arg(long)]
+    pub dated: bool,
 }
 
 /// Values of `--mesh-kind`.

@@ -1,10 +1,14 @@
 //! `pyrophone flux`: the flame signal of a simulation, or of a series of flux.
 
 mod cache;
+mod clock;
+pub mod film;
 pub mod frames;
 mod kept;
 mod measuring;
 pub mod motion;
+mod retime;
+mod scale;
 mod sight;
 pub mod sound;
 mod units;
@@ -89,14 +93,11 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
         Signal::of_series(series.values, first, rate_hz)
     };
     let facts = vec![("Series".into(), shown.to_string())];
-    sound::write(&args.sound, &signal.on_timeline(args.timeline.start_frame), None, facts, vec![], work)
+    sound::write(&args.sound, &signal.on_timeline(&args.timeline).retimed()?, None, facts, vec![], work)
 }
 
 fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     let plan = Plan::new(args, work)?;
-    if let (Some(start), Some(first)) = (args.timeline.start_frame, plan.first_frame()) {
-        sound::frames_since(start, first, plan.sequence.numbering())?;
-    }
     let others = args.partial.as_deref().into_iter().chain(args.speed_field.as_deref());
     let outputs: Vec<&Path> = sound::files(&args.sound).chain(others).collect();
     let files = cache::files(&plan.sequence);
@@ -111,6 +112,7 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
         return Err(sound::no_rate(&args.input));
     }
     sound::known_rate(&args.sound, rate_hz, &args.input)?;
+    check_place(args, &plan, rate_hz)?;
     let plan = plan.with_upsampler(upsampling::chosen(args, rate_hz)?);
     let checked = units::check(&plan.sequence, &plan.selection, &plan.indices, rate_hz, work)?;
     let kept = plan.measure(beside, work)?;
@@ -129,6 +131,14 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
         }
         Err(error) => Err(kept.unfinished(error)),
     }
+}
+
+/// Refuses a place on the timeline that the sound cannot have.
+fn check_place(args: &FluxArgs, plan: &Plan, rate_hz: Option<f64>) -> Result<(), Error> {
+    let Some(first) = plan.first_frame() else { return Ok(()) };
+    let rate_hz = rate_hz.unwrap_or(sound::LIKELY_RATE_HZ);
+    let signal = Signal::of_series(vec![0.0], first, rate_hz).counted(*plan.sequence.numbering());
+    sound::time_reference(&args.sound, &signal.on_timeline(&args.timeline).retimed()?).map(|_| ())
 }
 
 /// Everything that was asked for, from what was measured.
@@ -151,7 +161,7 @@ fn write(
     let flux = Flux::from_steps(&part.steps)?;
     sound::note_interpolated(&flux.interpolated, plan.sequence.numbering());
     let signal = Signal::of_flux(&flux, rate_hz).counted(*plan.sequence.numbering());
-    let signal = signal.on_timeline(args.timeline.start_frame);
+    let signal = signal.on_timeline(&args.timeline);
     if let (Some(path), Some(rate_hz)) = (&args.speed_field, rate_hz) {
         let start_s = sound::time_reference(&args.sound, &signal)? as f64 / f64::from(args.sound.sample_rate);
         motion::write_of_frames(path, plan, args.up, rate_hz, start_s, work)?;
@@ -184,6 +194,7 @@ fn write(
         Some(upsampler) => signal.upsampled(upsampler, &part.changes),
         None => signal,
     };
+    let signal = signal.retimed()?;
     let done = sound::write(&args.sound, &signal, Some(&flux), facts, surfaces, work)?;
     Ok(done.with_files(files))
 }

@@ -33,11 +33,12 @@ pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Done, Error> {
     let given_hz = args.timeline.rate.map(|frames_hz| frames_hz * merged.numbering.steps_per_frame());
     let rate_hz = given_hz.or(merged.rate_hz);
     sound::known_rate(&args.sound, rate_hz, shards_name(&args.shards))?;
-    let signal = Signal::of_flux(&flux, rate_hz).counted(merged.numbering).on_timeline(args.timeline.start_frame);
+    let signal = Signal::of_flux(&flux, rate_hz).counted(merged.numbering).on_timeline(&args.timeline);
     let signal = match Upsampler::of_settings(&merged.settings) {
         Some(upsampler) => signal.upsampled(&upsampler, &merged.changes),
         None => signal,
     };
+    let signal = signal.retimed()?;
     let facts =
         vec![("Measured with".into(), merged.settings), ("Merged from".into(), format!("{} parts", parts.len()))];
     sound::write(&args.sound, &signal, Some(&flux), facts, vec![], work)

@@ -239,3 +239,90 @@ fn the_rate_is_told_by_someone_or_asked_for() {
     refuses(timed.path(), "flux --input flame --output out.wav", 1, &["uneven", "--rate"]);
     succeeds(timed.path(), "flux --input flame --output out.wav --rate 50");
 }
+
+/// First column of a table.
+fn column(path: &Path) -> Vec<String> {
+    let table = std::fs::read_to_string(path).unwrap();
+    table.lines().skip(1).map(|line| line.split(',').next().unwrap().to_owned()).collect()
+}
+
+/// Names as people have them, each with the frames that they are, the steps a second at 24 frames, and what is said.
+#[test]
+fn caches_of_every_name_are_read() {
+    let cases: [(&[&str], &str, &[&str], f64, &str); 9] = [
+        (
+            &["a.1.25", "a.1.5", "a.1.75", "a.2.25"],
+            "flame",
+            &["1.25", "1.5", "1.75", "2", "2.25"],
+            96.0,
+            "4 steps a frame",
+        ),
+        (&["a.0001.50", "a.0002.00", "a.0002.50"], "flame", &["1.5", "2", "2.5"], 48.0, "2 steps a frame"),
+        (&["a.1001", "a.1003", "a.1005", "a.1007"], "flame", &["1001", "1003", "1005", "1007"], 12.0, "every 2 frames"),
+        (&["a.-2", "a.-1", "a.0"], "flame", &["-2", "-1", "0"], 24.0, ""),
+        (&["a.0001_cache", "a.0002_cache"], "flame", &["1", "2"], 24.0, ""),
+        (&["shot.2.0009", "shot.2.0010"], "flame", &["9", "10"], 24.0, ""),
+        (&["a_v1.0001", "a_v2.0001", "a_v2.0002"], "flame/a_v2.####.npz", &["1", "2"], 24.0, ""),
+        (&["a_v1.0001", "a_v2.0001", "a_v2.0002"], "flame/a_v2.%04d.npz", &["1", "2"], 24.0, ""),
+        (&["a_v1.0001", "a_v2.0001", "a_v2.0002"], "flame/a_v2.$F4.npz", &["1", "2"], 24.0, ""),
+    ];
+    for (names, input, expected, steps_hz, says) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        let at = folder.path();
+        std::fs::create_dir(at.join("flame")).unwrap();
+        for (number, name) in names.iter().enumerate() {
+            frame(&at.join("flame").join(format!("{name}.npz")), number as i64, false, None);
+        }
+        // A sub-frame is missing between 1.75 and 2.25 of the first case.
+        let command = format!("flux --input {input} --rate 24 --upsample off --skip-bad --flux-csv out.csv");
+        let said = notes(at, &command);
+        assert_eq!(column(&at.join("out.csv")), expected, "{names:?}");
+        assert!(said.contains(says), "{names:?}: {said}");
+        let table = std::fs::read_to_string(at.join("out.csv")).unwrap();
+        let times: Vec<f64> =
+            table.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse().unwrap()).collect();
+        assert!(((times[1] - times[0]) * steps_hz - 1.0).abs() < 1e-6, "{names:?}: {times:?}");
+    }
+}
+
+/// Before ignition there is no flame: nothing, and no voxel size to go by.
+#[test]
+fn frames_before_ignition_are_silent() {
+    let folder = cache(4..=8, false, None);
+    let at = folder.path();
+    let none = DenseFrame {
+        shape: [4; 3],
+        flame: &[[0.0]; 64],
+        velocity: &[[0.0; 3]; 64],
+        voxel_size: 7.0,
+        origin: [0.0; 3],
+        time_s: None,
+    };
+    for number in 1..=3 {
+        write_frame(File::create(at.join(format!("flame/fire.{number}.npz"))).unwrap(), &none).unwrap();
+    }
+    let rows = flux(at, Path::new("flame"));
+    assert!(
+        rows[..3].iter().all(|(_, flux)| *flux == 0.0) && rows[3..].iter().all(|(_, flux)| *flux > 0.0),
+        "{rows:?}"
+    );
+    succeeds(at, "flux --input flame --frames 1-3 --partial a.csv");
+    succeeds(at, "flux --input flame --frames 4-8 --partial b.csv");
+    succeeds(at, "flux-merge a.csv b.csv --flux-csv merged.csv");
+    assert_eq!(flux(at, Path::new("flame")), rows);
+}
+
+/// A flame of one frame, or one that stands still, is said to be what it is.
+#[test]
+fn still_flames_are_silent_with_a_note() {
+    let one = cache(1..=1, false, None);
+    let said = notes(one.path(), "flux --input flame --output out.wav --rate 24");
+    assert!(said.contains("the output is silent") && said.contains("one frame"), "{said}");
+    let still = tempfile::tempdir().unwrap();
+    std::fs::create_dir(still.path().join("flame")).unwrap();
+    for number in 1..=5 {
+        frame(&still.path().join(format!("flame/fire.{number}.npz")), 1, false, None);
+    }
+    let said = notes(still.path(), "flux --input flame --output out.wav --rate 24");
+    assert!(said.contains("the output is silent") && said.contains("does not change"), "{said}");
+}

@@ -98,6 +98,7 @@ fn time_stamp_survives_render_extend_and_texture() {
         date: Some("2026-01-02".into()),
         time: Some("03:04:05".into()),
         time_reference_samples: 172_800_000,
+        ixml: None,
     };
     let stamped = folder.path().join("stamped.wav");
     write_broadcast_wav_f32(&stamped, &[rumble(24_000, 48_000)], 48_000, &stamp).unwrap();

@@ -152,7 +152,7 @@ pub type Changes = BTreeMap<i64, Vec<f64>>;
 /// A part of a simulation's table, with what must agree before parts are put together.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Partial {
-    /// How it was measured, one line; nothing where no frame of it could be measured.
+    /// How it was measured, one line; nothing where nothing burns in any frame, or none could be measured.
     pub settings: String,
     /// The cache it was measured from, one word; nothing where that does not matter.
     pub cache: String,
@@ -275,16 +275,16 @@ impl Partial {
     /// Puts parts together, each with the name that stands in messages, in any order.
     ///
     /// Fails where their settings or caches differ, where two hold the same frame, and where a frame between the first and
-    /// the last is in none. The settings of parts in which nothing was measured do not matter.
+    /// the last is in none. Parts in which nothing burns or could be measured have no settings.
     pub fn merge(parts: &[(String, Self)]) -> Result<Self, Error> {
         let is_measured = |(_, part): &&(String, Self)| part.steps.values().any(Option::is_some);
-        let Some((first, Self { settings, cache, numbering, .. })) = parts.iter().find(is_measured) else {
-            return Err(Error::NoFrames);
-        };
+        let decides = |(_, part): &&(String, Self)| !part.settings.is_empty();
+        let found = parts.iter().find(decides).or_else(|| parts.iter().find(is_measured));
+        let Some((first, Self { settings, cache, numbering, .. })) = found else { return Err(Error::NoFrames) };
         let mut merged: BTreeMap<i64, (Option<Row>, &str)> = BTreeMap::new();
         let mut changes = Changes::new();
         for (name, part) in parts {
-            if part.settings != *settings && part.steps.values().any(Option::is_some) {
+            if part.settings != *settings && !part.settings.is_empty() {
                 return Err(Error::SettingsDiffer {
                     first: first.clone(),
                     first_settings: settings.clone(),

@@ -37,12 +37,21 @@ pub struct Options {
     pub high_pass_hz: f64,
     /// Level of the loudest sample in dB of full scale, -100 to 0.
     pub peak_db: f64,
+    /// What the pressure or envelope is multiplied by whatever its peak, above 0; none where `peak_db` decides.
+    pub scale: Option<f64>,
 }
 
 impl Default for Options {
     /// The paper's step rate and high-pass; a peak of -6 dB.
     fn default() -> Self {
-        Self { rate_hz: 360.0, sample_rate_hz: 44_100, kind: Kind::Pressure, high_pass_hz: HIGH_PASS_HZ, peak_db: -6.0 }
+        Self {
+            rate_hz: 360.0,
+            sample_rate_hz: 44_100,
+            kind: Kind::Pressure,
+            high_pass_hz: HIGH_PASS_HZ,
+            peak_db: -6.0,
+            scale: None,
+        }
     }
 }
 
@@ -52,6 +61,7 @@ impl Options {
         in_range("the step rate in Hz", self.rate_hz, 1.0, 768_000.0)?;
         in_range("the sample rate in Hz", f64::from(self.sample_rate_hz), 8_000.0, 384_000.0)?;
         in_range("the high-pass in Hz", self.high_pass_hz, 0.0, 1_000.0)?;
+        in_range("the scale", self.scale.unwrap_or(1.0), f64::MIN_POSITIVE, f64::MAX)?;
         in_range("the peak in dB", self.peak_db, -100.0, 0.0)
     }
 }
@@ -146,7 +156,8 @@ pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
         return Err(Error::NotFinite { what: "flux" });
     }
     // Smaller than this it is rounding, or nothing.
-    let scale = if peak > f64::MIN_POSITIVE { 10f64.powf(options.peak_db / 20.0) / peak } else { 1.0 };
+    let to_peak = if peak > f64::MIN_POSITIVE { 10f64.powf(options.peak_db / 20.0) / peak } else { 1.0 };
+    let scale = options.scale.unwrap_or(to_peak);
     Ok(Sound { samples: samples.into_iter().map(|sample| (sample * scale) as f32).collect(), scale })
 }
 

@@ -17,6 +17,9 @@ pub(crate) const BEXT_BYTES: u32 = 602;
 /// What a `bext` chunk must have at least to tell its place: all up to the version.
 const LEAST_BEXT_BYTES: usize = 346;
 
+/// Bytes of an iXML chunk that is kept.
+pub(crate) const MOST_IXML_BYTES: u64 = 1 << 16;
+
 /// Chunks that are looked at before the search is given up.
 const MOST_CHUNKS: usize = 4096;
 
@@ -31,6 +34,8 @@ pub struct Broadcast {
     pub time: Option<String>,
     /// Where its first sample stands on the timeline, in samples since midnight.
     pub time_reference_samples: u64,
+    /// What an iXML chunk says beside it, at most 64 KiB; WAV files alone have one.
+    pub ixml: Option<String>,
 }
 
 impl Broadcast {
@@ -90,17 +95,27 @@ pub(crate) fn bext(broadcast: &Broadcast) -> Vec<u8> {
 /// Walks the chunks from behind the first four bytes of the file on.
 fn read_wav(file: &mut (impl Read + Seek)) -> Option<Broadcast> {
     file.seek(SeekFrom::Start(12)).ok()?;
-    let mut long_data_bytes = None;
+    let (mut long_data_bytes, mut broadcast, mut ixml) = (None, None, None);
     for _ in 0..MOST_CHUNKS {
         let mut head = [0; 8];
-        file.read_exact(&mut head).ok()?;
+        if file.read_exact(&mut head).is_err() {
+            break;
+        }
         let (id, size) = (&head[..4], u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]])));
         let mut rest = size + size % 2;
         match id {
             b"bext" => {
                 let mut body = vec![];
-                file.take(size.min(u64::from(BEXT_BYTES))).read_to_end(&mut body).ok()?;
-                return parse(&body);
+                file.by_ref().take(size.min(u64::from(BEXT_BYTES))).read_to_end(&mut body).ok()?;
+                file.seek_relative(i64::try_from(rest).ok()? - body.len() as i64).ok()?;
+                broadcast = Some(parse(&body)?);
+                continue;
+            }
+            b"iXML" if size <= MOST_IXML_BYTES => {
+                let mut body = vec![];
+                file.by_ref().take(size).read_to_end(&mut body).ok()?;
+                ixml = String::from_utf8(body).ok();
+                rest -= size;
             }
             // 64-bit files have the length of their sound here.
             b"ds64" if size >= 16 => {
@@ -109,12 +124,20 @@ fn read_wav(file: &mut (impl Read + Seek)) -> Option<Broadcast> {
                 long_data_bytes = sizes[8..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes));
                 rest -= 16;
             }
-            b"data" if size == u64::from(u32::MAX) => rest = long_data_bytes?.checked_next_multiple_of(2)?,
+            b"data" if size == u64::from(u32::MAX) => {
+                // Sound of unknown length: nothing behind it can be found.
+                let Some(bytes) = long_data_bytes.and_then(|bytes: u64| bytes.checked_next_multiple_of(2)) else {
+                    break;
+                };
+                rest = bytes;
+            }
             _ => {}
         }
-        file.seek_relative(i64::try_from(rest).ok()?).ok()?;
+        if file.seek_relative(i64::try_from(rest).ok()?).is_err() {
+            break;
+        }
     }
-    None
+    broadcast.map(|broadcast| Broadcast { ixml, ..broadcast })
 }
 
 fn parse(body: &[u8]) -> Option<Broadcast> {
@@ -129,5 +152,6 @@ fn parse(body: &[u8]) -> Option<Broadcast> {
         date: some_text(&body[320..330]),
         time: some_text(&body[330..338]),
         time_reference_samples: u64::from_le_bytes(*body[338..].first_chunk()?),
+        ixml: None,
     })
 }

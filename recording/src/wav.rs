@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::Broadcast;
-use crate::broadcast::{BEXT_BYTES, bext};
+use crate::broadcast::{BEXT_BYTES, MOST_IXML_BYTES, bext};
 
 /// IEEE 754 floats, as `WAVEFORMATEX` numbers them.
 const FLOAT: u16 = 3;
@@ -31,7 +31,7 @@ pub(crate) fn channel_mask(channels: usize) -> u32 {
 /// The size of the samples in bytes; fails, with the reason, where a WAV file cannot hold them.
 pub(crate) fn data_bytes(channels: &[Vec<f32>]) -> Result<u32, String> {
     let bytes = 4 * channels.iter().map(|samples| samples.len() as u64).sum::<u64>();
-    let room = u32::MAX - head_bytes(channels.len(), true);
+    let room = u32::MAX - head_bytes(channels.len(), Some(&Broadcast::default())) - MOST_IXML_BYTES as u32;
     let fits = u32::try_from(bytes).ok().filter(|bytes| *bytes <= room);
     fits.ok_or_else(|| format!("{bytes} bytes of sound do not fit a WAV file"))
 }
@@ -46,7 +46,7 @@ pub(crate) fn write(
     let samples = channels.first().map_or(0, Vec::len);
     let data_bytes = (4 * samples * channels.len()) as u32;
     out.write_all(b"RIFF")?;
-    out.write_all(&(head_bytes(channels.len(), broadcast.is_some()) - 8 + data_bytes).to_le_bytes())?;
+    out.write_all(&(head_bytes(channels.len(), broadcast) - 8 + data_bytes).to_le_bytes())?;
     out.write_all(b"WAVE")?;
     format(out, channels.len() as u16, sample_rate_hz)?;
     chunk(out, b"fact", 4)?;
@@ -54,6 +54,10 @@ pub(crate) fn write(
     if let Some(broadcast) = broadcast {
         chunk(out, b"bext", BEXT_BYTES)?;
         out.write_all(&bext(broadcast))?;
+        if let Some(ixml) = ixml(broadcast) {
+            chunk(out, b"iXML", ixml.len() as u32)?;
+            out.write_all(&ixml)?;
+        }
     }
     chunk(out, b"data", data_bytes)?;
     for index in 0..samples {
@@ -65,9 +69,19 @@ pub(crate) fn write(
 }
 
 /// Bytes before the samples, from the file's first.
-fn head_bytes(channels: usize, has_broadcast: bool) -> u32 {
-    let broadcast = if has_broadcast { 8 + BEXT_BYTES } else { 0 };
-    12 + (8 + format_bytes(channels)) + (8 + 4) + broadcast + 8
+fn head_bytes(channels: usize, broadcast: Option<&Broadcast>) -> u32 {
+    let ixml_bytes = broadcast.and_then(ixml).map_or(0, |ixml| 8 + ixml.len() as u32);
+    let broadcast_bytes = broadcast.map_or(0, |_| 8 + BEXT_BYTES);
+    12 + (8 + format_bytes(channels)) + (8 + 4) + broadcast_bytes + ixml_bytes + 8
+}
+
+/// An iXML chunk's bytes, made even by a space, which XML allows at its end; none of a text that is too long.
+fn ixml(broadcast: &Broadcast) -> Option<Vec<u8>> {
+    let mut bytes = broadcast.ixml.as_ref()?.clone().into_bytes();
+    if bytes.len() % 2 == 1 {
+        bytes.push(b' ');
+    }
+    (bytes.len() as u64 <= MOST_IXML_BYTES).then_some(bytes)
 }
 
 fn format_bytes(channels: usize) -> u32 {

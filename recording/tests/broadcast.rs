@@ -68,6 +68,7 @@ fn fields_stand_where_the_standard_has_them() {
         date: Some("2011-07-25".into()),
         time: Some("12:34:56".into()),
         time_reference_samples: 5,
+        ixml: None,
     };
     write_broadcast_wav_f32(&path, &[vec![0.25, -0.5], vec![1.0, 2.0]], 48_000, &broadcast).unwrap();
     let file = std::fs::read(&path).unwrap();
@@ -104,6 +105,7 @@ fn broadcast_is_read_back_whole_and_from_behind_the_sound() {
         date: Some("2011-07-25".into()),
         time: Some("12:34:56".into()),
         time_reference_samples: 1 << 40,
+        ixml: None,
     };
     write_broadcast_wav_f32(&path, &[vec![0.25; 3]], 48_000, &broadcast).unwrap();
     assert_eq!(Broadcast::of_file(&path), Some(broadcast.clone()));
@@ -147,5 +149,21 @@ fn more_than_two_channels_keep_their_loudspeakers() {
         write_broadcast_wav_f32(&broadcast, &sound, 48_000, &Broadcast::default()).unwrap();
         let [plain, broadcast] = [&plain, &broadcast].map(|path| std::fs::read(path).unwrap());
         assert_eq!(chunk(&broadcast, b"fmt "), chunk(&plain, b"fmt "), "{channels} channels");
+    }
+}
+
+#[test]
+fn ixml_is_read_back_beside_the_time_stamp() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.wav");
+    for text in ["<BWFXML/>", "<BWFXML></BWFXML>"] {
+        let broadcast = Broadcast { time_reference_samples: 7, ixml: Some(text.into()), ..Broadcast::default() };
+        write_broadcast_wav_f32(&path, &[vec![0.5; 9]], 48_000, &broadcast).unwrap();
+        let read = Broadcast::of_file(&path).unwrap();
+        assert_eq!((read.time_reference_samples, read.ixml.as_deref().map(str::trim_end)), (7, Some(text)));
+        let file = std::fs::read(&path).unwrap();
+        assert_eq!(file.len(), 8 + u32::from_le_bytes(file[4..8].try_into().unwrap()) as usize);
+        let sound = pyrophone_recording::decode(&path, &pyrophone_recording::no_progress).unwrap();
+        assert_eq!(sound.channels, [vec![0.5; 9]]);
     }
 }

@@ -75,6 +75,7 @@ fn the_place_on_the_timeline_comes_back_from_the_comments() {
         date: None,
         time: Some("12:34:56".into()),
         time_reference_samples: u64::MAX,
+        ixml: None,
     };
     write_flac_24(&path, &[vec![0.0; 10]], 48_000, Some(&broadcast)).unwrap();
     assert_eq!(Broadcast::of_file(&path), Some(broadcast));

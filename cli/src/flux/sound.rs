@@ -9,7 +9,9 @@ use pyrophone_flame::pressure::{self, Advice, Options};
 use pyrophone_flame::upsample::Upsampler;
 use pyrophone_recording::{Broadcast, write_file};
 
-use crate::args::{Kind, SoundArgs};
+use super::retime::Retime;
+use super::{clock, film, scale};
+use crate::args::{Kind, SoundArgs, TimelineArgs};
 use crate::error::Error;
 use crate::output;
 use crate::progress::{Work, note};
@@ -17,7 +19,7 @@ use crate::report::{self, Picture, Report};
 use crate::summary::Done;
 
 /// Steps per second for checking options while the true rate is not known yet: the paper's.
-const LIKELY_RATE_HZ: f64 = 360.0;
+pub const LIKELY_RATE_HZ: f64 = 360.0;
 
 /// How long a simulation may take to start, in seconds.
 const START_S: f64 = 0.05;
@@ -40,8 +42,10 @@ pub struct Signal {
     pub rate_hz: f64,
     /// Whether that rate is known.
     pub is_timed: bool,
-    /// Number of the frame at which the timeline starts, where that is asked for.
-    pub start_frame: Option<i64>,
+    /// Where it stands in time, where that is asked for.
+    pub timeline: Option<TimelineArgs>,
+    /// The frame of the film at which it starts, where a curve says so.
+    pub film_frame: Option<f64>,
     /// How frames' numbers count the steps that were measured.
     pub numbering: Numbering,
     /// Steps that stand for one that was measured.
@@ -57,7 +61,8 @@ impl Signal {
             first_frame: flux.rows.first().map_or(0, |row| row.frame),
             rate_hz: rate_hz.unwrap_or(LIKELY_RATE_HZ),
             is_timed: rate_hz.is_some(),
-            start_frame: None,
+            timeline: None,
+            film_frame: None,
             numbering: Numbering::default(),
             substeps: 1,
         }
@@ -74,9 +79,26 @@ impl Signal {
         Self { numbering, ..self }
     }
 
-    /// The same on a timeline that starts at a frame.
-    pub fn on_timeline(self, start_frame: Option<i64>) -> Self {
-        Self { start_frame, ..self }
+    /// The same on a timeline.
+    pub fn on_timeline(self, timeline: &TimelineArgs) -> Self {
+        Self { timeline: Some(timeline.clone()), ..self }
+    }
+
+    /// The same as a film shows it that bends time; as it is where none does.
+    pub fn retimed(self) -> Result<Self, Error> {
+        let Some((path, rate)) =
+            self.timeline.as_ref().and_then(|timeline| timeline.retime.as_ref().zip(timeline.film_rate))
+        else {
+            return Ok(self);
+        };
+        let retime = Retime::read(path)?;
+        let flux = retime.applied(&self, rate.hz())?;
+        Ok(Self { flux, area: vec![], film_frame: Some(retime.first()), ..self })
+    }
+
+    /// The first frame's number.
+    pub fn first_number(&self) -> f64 {
+        self.numbering.number(self.first_frame)
     }
 
     /// The same with more steps.
@@ -93,7 +115,7 @@ impl Signal {
     }
 
     /// Steps per second that were measured.
-    fn measured_hz(&self) -> f64 {
+    pub fn measured_hz(&self) -> f64 {
         self.rate_hz / self.substeps as f64
     }
 }
@@ -107,6 +129,7 @@ pub fn files(args: &SoundArgs) -> impl Iterator<Item = &Path> {
 /// beside those of `args`.
 pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result<(), Error> {
     options(args, rate_hz.unwrap_or(LIKELY_RATE_HZ)).validate()?;
+    scale::kept(args)?;
     let outputs: Vec<&Path> = files(args).chain(others.iter().copied()).collect();
     if outputs.is_empty() && args.report.is_none() {
         return Err(Error::Conflict("there is nothing to write; add --output OUT.wav".into()));
@@ -154,7 +177,8 @@ fn options(args: &SoundArgs, rate_hz: f64) -> Options {
         Kind::Pressure => pressure::Kind::Pressure,
         Kind::Envelope => pressure::Kind::Envelope,
     };
-    Options { rate_hz, sample_rate_hz: args.sample_rate, kind, high_pass_hz: args.high_pass, peak_db: args.peak_db }
+    let (sample_rate_hz, high_pass_hz) = (args.sample_rate, args.high_pass);
+    Options { rate_hz, sample_rate_hz, kind, high_pass_hz, peak_db: args.peak_db, scale: None }
 }
 
 /// Says which frames were not measured.
@@ -203,7 +227,8 @@ pub fn write(
         let option = if matches!(advice, Advice::EnvelopeOnly { .. }) { " (--as envelope)" } else { "" };
         note(&format!("at {} steps per second {advice}{option}", signal.rate_hz));
     }
-    let sound = pressure::render(&signal.flux, &options(args, signal.rate_hz))?;
+    let scale = scale::kept(args)?;
+    let sound = pressure::render(&signal.flux, &Options { scale, ..options(args, signal.rate_hz) })?;
     work.check()?;
     if args.kind == Kind::Pressure {
         note_start(&sound.samples, args.sample_rate);
@@ -234,17 +259,29 @@ pub fn write(
     done.files.extend(args.report.iter().map(|folder| folder.join("index.html")));
     if let Some(path) = &args.output {
         let is_silent = sound.samples.iter().all(|sample| *sample == 0.0);
+        let place = time_reference(args, signal).inspect_err(|_| remove(&written))?;
+        let timeline = signal.timeline.as_ref();
+        let now = timeline.filter(|timeline| timeline.dated).map(|_| clock::now());
         let broadcast = Broadcast {
             description: format!("Flame signal, {} steps per second", signal.rate_hz),
-            time_reference_samples: time_reference(args, signal).inspect_err(|_| remove(&written))?,
-            ..Broadcast::default()
+            time_reference_samples: place,
+            date: now.as_ref().map(|(date, _)| date.clone()),
+            time: now.map(|(_, time)| time),
+            ixml: timeline.and_then(|timeline| film::ixml(timeline, place, args.sample_rate)),
         };
+        let (scale, peak) = (sound.scale, scale::peak(&sound.samples));
         let result = output::write_signal(path, vec![sound.samples], args.sample_rate, Some(&broadcast));
         let heard = result.inspect_err(|_| remove(&written))?;
         if is_silent {
-            note("the output is silent: the flux does not change; is there a flame front at this iso value?");
+            let reason = match (signal.flux.len(), signal.area.iter().all(|area| *area == 0.0)) {
+                (steps, _) if steps <= signal.substeps => "there is one frame, and no change",
+                (_, false) => "the flux does not change: the flame stands still, or as much flows in as out",
+                (_, true) => "the flux does not change; is there a flame front at this iso value?",
+            };
+            note(&format!("the output is silent: {reason}"));
         } else {
-            note(&format!("scaled by {:.6e} to a peak of {} dB", sound.scale, args.peak_db));
+            scale::keep(args, scale).inspect_err(|_| remove(&written))?;
+            note(&scale::told(args, scale, peak));
         }
         done = Done { files: done.files, ..Done::with_sound(path, heard) };
     }
@@ -255,12 +292,15 @@ pub fn write(
 fn write_table(path: &Path, flux: &Flux, signal: &Signal) -> Result<(), Error> {
     write_file(path, |file| {
         let mut file = std::io::BufWriter::new(file);
-        if signal.substeps == 1 {
+        if signal.substeps == 1 && signal.film_frame.is_none() {
             let rate_hz = signal.is_timed.then_some(signal.rate_hz);
             flux.write_csv(rate_hz, |step| signal.numbering.label(step), &mut file)?;
         } else {
             writeln!(file, "time_s,flux")?;
-            let start_s = signal.first_frame as f64 / signal.measured_hz();
+            let start_s = match signal.film_frame {
+                Some(_) => 0.0,
+                None => signal.first_frame as f64 / signal.measured_hz(),
+            };
             for (step, flux) in signal.flux.iter().enumerate() {
                 writeln!(file, "{:.9},{flux:?}", start_s + step as f64 / signal.rate_hz)?;
             }
@@ -279,13 +319,20 @@ fn remove(written: &[&Path]) {
 
 /// Where the first sample stands on the timeline.
 pub fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
-    let Some(start) = signal.start_frame else { return Ok(args.time_reference.unwrap_or(0)) };
+    let sample_rate_hz = f64::from(args.sample_rate);
+    if let Some(timeline) = &signal.timeline
+        && let Some(place_s) = film::place_s(timeline, signal)?
+    {
+        return Ok((place_s * sample_rate_hz).round() as u64);
+    }
+    let start = signal.timeline.as_ref().and_then(|timeline| timeline.start_frame);
+    let Some(start) = start else { return Ok(args.time_reference.unwrap_or(0)) };
     let steps = frames_since(start, signal.first_frame, &signal.numbering)?;
-    Ok((steps as f64 / signal.measured_hz() * f64::from(args.sample_rate)).round() as u64)
+    Ok((steps as f64 / signal.measured_hz() * sample_rate_hz).round() as u64)
 }
 
 /// Steps from the start of the timeline to the first one.
-pub fn frames_since(start: i64, first: i64, numbering: &Numbering) -> Result<u64, Error> {
+fn frames_since(start: i64, first: i64, numbering: &Numbering) -> Result<u64, Error> {
     let steps = first.checked_sub(numbering.step_from(start)).and_then(|steps| u64::try_from(steps).ok());
     steps.ok_or_else(|| {
         let what = format!("--start-frame is {start}, but the first frame is {}", numbering.label(first));

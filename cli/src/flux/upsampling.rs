@@ -12,9 +12,6 @@ const TARGET_HZ: f64 = 360.0;
 /// How far below that they may stay, so that television's rates take no step more than others.
 const NEARLY: f64 = 0.98;
 
-/// Steps per second from which a smooth curve through the frames says most of it.
-const CUBIC_HZ: f64 = 100.0;
-
 /// Steps per second from which nothing is added unless asked for.
 const ENOUGH_HZ: f64 = 200.0;
 
@@ -27,7 +24,6 @@ pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>
         (Upsample::Off, _) => return Ok(None),
         (Upsample::Auto, Some(rate_hz)) if rate_hz >= ENOUGH_HZ || is_envelope => return Ok(None),
         (Upsample::Auto, None) => return Ok(None),
-        (Upsample::Auto, Some(rate_hz)) if rate_hz >= CUBIC_HZ => Method::Cubic,
         (Upsample::Flips | Upsample::Auto, _) => Method::Flips,
         (Upsample::Release, _) => Method::Release,
         (Upsample::Noise, _) => Method::Noise,

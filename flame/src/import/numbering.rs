@@ -162,6 +162,11 @@ impl Numbering {
         step.saturating_mul(self.stride).saturating_add(self.rest).div_euclid(self.subframes)
     }
 
+    /// The number of a step: 1001, 12.25.
+    pub fn number(&self, step: i64) -> f64 {
+        (step as f64 * self.stride as f64 + self.rest as f64) / self.subframes as f64
+    }
+
     /// Steps of one frame: 4 of quarter frames, 0.5 on twos.
     pub fn steps_per_frame(&self) -> f64 {
         self.subframes as f64 / self.stride as f64

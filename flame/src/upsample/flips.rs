@@ -14,8 +14,8 @@ use crate::solver::Random;
 /// scenes at 24 frames a second stay within 3 dB.
 const SPACING: f64 = 1.73;
 
-/// Where the steps that are added begin to count, as a part of the frames' rate: below it the frames themselves tell.
-const CORNER: f64 = 0.35;
+/// Where the steps that are added begin to count, as a part of the frames' rate: below it the curve through the frames tells.
+const CORNER: f64 = 0.45;
 
 /// Draws from which it is told how far the middle of three frames would lie from a curve through its neighbours.
 const DRAWS: u64 = 2;
@@ -32,6 +32,10 @@ const APART_DB: f64 = 3.0;
 
 /// Most decibels that are added or taken off.
 const MOST_DB: f64 = 12.0;
+
+/// Frames from which half of what they tell is believed: a few may be those of a start from rest, which tell nothing of
+/// what follows.
+const HALF_BELIEVED: f64 = 16.0;
 
 /// What frames have to tell: sums of the sources before and after, of what changes without its sign, of its squares; the
 /// mean square of where flips over two frames would put the one in the middle (below 0 where there is none); then the steps
@@ -150,20 +154,21 @@ pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) ->
 /// What flips lack, told by the frames themselves: every one of them lies between two others, from which it differs as it
 /// does, while flips over both would make it differ by so much.
 fn gain_db(values: &[f64], pairs: &[Option<&[f64]>], unit: f64) -> f64 {
-    let (mut true_power, mut flipped_power) = (0.0, 0.0);
+    let (mut true_power, mut flipped_power, mut count) = (0.0, 0.0, 0.0);
     for (window, change) in values.windows(7).zip(pairs.iter().skip(2)) {
         let Some(middle) = change.and_then(|change| change.get(4)).filter(|middle| **middle >= 0.0) else { continue };
         // Halfway between the third and the fifth by a cubic through every second one.
         let between = (9.0 * (window[2] + window[4]) - (window[0] + window[6])) / 16.0;
         true_power += (window[3] - between).powi(2);
         flipped_power += middle * unit * unit;
+        count += 1.0;
     }
     if !(true_power > 0.0 && flipped_power > 0.0) {
         return 0.0;
     }
     let found_db = 10.0 * (flipped_power / true_power).log10();
     let gain_db = if found_db < -TOGETHER_DB { -found_db - TOGETHER_DB } else { (APART_DB - found_db).min(0.0) };
-    gain_db.clamp(-MOST_DB, MOST_DB)
+    gain_db.clamp(-MOST_DB, MOST_DB) * count / (count + HALF_BELIEVED)
 }
 
 /// The flux that belongs to a unit of the sources, by their sums.

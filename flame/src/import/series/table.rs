@@ -176,7 +176,14 @@ impl<'a> Table<'a> {
         }
         let value = self.number(cells, columns.flux)?;
         if let Some(column) = columns.frame {
-            self.frame(cells, column)?;
+            let frame = self.frame(cells, column);
+            if columns.time.is_some() && frame.is_err() {
+                // Sub-frames, or every second frame: the times tell all that matters.
+                self.columns = Some(Columns { frame: None, ..columns });
+                self.frames = None;
+            } else {
+                frame?;
+            }
         }
         if let Some(column) = columns.time {
             self.time(cells, column, columns.unit_s)?;
@@ -298,6 +305,17 @@ mod tests {
     fn times_beside_frames_tell_the_rate() {
         let series = read("frame,time_s,flux\n7,0.0,1\n8,0.5,2\n9,1.0,3\n").unwrap();
         assert_eq!((series.timing, series.rate_hz), (Timing::Frames(7), Some(2.0)));
+    }
+
+    #[test]
+    fn frames_that_do_not_count_up_matter_only_without_times() {
+        for frames in [["1", "1.5", "2"], ["1001", "1003", "1005"]] {
+            let [a, b, c] = frames;
+            let text = format!("frame,flux,area,time_s\n{a},1,0,0.0\n{b},2,0,0.1\n{c},3,0,0.2\n");
+            let series = read(&text).unwrap();
+            assert_eq!((series.values, series.rate_hz), (vec![1.0, 2.0, 3.0], Some(10.0)));
+            assert!(read(&format!("frame,flux\n{a},1\n{b},2\n{c},3\n")).is_err());
+        }
     }
 
     #[test]

@@ -1,0 +1,109 @@
+//! Retiming: which frame of the simulation stands at which frame of the film.
+
+use std::path::Path;
+
+use crate::error::Error;
+use crate::flux::sound::Signal;
+use crate::input::text;
+
+/// Longest film in seconds.
+const MOST_S: f64 = 3600.0;
+
+/// A curve from frames of the film to frames of the simulation, linear between its points.
+pub struct Retime {
+    points: Vec<(f64, f64)>,
+}
+
+impl Retime {
+    /// Reads a table of two columns, `film frame, simulation frame`, with or without a line of names.
+    ///
+    /// Fails with the line where there are no two numbers, where frames of the film do not ascend, and with fewer than two rows.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let shown = path.display().to_string();
+        let failed = |line: usize, reason: &str| Err(Error::Conflict(format!("{shown}: line {line}: {reason}")));
+        let mut points: Vec<(f64, f64)> = vec![];
+        for (index, line) in text(path)?.lines().enumerate() {
+            if line.trim().is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let numbers: Vec<Option<f64>> = line.split([',', ';', '\t']).map(|cell| cell.trim().parse().ok()).collect();
+            match numbers[..] {
+                [Some(film), Some(frame)] if film.is_finite() && frame.is_finite() => match points.last() {
+                    Some((last, _)) if *last >= film => return failed(index + 1, "frames of the film must ascend"),
+                    _ => points.push((film, frame)),
+                },
+                [None, None] if points.is_empty() => {}
+                _ => return failed(index + 1, "two numbers are due: film frame, simulation frame"),
+            }
+        }
+        if points.len() < 2 {
+            return Err(Error::Conflict(format!("{shown}: a curve has two points at least")));
+        }
+        Ok(Self { points })
+    }
+
+    /// The first frame of the film.
+    pub fn first(&self) -> f64 {
+        self.points.first().map_or(0.0, |(film, _)| *film)
+    }
+
+    fn frame_at(&self, film: f64) -> f64 {
+        let after = self.points.partition_point(|(at, _)| *at <= film).clamp(1, self.points.len() - 1);
+        let ((from, a), (to, b)) = (self.points[after - 1], self.points[after]);
+        a + (b - a) * ((film - from) / (to - from)).clamp(0.0, 1.0)
+    }
+
+    /// The signal as the film shows it, its first step at the curve's first frame.
+    ///
+    /// Fails where the film would be longer than an hour.
+    pub fn applied(&self, signal: &Signal, film_hz: f64) -> Result<Vec<f64>, Error> {
+        let (first, last) = (self.first(), self.points.last().map_or(0.0, |(film, _)| *film));
+        let seconds = (last - first) / film_hz;
+        crate::input::in_range("the length of --retime in seconds", seconds, 0.0, MOST_S)?;
+        let per_frame = signal.numbering.steps_per_frame() * signal.substeps as f64;
+        let start = signal.first_number();
+        let steps = (seconds * signal.rate_hz).round() as usize + 1;
+        let value = |step: usize| {
+            let film = first + step as f64 / signal.rate_hz * film_hz;
+            cubic(&signal.flux, (self.frame_at(film) - start) * per_frame)
+        };
+        Ok((0..steps).map(value).collect())
+    }
+}
+
+/// A value between steps: the cubic through the four nearest (Catmull & Rom); end values beyond the ends.
+fn cubic(values: &[f64], at: f64) -> f64 {
+    let last = values.len() as f64 - 1.0;
+    let at = at.clamp(0.0, last.max(0.0));
+    let (base, t) = (at.floor() as i64, at.fract());
+    let value = |offset: i64| values[(base + offset).clamp(0, values.len() as i64 - 1) as usize];
+    let [a, b, c, d] = [-1, 0, 1, 2].map(value);
+    b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_slows_down_and_stops() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("curve.csv");
+        std::fs::write(&path, "film,simulation\n1001,1\n1011,6\n1021,6\n").unwrap();
+        let retime = Retime::read(&path).unwrap();
+        let signal = Signal::of_series((0..100).map(f64::from).collect(), 0, 24.0);
+        let film = retime.applied(&signal, 24.0).unwrap();
+        assert_eq!(film.len(), 21);
+        assert_eq!((film[0], film[4], film[10], film[20]), (1.0, 3.0, 6.0, 6.0), "half as fast, then still");
+        for (text, says) in [
+            ("1,2\n", "two points"),
+            ("1,2\n1,3\n", "line 2: frames of the film must ascend"),
+            ("a,b\n1,2\n2,x\n", "line 3"),
+            ("1,2,3\n", "line 1"),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let error = Retime::read(&path).err().unwrap().to_string();
+            assert!(error.contains(says), "{text:?}: {error}");
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! One scale for all flames of a shot, so that their balance is kept.
+
+use pyrophone_recording::write_file;
+
+use crate::args::SoundArgs;
+use crate::error::Error;
+use crate::input::text;
+
+/// How the file begins; the scale follows.
+const MARK: &str = "pyrophone scale ";
+
+/// The scale in the shot's file; none where there is no such file yet.
+///
+/// Fails where it is no such file.
+pub fn kept(args: &SoundArgs) -> Result<Option<f64>, Error> {
+    let Some(path) = args.scale_file.as_deref().filter(|path| path.exists()) else { return Ok(None) };
+    let found = text(path)?;
+    let scale = found.trim().strip_prefix(MARK).and_then(|scale| scale.parse::<f64>().ok());
+    let refused = || {
+        let message = format!("{}: no scale that --scale-file has written; choose another file", path.display());
+        Error::Conflict(message)
+    };
+    scale.filter(|scale| scale.is_finite() && *scale > 0.0).map(Some).ok_or_else(refused)
+}
+
+/// Writes the shot's file where this flame is the first.
+pub fn keep(args: &SoundArgs, scale: f64) -> Result<(), Error> {
+    let Some(path) = args.scale_file.as_deref().filter(|path| !path.exists()) else { return Ok(()) };
+    Ok(write_file(path, |file| std::io::Write::write_all(file, format!("{MARK}{scale:?}\n").as_bytes()))?)
+}
+
+/// The loudest sample.
+pub fn peak(samples: &[f32]) -> f32 {
+    samples.iter().fold(0.0, |peak: f32, sample| peak.max(sample.abs()))
+}
+
+/// What was done, for people.
+pub fn told(args: &SoundArgs, scale: f64, peak: f32) -> String {
+    match &args.scale_file {
+        Some(path) => {
+            let peak_db = 20.0 * peak.log10();
+            format!("scaled by {scale:.6e}, as {} says, to a peak of {peak_db:.1} dB", path.display())
+        }
+        None => format!("scaled by {scale:.6e} to a peak of {} dB", args.peak_db),
+    }
+}
