@@ -20,7 +20,7 @@ const BURST: f64 = 2.0;
 const BURST_APART_S: f64 = 0.15;
 
 /// Figures of a signal. By the same figures the paper's own three signals have an envelope's CV of 0.97-1.19, a
-/// kurtosis of 7.7-10.5, 1.6-2.4 bursts a second and slopes of -14 to 0 dB per decade.
+/// kurtosis of 7.8-10.5, 1.8-2.0 bursts a second and slopes of -15 to 0 dB per decade.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Character {
     /// Mean squares in [`BANDS_HZ`], in dB re 1.
