@@ -48,7 +48,7 @@ fn every_numbered_equation_has_a_row() {
                 let Some((_, numbers)) = row.split_once("eq. ") else { return false };
                 numbers.split(", ").any(|found| found == number.to_string())
             };
-            assert!(rows.iter().any(|row| is_named(row)), "{heading} has no row for equation {number}");
+            assert!(rows.iter().any(is_named), "{heading} has no row for equation {number}");
         }
     }
 }

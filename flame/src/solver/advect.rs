@@ -72,9 +72,8 @@ impl Paths {
 fn positions(count: usize, of: impl Fn(usize) -> [f32; 3]) -> Positions {
     let mut lanes = [[0.0; LANES]; 3];
     for lane in 0..LANES {
-        let position = of(lane.min(count - 1));
-        for axis in 0..3 {
-            lanes[axis][lane] = position[axis];
+        for (lanes, coordinate) in lanes.iter_mut().zip(of(lane.min(count - 1))) {
+            lanes[lane] = coordinate;
         }
     }
     lanes
@@ -249,9 +248,9 @@ impl<const N: usize> Entering<N> {
     #[inline(always)]
     fn comes_in(&self, positions: &Positions) -> [bool; LANES] {
         let mut outside = [false; LANES];
-        for axis in 0..3 {
-            for (outside, position) in outside.iter_mut().zip(positions[axis]) {
-                *outside |= position < self.low[axis] || position > self.high[axis];
+        for (positions, (low, high)) in positions.iter().zip(self.low.iter().zip(&self.high)) {
+            for (outside, position) in outside.iter_mut().zip(positions) {
+                *outside |= position < low || position > high;
             }
         }
         outside
