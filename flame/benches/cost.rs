@@ -91,9 +91,13 @@ fn campfire() -> String {
     let mut simulation = Simulation::new(Scene::Campfire, options).expect("the scene's own options");
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     pool.install(|| {
-        (0..WARM_UP_STEPS).for_each(|_| _ = simulation.step());
+        for _ in 0..WARM_UP_STEPS {
+            simulation.step();
+        }
         let began = Instant::now();
-        (0..STEPS).for_each(|_| _ = simulation.step());
+        for _ in 0..STEPS {
+            simulation.step();
+        }
         format!("{:.1}", began.elapsed().as_secs_f64() * STEP_RATE_HZ / STEPS as f64)
     })
 }

@@ -82,9 +82,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if is_wanted(Bench::Search) {
         let mut figures =
             printed(cargo::command().args(["bench", "--quiet", "--package", PACKAGE, "--bench", "search"]))?;
-        let instructions = instructions::table()?;
-        print!("{instructions}");
-        figures.push_str(&instructions);
+        figures.push_str(&instructions::table()?);
         if args.bench == Some(Bench::Search) {
             keep(&figures, BEGIN, END)?;
         }

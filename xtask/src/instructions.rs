@@ -17,8 +17,19 @@ const TOLERANCE: f64 = 0.1;
 const PACKAGE: &str = "pyrophone-synthesis";
 const ENGINES: [&str; 5] = ["exact", "bounded", "quiet", "extension", "default"];
 
+/// Why nothing can be compared, if so.
+pub fn obstacle() -> Option<&'static str> {
+    if !can_count() {
+        Some("valgrind is not installed (`apt-get install valgrind`)")
+    } else if !Path::new(KEPT).exists() {
+        Some("no counts are kept yet (`cargo xtask bench instructions`)")
+    } else {
+        None
+    }
+}
+
 /// Whether this machine can count.
-pub fn can_count() -> bool {
+fn can_count() -> bool {
     Command::new("valgrind").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
