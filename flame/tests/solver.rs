@@ -235,7 +235,7 @@ fn a_front_is_carried_without_steps() {
             front.measure(&solver.front_frame(0).unwrap()).unwrap().area
         })
         .collect();
-    // What is left beside the slow change as the ball burns out and blurs: 9e-4, where whole cells make some 5e-2.
+    // What is left beside the slow change as the ball burns out and blurs: 9e-4 when this was written.
     let bends: Vec<f64> = areas[10..].windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]) / w[1]).collect();
     let rms = (bends.iter().map(|x| x * x).sum::<f64>() / bends.len() as f64).sqrt();
     assert!(areas[89] > 0.1 && rms < 2e-3, "area {} m², its steps {rms:.2e} of it", areas[89]);
