@@ -57,7 +57,7 @@ pub enum Command {
     /// The plugin's whole chain
     Render(RenderArgs),
     /// Flame signal of a simulated flame: flux through its front, frame by frame, and its pressure
-    Flux(FluxArgs),
+    Flux(Box<FluxArgs>),
     /// Flame signal from the parts that `flux --partial` has written
     FluxMerge(FluxMergeArgs),
     /// A job that measures a simulation in parts on a farm, and puts them together

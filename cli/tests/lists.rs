@@ -10,12 +10,13 @@ use pyrophone_settings::PARAMETERS;
 use pyrophone_settings::preset::FACTORY;
 use serde_json::Value;
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 12] = [
     "texture",
     "extend",
     "render",
     "flux",
     "flux-merge",
+    "flux-plan",
     "simulate",
     "vortex-texture",
     "presets",

@@ -246,10 +246,13 @@ fn column(path: &Path) -> Vec<String> {
     table.lines().skip(1).map(|line| line.split(',').next().unwrap().to_owned()).collect()
 }
 
+/// Names of files, the field that they hold, the frames that they are, steps a second, and what is said.
+type NamesCase = (&'static [&'static str], &'static str, &'static [&'static str], f64, &'static str);
+
 /// Names as people have them, each with the frames that they are, the steps a second at 24 frames, and what is said.
 #[test]
 fn caches_of_every_name_are_read() {
-    let cases: [(&[&str], &str, &[&str], f64, &str); 9] = [
+    let cases: [NamesCase; 9] = [
         (
             &["a.1.25", "a.1.5", "a.1.75", "a.2.25"],
             "flame",

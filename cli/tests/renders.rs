@@ -107,6 +107,18 @@ fn a_speed_field_is_written_by_simulate_and_heard_by_render() {
     assert_eq!(f64::from_le_bytes(later[16..24].try_into().unwrap()), 1.0);
 }
 
+/// Speeds of a source, step by step.
+fn course(field: &SpeedField, source: usize) -> impl Iterator<Item = f32> {
+    field.speeds().iter().skip(source).step_by(field.sources()).copied()
+}
+
+/// Sources of two fields that stand at the same places.
+fn same_places(a: &SpeedField, b: &SpeedField) -> Vec<(usize, usize)> {
+    let is_same = |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-3);
+    let partner = |place: [f32; 3]| b.positions().iter().position(|other| is_same(place, *other));
+    a.positions().iter().enumerate().filter_map(|(source, place)| Some((source, partner(*place)?))).collect()
+}
+
 #[test]
 fn flux_writes_the_speed_field_that_simulate_does() {
     let folder = folder();
@@ -119,12 +131,25 @@ fn flux_writes_the_speed_field_that_simulate_does() {
         .map(|name| SpeedField::from_bytes(&std::fs::read(folder.path().join(name)).unwrap()).unwrap());
     assert_eq!((a.steps(), a.rate_hz(), a.start_s()), (b.steps(), b.rate_hz(), b.start_s()));
     // The same sub-volumes of the same gas, whose velocities the cache has at the voxels' centres instead of their faces.
-    assert_eq!((a.sources(), a.steps()), (b.sources(), b.steps()));
-    for (a, b) in a.positions().iter().flatten().zip(b.positions().iter().flatten()) {
-        assert!((a - b).abs() < 1e-3, "{a} and {b} m");
+    let pairs = same_places(&a, &b);
+    for (one, other, pairs) in [(&a, &b, pairs.clone()), (&b, &a, pairs.iter().map(|(a, b)| (*b, *a)).collect())] {
+        assert!(pairs.len() + 4 > other.sources(), "{} of {} and {}", pairs.len(), one.sources(), other.sources());
+        // A sub-volume that one of them has alone is one that hardly moves: it lies at the edge of what counts as moving.
+        let top = one.speeds().iter().copied().fold(0.0f32, f32::max);
+        for alone in (0..one.sources()).filter(|source| pairs.iter().all(|(paired, _)| paired != source)) {
+            let fastest = course(one, alone).fold(0.0f32, f32::max);
+            assert!(fastest < 0.07 * top, "{fastest} of {top} m/s");
+        }
     }
-    let dot = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| f64::from(a * b)).sum::<f64>();
-    let alike = dot(a.speeds(), b.speeds()) / (dot(a.speeds(), a.speeds()) * dot(b.speeds(), b.speeds())).sqrt();
+    let dot = |a: &SpeedField, b: &SpeedField, pairs: &[(usize, usize)]| -> f64 {
+        let products = pairs.iter().flat_map(|(one, other)| course(a, *one).zip(course(b, *other)));
+        products.map(|(a, b)| f64::from(a * b)).sum()
+    };
+    let own = |field: &SpeedField, of: fn(&(usize, usize)) -> usize| {
+        let own: Vec<(usize, usize)> = pairs.iter().map(|pair| (of(pair), of(pair))).collect();
+        dot(field, field, &own)
+    };
+    let alike = dot(&a, &b, &pairs) / (own(&a, |pair| pair.0) * own(&b, |pair| pair.1)).sqrt();
     assert!(alike > 0.97, "{alike}");
     // A gap of frames that are missing is held, and what comes after it stays in its place.
     for number in 24..36 {
