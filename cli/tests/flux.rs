@@ -500,7 +500,7 @@ fn a_film_bends_time() {
     let sound = read(&at.join("film.wav"));
     let seconds = sound.len_samples() as f64 / f64::from(sound.sample_rate_hz);
     assert!((seconds - 28.0 / 24.0).abs() < 0.01, "{seconds}");
-    refuses(at, "flux --input flame --rate 24 --film-rate 24 --retime none.csv --output x.wav", 1, &["none.csv"]);
+    refuses(at, "flux --input flame --film-rate 24 --retime none.csv --output x.wav", 1, &["none.csv"]);
 }
 
 /// Two flames of a shot keep their balance.
