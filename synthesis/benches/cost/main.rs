@@ -18,10 +18,13 @@ use std::time::{Duration, Instant};
 /// Sample rate in Hz of all pairs.
 const RATE_HZ: f64 = 44_100.0;
 
+/// Measures, and prints what it found.
+type Figures = Box<dyn Fn(&[pairs::Pair]) -> String>;
+
 /// A row: its name, and what it prints.
 struct Row {
     name: &'static str,
-    figures: Box<dyn Fn(&[pairs::Pair]) -> String>,
+    figures: Figures,
 }
 
 fn row(name: &'static str, figures: impl Fn(&[pairs::Pair]) -> String + 'static) -> Row {

@@ -47,7 +47,7 @@ fn quiet() -> Pair {
     let peak = bursts.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     let noise = |i: usize, random: &mut Random| {
         let noise = FLOOR * peak * (2.0 * random.unit() - 1.0);
-        if i / 50_000 % 2 == 0 { noise } else { bursts[i] + noise }
+        if (i / 50_000).is_multiple_of(2) { noise } else { bursts[i] + noise }
     };
     let training = (0..bursts.len()).map(|i| noise(i, &mut random)).collect();
     let mut input = vec![0.0; 60_000];
