@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// Sample rate in Hz of all pairs.
 const RATE_HZ: f64 = 44_100.0;
 
-/// What a row prints of the pairs.
+/// Measures, and prints what it found.
 type Figures = Box<dyn Fn(&[pairs::Pair]) -> String>;
 
 /// A row: its name, and what it prints.

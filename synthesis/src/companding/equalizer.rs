@@ -1,7 +1,7 @@
 //! An equaliser towards a spectrum: minimum phase, so that it adds no latency.
 //!
 //! Convolution in parts (Gardner, "Efficient Convolution without Input-Output Delay", 1995): the first taps directly, all
-//! others by transforms of blocks of [`BLOCK`] samples, which are due only one block later. So work grows with
+//! others by transforms of blocks of 64 samples, which are due only one block later. So work grows with
 //! the sample rate and not with its square, and is the same in every block. Blocks stand on the samples counted since the
 //! reset, whatever pieces the sound comes in.
 
