@@ -134,11 +134,12 @@ fn flux_writes_the_speed_field_that_simulate_does() {
     let pairs = same_places(&a, &b);
     for (one, other, pairs) in [(&a, &b, pairs.clone()), (&b, &a, pairs.iter().map(|(a, b)| (*b, *a)).collect())] {
         assert!(pairs.len() + 4 > other.sources(), "{} of {} and {}", pairs.len(), one.sources(), other.sources());
-        // A sub-volume that one of them has alone is one that hardly moves: it lies at the edge of what counts as moving.
+        // A sub-volume that one of them has alone lies at the edge of what counts as moving, a twentieth of the fastest. At
+        // the box's sides the cache's samples end half a voxel inside, and speeds come out as low as half.
         let top = one.speeds().iter().copied().fold(0.0f32, f32::max);
         for alone in (0..one.sources()).filter(|source| pairs.iter().all(|(paired, _)| paired != source)) {
             let fastest = course(one, alone).fold(0.0f32, f32::max);
-            assert!(fastest < 0.07 * top, "{fastest} of {top} m/s");
+            assert!(fastest < 0.12 * top, "{fastest} of {top} m/s");
         }
     }
     let dot = |a: &SpeedField, b: &SpeedField, pairs: &[(usize, usize)]| -> f64 {

@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use pyrophone_flame::{Frame, Front};
 use pyrophone_flame::solver::{
     Combustion, Cooling, Domain, Emitter, Mixing, Parameters, Poisson, Random, Shape, Side, Solver, Surroundings,
 };
+use pyrophone_flame::{Frame, Front};
 
 /// The lower and upper side of each axis.
 type Sides = [[Side; 2]; 3];
