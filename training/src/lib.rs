@@ -3,7 +3,7 @@
 //! | module | is |
 //! |---|---|
 //! | [`key`] | what a dictionary is made of |
-//! | [`build`] | part of the recording, level, sample rate, dictionary |
+//! | [`mod@build`] | part of the recording, level, sample rate, dictionary |
 //! | [`store`] | dictionaries on disk, from one session to the next |
 
 pub mod build;
