@@ -34,7 +34,7 @@ pub fn design(gains_db: &[f64], sample_rate_hz: f64) -> Vec<f64> {
     minimum_phase(gain_db, sample_rate_hz)
 }
 
-/// Taps of a low-pass that stays as it is up to a frequency in Hz, and falls by [`STOP_DB`] within a sixth of an octave.
+/// Taps of a low-pass that stays as it is up to a frequency in Hz, and falls by 30 dB within a sixth of an octave.
 pub fn design_low_pass(corner_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
     minimum_phase(|hz| -STOP_DB * (6.0 * (hz.max(1.0) / corner_hz).log2()).clamp(0.0, 1.0), sample_rate_hz)
 }
