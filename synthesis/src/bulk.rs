@@ -1,6 +1,6 @@
 //! Large arrays written and read as they lie in memory.
 //!
-//! A dictionary of two minutes is some 200 MB of numbers: decoding them one by one takes longer than making the sound that
+//! A dictionary of two minutes of stereo is some 380 MB of numbers: decoding them one by one takes longer than making the sound that
 //! they are for. What is small goes through `bitcode`, which skips fields that are [`Bulk`]; those follow as plain bytes, each
 //! array after its length, in the order in which [`Bulk`] names them.
 

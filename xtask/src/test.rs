@@ -186,7 +186,10 @@ impl Tally {
             for line in BufReader::new(output).split(b'\n') {
                 let line = String::from_utf8_lossy(&line?).into_owned();
                 writeln!(shown, "{line}")?;
-                self.count(&line);
+                // Nextest shows what failed tests have printed, with summaries of their own.
+                if !is_nextest || line.trim_start().starts_with("Summary [") {
+                    self.count(&line);
+                }
             }
         }
         if !child.wait()?.success() && self.failed == failed_before {

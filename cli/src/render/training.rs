@@ -25,32 +25,23 @@ pub fn dictionary(
     let key = DictionaryKey::new(&recording.content_hash, cut, rate_hz, structure);
     let store = Store::of_user();
     if let Some(kept) = store.as_ref().and_then(|store| store.read(&key)) {
+        // The plug-in keeps what is too short for a window, too: there, extension stands in.
+        check_windows(&kept, path)?;
         return Ok(Arc::new(kept));
     }
-    let made = make(recording, path, cut, rate_hz, structure, work)?;
-    check_windows(&made, path)?;
-    if let Some(Err(error)) = store.map(|store| store.write(&key, &made)) {
-        note(&format!("what was learnt from {} cannot be kept for the next time: {error}", path.display()));
-    }
-    Ok(Arc::new(made))
-}
-
-fn make(
-    recording: &Recording,
-    path: &Path,
-    cut: &Cut,
-    rate_hz: f64,
-    structure: &Structure,
-    work: &Work,
-) -> Result<Dictionary, Error> {
     let shown = work.stage("learning");
     let progress = |stage: Stage, done: f32| match stage {
         Stage::Resampling => shown.at(0.2 * done),
         Stage::Indexing => shown.at(0.2 + 0.8 * done),
     };
-    build(recording, cut, rate_hz, structure, &progress).map_err(|error| match error {
+    let made = build(recording, cut, rate_hz, structure, &progress).map_err(|error| match error {
         pyrophone_training::Error::Cancelled => Error::Cancelled,
         pyrophone_training::Error::Recording(error) => error.into(),
         pyrophone_training::Error::Engine { source, .. } => Error::of_file(path)(source),
-    })
+    })?;
+    check_windows(&made, path)?;
+    if let Some(Err(error)) = store.map(|store| store.write(&key, &made)) {
+        note(&format!("what was learnt from {} cannot be kept for the next time: {error}", path.display()));
+    }
+    Ok(Arc::new(made))
 }
