@@ -115,6 +115,16 @@ pub fn set(plugin: &mut dyn Plugin, id: &str, text: &str) {
     plugin.set_value(id, value).unwrap_or_else(|error| panic!("{error}"));
 }
 
+/// How often something is tried: fewer times in `cargo xtask test` than in `cargo xtask soak`.
+pub fn rounds(test: usize, soak: usize) -> usize {
+    if is_soak() { soak } else { test }
+}
+
+/// Whether these are the long tests.
+pub fn is_soak() -> bool {
+    std::env::var("PYROPHONE_SOAK").as_deref() == Ok("1")
+}
+
 /// Flame-like channels.
 pub fn flame(seed: u64, channels: usize, samples: usize) -> Vec<Vec<f32>> {
     let mut random = signals::Random::new(seed);

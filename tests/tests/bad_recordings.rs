@@ -96,14 +96,18 @@ fn bad_recordings_do_no_harm() {
     assert!(bad.len() >= 15);
     let good = session(Some(&recording(folder.path(), "good.wav", 1, 30_000)), None);
     let values = preset("default", &[]);
-    let input = flame(51, 1, 30_000);
+    let input = flame(51, 1, 18_000);
     let options = BounceOptions::new(RATE_HZ, MONO);
     for format in Format::ALL {
         let mut plugin = open(format);
         let extension = play(plugin.as_mut(), &input, &options);
         load_session(plugin.as_mut(), &values, &good);
+        // While it has the good one, that need not be learnt from anew after every bad one.
+        let mut keeper = open(format);
+        load_session(keeper.as_mut(), &values, &good);
+        await_recording(keeper.as_mut(), RATE_HZ, MONO);
         let with_recording = play(plugin.as_mut(), &input, &options);
-        assert!(differing(&extension[0], &with_recording[0]) > 10_000, "{format}: the recording is heard");
+        assert!(differing(&extension[0], &with_recording[0]) > 5_000, "{format}: the recording is heard");
         for (name, path) in &bad {
             let context = format!("{format}, {name}");
             let reference = RecordingReference {
@@ -116,7 +120,7 @@ fn bad_recordings_do_no_harm() {
             let mut live = Live::start(plugin, RATE_HZ, MONO);
             live.play(&part(&input, 0..8000), Clock::Playing(0), 512);
             load_session(live.plugin(), &values, &session);
-            let output = live.play(&part(&input, 8000..30_000), Clock::Playing(8000), 512);
+            let output = live.play(&part(&input, 8000..18_000), Clock::Playing(8000), 512);
             assert_sounds(&output, 2000, &context);
             plugin = live.stop();
             // Once the loader has given up, extension plays alone, and the session still names the file.

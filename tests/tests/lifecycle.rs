@@ -9,7 +9,7 @@ use pyrophone_host::{Configuration, Format, numeric_id};
 use pyrophone_tests::live::{Clock, Live};
 use pyrophone_tests::{
     MONO, RATE_HZ, STEREO, assert_same, assert_sounds, await_recording, flame, in_a_process_of_its_own, load_session,
-    open, part, peak, play, preset, recording, session, set,
+    open, part, peak, play, preset, recording, rounds, session, set,
 };
 
 fn recordings(folder: &Path, count: usize, samples: usize) -> Vec<PathBuf> {
@@ -58,19 +58,19 @@ fn group(format: Format, size: usize, round: usize, recordings: &[PathBuf]) {
 }
 
 #[test]
-fn three_hundred_clap_instances_come_and_go() {
-    in_a_process_of_its_own("three_hundred_clap_instances_come_and_go", &[], || three_hundred(Format::Clap));
+fn clap_instances_come_and_go() {
+    in_a_process_of_its_own("clap_instances_come_and_go", &[], || instances_come_and_go(Format::Clap));
 }
 
 #[test]
-fn three_hundred_vst3_instances_come_and_go() {
-    in_a_process_of_its_own("three_hundred_vst3_instances_come_and_go", &[], || three_hundred(Format::Vst3));
+fn vst3_instances_come_and_go() {
+    in_a_process_of_its_own("vst3_instances_come_and_go", &[], || instances_come_and_go(Format::Vst3));
 }
 
-fn three_hundred(format: Format) {
+fn instances_come_and_go(format: Format) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let recordings = recordings(folder.path(), 4, 80_000);
-    for round in 0..60 {
+    for round in 0..rounds(12, 60) {
         group(format, 5, round, &recordings);
     }
     // The process is still there, and so is the sound.
@@ -82,14 +82,13 @@ fn three_hundred(format: Format) {
 #[test]
 fn every_activation_starts_afresh() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = recording(folder.path(), "fire.wav", 2, 40_000);
+    let path = recording(folder.path(), "fire.wav", 2, 20_000);
     let rates = [44_100.0, 48_000.0, 96_000.0];
     for format in Format::ALL {
         let mut plugin = open(format);
         load_session(plugin.as_mut(), &preset("default", &[]), &session(Some(&path), None));
         let mut first: Vec<Option<Vec<Vec<f32>>>> = vec![None; 6];
-        let is_soak = std::env::var("PYROPHONE_SOAK").as_deref() == Ok("1");
-        for cycle in 0..if is_soak { 30 } else { 12 } {
+        for cycle in 0..rounds(8, 30) {
             let (rate, layout) = (rates[cycle % 3], [MONO, STEREO][cycle % 2]);
             let input = flame(3, layout.input as usize, 15_000);
             let blocks = BlockSize::Fixed([64, 4096, 333, 1000][cycle % 4]);
@@ -108,7 +107,7 @@ fn every_activation_starts_afresh() {
 fn idle_activations_do_no_harm() {
     for format in Format::ALL {
         let mut plugin = open(format);
-        for cycle in 0..60 {
+        for cycle in 0..rounds(16, 60) {
             let sample_rate = [44_100.0, 96_000.0, 8_000.0, 192_000.0][cycle % 4];
             let configuration =
                 Configuration { sample_rate, max_block: 1 + cycle * 100, layout: STEREO, offline: false };
@@ -167,9 +166,9 @@ fn a_rate_changed_while_loading_gets_its_own_dictionary() {
 #[test]
 fn destroyed_while_loading() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let recordings = recordings(folder.path(), 3, 1_000_000);
+    let recordings = recordings(folder.path(), 3, 500_000);
     for format in Format::ALL {
-        for round in 0..45u64 {
+        for round in 0..rounds(12, 45) as u64 {
             let path = &recordings[round as usize % 3];
             let session = session(Some(path), None);
             let mut plugin = open(format);
@@ -180,7 +179,7 @@ fn destroyed_while_loading() {
                 1 => {
                     let mut live = Live::start(plugin, RATE_HZ, MONO);
                     load_session(live.plugin(), &preset("default", &[]), &session);
-                    thread::sleep(Duration::from_millis(round));
+                    thread::sleep(Duration::from_millis(3 * round));
                     plugin = live.stop();
                 }
                 // Another load supersedes the first.
@@ -189,7 +188,7 @@ fn destroyed_while_loading() {
                     load_session(live.plugin(), &preset("default", &[]), &session);
                     let other = &recordings[(round as usize + 1) % 3];
                     load_session(live.plugin(), &preset("texture", &[]), &crate::session(Some(other), None));
-                    thread::sleep(Duration::from_millis(round));
+                    thread::sleep(Duration::from_millis(3 * round));
                     plugin = live.stop();
                 }
             }

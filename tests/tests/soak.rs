@@ -15,7 +15,7 @@ use pyrophone_tests::{
 };
 
 fn is_wanted() -> bool {
-    let is_wanted = std::env::var("PYROPHONE_SOAK").as_deref() == Ok("1");
+    let is_wanted = pyrophone_tests::is_soak();
     if !is_wanted {
         eprintln!("skipped: set PYROPHONE_SOAK=1");
     }

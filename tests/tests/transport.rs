@@ -15,13 +15,17 @@ const CROSSFADE: usize = 441;
 /// A place for the recording, and instances with both engines and that recording.
 struct Studio {
     folder: tempfile::TempDir,
+    /// While they have the recording, others need not learn from it anew.
+    _keepers: Vec<Box<dyn Plugin>>,
 }
 
 impl Studio {
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         recording(folder.path(), "fire.wav", 2, 60_000);
-        Self { folder }
+        let mut studio = Self { folder, _keepers: Vec::new() };
+        studio._keepers = Format::ALL.map(|format| studio.instance(format)).into();
+        studio
     }
 
     fn instance(&self, format: Format) -> Box<dyn Plugin> {
