@@ -51,7 +51,8 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
 /// Integer samples become fractions of full scale; 32-bit floats stay as they are, bit for bit.
 /// Fails as [`read`] and [`decode_bytes`] do.
 pub fn decode(path: &Path, progress: Progress) -> Result<Recording, Error> {
-    decode_named(&read(path)?, &file_name(path), progress)
+    let bytes = read(path)?;
+    decode_named(&bytes, content_hash(&bytes), &file_name(path), progress)
 }
 
 /// Decodes a sound file held in memory; `name` stands in messages.
@@ -59,14 +60,22 @@ pub fn decode(path: &Path, progress: Progress) -> Result<Recording, Error> {
 /// Fails on bytes that are no sound, of an unsupported kind, damaged or truncated, and on sound
 /// outside the limits of this crate or with a sample that is not finite.
 pub fn decode_bytes(bytes: &[u8], name: &str, progress: Progress) -> Result<Recording, Error> {
-    decode_named(bytes, &clean(name), progress)
+    decode_known(bytes, &content_hash(bytes), name, progress)
+}
+
+/// The same for bytes whose [`content_hash`] is known: of a long file it takes as long as reading it does.
+///
+/// # Errors
+/// Those of [`decode_bytes`].
+pub fn decode_known(bytes: &[u8], content_hash: &str, name: &str, progress: Progress) -> Result<Recording, Error> {
+    decode_named(bytes, content_hash.to_owned(), &clean(name), progress)
 }
 
 fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(|| one_line(path), |name| clean(&name.to_string_lossy()))
 }
 
-fn decode_named(bytes: &[u8], name: &str, progress: Progress) -> Result<Recording, Error> {
+fn decode_named(bytes: &[u8], content_hash: String, name: &str, progress: Progress) -> Result<Recording, Error> {
     if bytes.is_empty() {
         return Err(Error::Empty { name: name.into() });
     }
@@ -82,7 +91,7 @@ fn decode_named(bytes: &[u8], name: &str, progress: Progress) -> Result<Recordin
     check_finite(&channels, name)?;
     let Described { sample_rate_hz, mut notes, .. } = described;
     notes.extend(note_of(&channels));
-    Ok(Recording { channels, sample_rate_hz, name: name.into(), content_hash: content_hash(bytes), notes })
+    Ok(Recording { channels, sample_rate_hz, name: name.into(), content_hash, notes })
 }
 
 /// What makes a sound useless although nothing is wrong with its file.

@@ -26,7 +26,7 @@ mod write;
 
 pub use broadcast::{Broadcast, write_broadcast_wav_f32};
 pub use cut::{Cut, MAX_GAIN_DB};
-pub use decode::{decode, decode_bytes, read};
+pub use decode::{decode, decode_bytes, decode_known, read};
 pub use embed::{MAX_EMBEDDED_BYTES, embed, unembed};
 pub use error::Error;
 pub use flac::{MAX_FLAC_CHANNELS, MAX_FLAC_RATE_HZ, check_flac, round_to_24_bit, write_flac_24};

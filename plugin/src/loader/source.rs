@@ -3,11 +3,21 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pyrophone_recording::{Error, Recording, content_hash, decode_bytes, embed, read, unembed};
+use pyrophone_recording::{Error, Recording, content_hash, decode_known, embed, read, unembed};
 use pyrophone_settings::session::RecordingReference;
 
 use super::cache::RECORDINGS;
 use super::worker::Job;
+
+/// The file of a recording, not decoded yet.
+pub struct Located {
+    bytes: Vec<u8>,
+    /// [`content_hash`] of its bytes.
+    pub content_hash: String,
+    name: String,
+    /// What the user should know although it was found.
+    notice: Option<String>,
+}
 
 /// A recording that was found.
 pub struct Found {
@@ -51,7 +61,7 @@ impl From<pyrophone_training::Error> for Failure {
 pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
     let bytes = read(path)?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let recording = decode(&bytes, &name, job)?;
+    let recording = decode(&bytes, &content_hash(&bytes), &name, job)?;
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let mut notice = notes(&recording);
     let embedded = if keep { embed(&bytes).map_err(|error| notice = Some(error.to_string())).ok() } else { None };
@@ -63,32 +73,35 @@ pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
     Ok(Found { recording, reference, notice })
 }
 
-/// Finds the recording that a session names: the very file at its place, else the one inside the
-/// session, else whatever lies at its place now. The reference stays as it was saved.
-pub fn find(reference: &RecordingReference, job: &Job) -> Result<Found, Failure> {
+/// Finds the file that a session names: the very file at its place, else the one inside the session, else whatever lies at
+/// its place now.
+pub fn locate(reference: &RecordingReference) -> Result<Located, Failure> {
     let path = Path::new(&reference.path);
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let found = |recording: Arc<Recording>, notice: Option<String>| {
-        let notice = notice.or_else(|| notes(&recording));
-        Ok(Found { recording, reference: reference.clone(), notice })
-    };
-    let at_place = read(path);
-    if let Ok(bytes) = &at_place
-        && content_hash(bytes) == reference.content_hash
-    {
-        return found(decode(bytes, &name, job)?, None);
+    let hashed =
+        |bytes: Vec<u8>| Located { content_hash: content_hash(&bytes), bytes, name: name.clone(), notice: None };
+    let at_place = read(path).map(hashed);
+    if at_place.as_ref().is_ok_and(|found| found.content_hash == reference.content_hash) {
+        return Ok(at_place?);
     }
     if let Some(embedded) = &reference.embedded {
-        let bytes = unembed(embedded)?;
-        if content_hash(&bytes) == reference.content_hash {
-            return found(decode(&bytes, &name, job)?, None);
+        let embedded = hashed(unembed(embedded)?);
+        if embedded.content_hash == reference.content_hash {
+            return Ok(embedded);
         }
     }
-    let bytes = at_place?;
-    let recording = decode(&bytes, &name, job)?;
     let notice =
         format!("{}: the file has changed since the session was saved; load it again to confirm", reference.path);
-    found(recording, Some(notice))
+    Ok(Located { notice: Some(notice), ..at_place? })
+}
+
+impl Located {
+    /// The recording in it. The session's reference stays as it was saved.
+    pub fn decode(self, reference: &RecordingReference, job: &Job) -> Result<Found, Failure> {
+        let recording = decode(&self.bytes, &self.content_hash, &self.name, job)?;
+        let notice = self.notice.or_else(|| notes(&recording));
+        Ok(Found { recording, reference: reference.clone(), notice })
+    }
 }
 
 /// Packs the file of a reference for keeping inside the session, if it still is that file.
@@ -106,9 +119,9 @@ fn notes(recording: &Recording) -> Option<String> {
     (!notes.is_empty()).then(|| format!("{}: {}", recording.name, notes.join("; ")))
 }
 
-fn decode(bytes: &[u8], name: &str, job: &Job) -> Result<Arc<Recording>, Failure> {
-    let make = || decode_bytes(bytes, name, &|done| job.goes_on("Reading", 0.2 * done));
-    match RECORDINGS.get_or_make(&content_hash(bytes), || job.is_called_off(), make) {
+fn decode(bytes: &[u8], content_hash: &str, name: &str, job: &Job) -> Result<Arc<Recording>, Failure> {
+    let make = || decode_known(bytes, content_hash, name, &|done| job.goes_on("Reading", 0.2 * done));
+    match RECORDINGS.get_or_make(&content_hash.to_owned(), || job.is_called_off(), make) {
         Some(made) => Ok(made?),
         None => Err(Failure::CalledOff),
     }

@@ -14,7 +14,7 @@ use pyrophone_recording::{Cut, Recording, check_not_among, write_wav_f32};
 use pyrophone_settings::Recent;
 use pyrophone_settings::session::{self, Session};
 use pyrophone_synthesis::Structure;
-use pyrophone_synthesis::chain::Chain;
+use pyrophone_synthesis::chain;
 use pyrophone_synthesis::texture::Dictionary;
 use pyrophone_training::{DictionaryKey, Stage, Store, build};
 
@@ -352,9 +352,14 @@ impl Worker {
                     Some(found)
                 })
             }
-            Some(Pending::Session) => {
-                self.session.recording.clone().map(|reference| source::find(&reference, job)).transpose()
-            }
+            Some(Pending::Session) => match self.session.recording.clone() {
+                None => Ok(None),
+                Some(reference) => source::locate(&reference).and_then(|located| {
+                    // What is heard comes first; what is shown of the recording can wait until it is decoded.
+                    self.recall(&located.content_hash, job);
+                    located.decode(&reference, job).map(Some)
+                }),
+            },
         };
         match found {
             Err(Failure::CalledOff) => return Err(Failure::CalledOff),
@@ -407,7 +412,7 @@ impl Worker {
         self.recording = recording;
         self.show_recording();
         self.failed = None;
-        self.dictionary_is_sent = false;
+        self.dictionary_is_sent &= self.has_fitting_dictionary();
         if self.recording.is_none() {
             self.dictionary = None;
         }
@@ -461,10 +466,8 @@ impl Worker {
         }
         let next = Engine { structure: job.wanted, ..engine };
         if self.prepared != Some(next) {
-            match Chain::new(next.sample_rate_hz, next.channels, &next.structure) {
-                Ok(chain) => {
-                    self.link.shared.set_prepared(&next.structure, chain.latency_samples() as u32);
-                }
+            match chain::latency_samples(next.sample_rate_hz, &next.structure) {
+                Ok(samples) => self.link.shared.set_prepared(&next.structure, samples as u32),
                 Err(error) => self.status.fail(error.to_string()),
             }
             self.prepared = Some(next);
@@ -537,26 +540,46 @@ impl Worker {
         }
     }
 
+    /// Takes the dictionary of a recording that is not decoded yet from another instance or from the disk, and sends it.
+    fn recall(&mut self, content_hash: &str, job: &Job) {
+        let (Some(engine), Some(store)) = (self.engine, &self.store) else { return };
+        let key = DictionaryKey::new(content_hash, &self.cut(), engine.sample_rate_hz, &job.wanted);
+        let read = || store.read(&key).ok_or(());
+        if engine.structure == job.wanted
+            && let Some(Ok(dictionary)) = DICTIONARIES.get_or_make(&key, || job.is_called_off(), read)
+        {
+            self.dictionary = Some((key, dictionary.clone()));
+            self.send_dictionary(dictionary);
+        }
+    }
+
+    /// Whether the dictionary is that of the recording for the engine that runs.
+    fn has_fitting_dictionary(&self) -> bool {
+        let (Some(recording), Some(engine), Some((key, _))) = (&self.recording, self.engine, &self.dictionary) else {
+            return false;
+        };
+        *key == self.key(recording, &self.cut(), &engine.structure, engine.sample_rate_hz)
+    }
+
+    fn send_dictionary(&mut self, dictionary: Arc<Dictionary>) {
+        let amplitudes = shown_amplitudes(dictionary.distribution());
+        self.status.update(|view| view.amplitudes[0] = amplitudes);
+        self.dictionary_is_sent = self.link.send(Update::Dictionary(Some(dictionary)));
+    }
+
     /// Sends what the running engine lacks. A dictionary for a structure that it does not have yet
     /// waits until it has.
     fn send(&mut self) {
         let Some(engine) = self.engine else { return };
         if !self.dictionary_is_sent {
-            let cut = self.cut();
-            let fitting =
-                |recording: &Arc<Recording>| self.key(recording, &cut, &engine.structure, engine.sample_rate_hz);
-            self.dictionary_is_sent = match (&self.dictionary, self.recording.as_ref().map(fitting)) {
-                (Some((key, dictionary)), Some(fitting)) if *key == fitting => {
-                    let amplitudes = shown_amplitudes(dictionary.distribution());
-                    self.status.update(|view| view.amplitudes[0] = amplitudes);
-                    self.link.send(Update::Dictionary(Some(dictionary.clone())))
-                }
-                (None, _) => {
+            match &self.dictionary {
+                Some((_, dictionary)) if self.has_fitting_dictionary() => self.send_dictionary(dictionary.clone()),
+                Some(_) => {}
+                None => {
                     self.status.update(|view| view.amplitudes[0] = None);
-                    self.link.send(Update::Dictionary(None))
+                    self.dictionary_is_sent = self.link.send(Update::Dictionary(None));
                 }
-                _ => false,
-            };
+            }
         }
         self.learner.send(&mut self.link, &self.session, &engine, &self.status);
         self.motion.send(&mut self.link);

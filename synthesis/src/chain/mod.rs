@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use crate::companding::loudnesses;
 use crate::error::in_range;
+use crate::extend;
 use crate::mix::{Layers, Mix};
 use crate::structure::Dynamics;
 use crate::texture::{Dictionary, Distribution, Extent, Match, Shape, offline};
@@ -139,6 +140,16 @@ pub struct Chain {
 
 /// Most samples of drive and top-level magnitudes that one call hands out: all of a call of up to 8192 samples.
 const TOLD_CAPACITY: usize = 8192;
+
+/// Delay in samples of the output of a [`Chain`] of this structure at a sample rate in Hz (8-384 kHz), which need not be
+/// built to be asked: that of the slower of extension and texture.
+///
+/// # Errors
+/// [`Error::OutOfRange`] where the structure or the rate is.
+pub fn latency_samples(sample_rate_hz: f64, structure: &Structure) -> Result<usize, Error> {
+    let extension = extend::latency_samples(structure, sample_rate_hz)?;
+    Ok(extension.max(Shape::at_rate(structure, sample_rate_hz).latency_samples()))
+}
 
 impl Chain {
     /// Builds the effect for one sample rate (8-384 kHz) and structure; allocates all it will need.

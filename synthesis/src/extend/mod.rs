@@ -105,6 +105,14 @@ impl Extend {
     }
 }
 
+/// Delay in samples of the outputs of engines of this structure at this sample rate in Hz.
+///
+/// # Errors
+/// [`Error::OutOfRange`] where the structure or the rate is.
+pub fn latency_samples(structure: &Structure, sample_rate_hz: f64) -> Result<usize, Error> {
+    Ok(Layout::new(structure, sample_rate_hz)?.latency)
+}
+
 impl<N: NoiseSource> Extend<N> {
     /// An engine with noise of another source; fails as [`new`](Extend::new) does.
     pub fn with_noise(structure: &Structure, channels: usize, sample_rate_hz: f64, source: N) -> Result<Self, Error> {
