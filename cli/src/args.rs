@@ -7,22 +7,22 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use pyrophone_flame::scenes::Scene;
 use pyrophone_settings::Id;
 
-use crate::flux::film::{FilmRate, Timecode};
-use crate::flux::frames::FrameList;
+use crate::film_time::{FilmRate, Timecode};
+use crate::frame_list::FrameList;
 
 /// Turns a low-frequency flame signal into full-band fire.
 ///
-/// Sounds are read from WAV, AIFF, CAF, FLAC, Ogg Vorbis or MP3 files, or as WAV from standard input (`-`). The output is
-/// a 32-bit float WAV file at the input's rate and of its length, neither normalised nor dithered; 24-bit FLAC where its
-/// name ends in .flac; WAV to standard output where it is `-`.
+/// Reads WAV, AIFF, CAF, FLAC, Ogg Vorbis and MP3 files, or WAV from standard input (`-`). Writes 32-bit float WAV at the
+/// input's sample rate and length, neither normalised nor dithered; 24-bit FLAC if the output's name ends in .flac; WAV to
+/// standard output if it is `-`.
 #[derive(Debug, Parser)]
 #[command(name = "pyrophone", version = env!("PYROPHONE_VERSION"), subcommand_required = true, arg_required_else_help = false)]
 #[command(after_help = EXIT_CODES)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
-    /// Tell what was done as JSON on standard output; on standard error where the sound goes to standard output
+    /// Report what was done as JSON on standard output, or on standard error if the sound goes to standard output
     #[arg(long, global = true, display_order = 900)]
     pub json: bool,
     /// How progress is shown
@@ -36,39 +36,39 @@ pub struct Cli {
 /// Values of `--progress`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Progress {
-    /// A bar on a terminal, now and then a line elsewhere
+    /// A bar on a terminal, an occasional line elsewhere
     Auto,
-    /// Lines that Open Job Description's engines read: openjd_progress: 42
+    /// Lines for Open Job Description's engines: openjd_progress: 42
     Openjd,
 }
 
-/// How scripts learn of the outcome.
+/// Exit codes, for scripts.
 const EXIT_CODES: &str = "Exit codes: 0: the output was written. 1: refused or failed; one line on standard error says \
     why, and nothing half-written is left. 2: the command line was not understood. Ctrl-C (130), SIGTERM (143) and SIGHUP \
-    (129) stop the work; the process cleans up and dies of the signal, so that loops in a shell end.";
+    (129) stop the work; the process cleans up and dies of the signal, so that shell loops end.";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Texture synthesis as published: offline, exact, no gate, levels as told
+    /// Texture synthesis as published: offline, exact, ungated, levels unchanged
     Texture(TextureArgs),
     /// Spectral bandwidth extension
     Extend(ExtendArgs),
-    /// The plugin's whole chain
+    /// The plug-in's whole chain
     Render(RenderArgs),
-    /// Flame signal of a simulated flame: flux through its front, frame by frame, and its pressure
+    /// Flame signal of a simulation: flux through the flame front, frame by frame, and its pressure
     Flux(Box<FluxArgs>),
-    /// Flame signal from the parts that `flux --partial` has written
+    /// Flame signal from parts written by `flux --partial`
     FluxMerge(FluxMergeArgs),
-    /// A job that measures a simulation in parts on a farm, and puts them together
+    /// A render-farm job that measures a simulation in parts and merges them
     FluxPlan(FluxPlanArgs),
-    /// Flame signal of a scene that is simulated here
+    /// Flame signal of a built-in scene, simulated here
     Simulate(SimulateArgs),
     /// Vortex-sound texture: what a small turbulent region radiates, for a range of flow speeds
     VortexTexture(VortexTextureArgs),
-    /// List the presets: those that come with Pyrophone, and yours
+    /// List the factory presets and your own
     Presets,
-    /// List the parameters of presets, automation and --set, with their ranges
+    /// List the parameters for presets, automation and --set, with their ranges
     Parameters,
     /// Write a shell's completions to standard output
     Completions(CompletionsArgs),
@@ -79,7 +79,7 @@ pub enum Command {
 /// Options of `pyrophone completions`.
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
-    /// Which shell
+    /// The shell
     #[arg(value_enum)]
     pub shell: clap_complete::Shell,
 }
@@ -87,7 +87,7 @@ pub struct CompletionsArgs {
 /// Options of `pyrophone man`.
 #[derive(Debug, Args)]
 pub struct ManArgs {
-    /// Folder to write them into, made where there is none
+    /// Folder to write to; created if it does not exist
     #[arg(long, value_name = "DIR")]
     pub output: PathBuf,
 }
@@ -95,10 +95,10 @@ pub struct ManArgs {
 /// Options of `pyrophone texture`.
 #[derive(Debug, Args)]
 pub struct TextureArgs {
-    /// Flame signal; of several channels the mean is taken
+    /// Flame signal; several channels are averaged
     #[arg(long, value_name = "IN.wav")]
     pub input: PathBuf,
-    /// Fire recording to draw from, resampled where its rate differs; the output has its channels
+    /// Fire recording to learn from, resampled to the input's rate; the output has its channels
     #[arg(long, visible_alias = "recording", value_name = "T.wav")]
     pub training: PathBuf,
     /// File to write
@@ -116,13 +116,13 @@ pub struct TextureArgs {
     /// Weight exp(-falloff * distance) of a feature's samples, 0-1
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
     pub falloff: f64,
-    /// Leave the recording's dynamic range as it is
+    /// Leave the recording's dynamic range unchanged
     #[arg(long)]
     pub no_dynamic_range: bool,
     /// How far the recording's dynamic range is mapped onto the input's, 0-1
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub scaling_alpha: f64,
-    /// Windows found are at most (1 + eps) times as far as the nearest; 0 is exact
+    /// Accept windows up to (1 + eps) times as far as the nearest; 0 is exact
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
     pub eps: f64,
 }
@@ -130,7 +130,7 @@ pub struct TextureArgs {
 /// Options of `pyrophone extend`.
 #[derive(Debug, Args)]
 pub struct ExtendArgs {
-    /// Flame signal; of several channels the mean is extended, into as many channels
+    /// Flame signal; several channels are averaged, extended, and written to as many channels
     #[arg(long, value_name = "IN.wav")]
     pub input: PathBuf,
     /// File to write
@@ -139,7 +139,7 @@ pub struct ExtendArgs {
     /// The noise's power falls as frequency^(-alpha), 0-6
     #[arg(long, value_name = "X", default_value_t = 2.5, allow_negative_numbers = true)]
     pub alpha: f64,
-    /// Corner of the envelope's low-pass [default: 180]
+    /// Corner frequency of the envelope's low-pass [default: 180]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub cutoff: Option<f64>,
     /// Half-width of a window in samples (without --reference: at 44.1 kHz, 100-2000)
@@ -151,22 +151,22 @@ pub struct ExtendArgs {
     /// Width of that band: three standard deviations
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true)]
     pub fit_width: f64,
-    /// Where the input begins to fade [default: 165, without --reference the cutoff - 15]
+    /// Frequency where the input starts to fade [default: 165, without --reference the cutoff - 15]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub blend_start: Option<f64>,
-    /// Where the noise has taken over [default: 195, without --reference the cutoff + 15]
+    /// Frequency where the noise has taken over [default: 195, without --reference the cutoff + 15]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub blend_end: Option<f64>,
     /// Factor on the fitted noise
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub noise_amplitude: f64,
-    /// Number of the noise
+    /// Noise seed
     #[arg(long, value_name = "N", default_value_t = 42, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Also write each window's fitted factor: window,time_s,beta
+    /// Also write the fitted factor of each window: window,time_s,beta
     #[arg(long, value_name = "FILE.csv")]
     pub betas: Option<PathBuf>,
-    /// Compute as published, over the whole signal at once and 6.02 dB lower
+    /// Compute as published: over the whole signal at once, and 6.02 dB lower
     #[arg(long)]
     pub reference: bool,
 }
@@ -174,24 +174,24 @@ pub struct ExtendArgs {
 /// Options of `pyrophone render`.
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Name of a factory preset in any case (default, extend, texture, texture-paper, flame, campfire, flamethrower, explosion,
-    /// swinging-torch, paper-candle, paper-torch, paper-dragon, paper-burning-brick, paper-flame-jet) or of one of
-    /// yours, or a preset's file
+    /// Preset: a factory preset (default, extend, texture, texture-paper, flame, campfire, flamethrower, explosion,
+    /// swinging-torch, paper-candle, paper-torch, paper-dragon, paper-burning-brick, paper-flame-jet), one of your own, or
+    /// a preset file; names are not case-sensitive
     #[arg(long, value_name = "FILE|NAME")]
     pub preset: String,
     /// Main input
     #[arg(long, value_name = "IN.wav", required_unless_present = "seconds")]
     pub input: Option<PathBuf>,
-    /// Length of the output instead of an input, for presets that need none, 0.01-3600
+    /// Length of the output, for presets that need no input, 0.01-3600
     #[arg(long, value_name = "S", conflicts_with = "input", allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Sample rate of an output without an input
     #[arg(long, value_name = "HZ", default_value_t = 48_000, requires = "seconds", conflicts_with = "input")]
     pub sample_rate: u32,
-    /// Sound whose envelope drives the engines where drive_mode is envelope
+    /// Sound whose envelope drives the engines, for drive_mode envelope
     #[arg(long, value_name = "S.wav")]
     pub sidechain: Option<PathBuf>,
-    /// Fire recording that texture draws from
+    /// Fire recording that texture learns from
     #[arg(long, visible_alias = "recording", value_name = "T.wav")]
     pub training: Option<PathBuf>,
     /// Learn from this part of the recording only, in seconds
@@ -207,10 +207,10 @@ pub struct RenderArgs {
         allow_negative_numbers = true
     )]
     pub training_gain: f64,
-    /// Bring that part of the recording to a peak of full scale first
+    /// Normalise that part of the recording to full scale first
     #[arg(long, alias = "recording-normalise", requires = "training")]
     pub training_normalise: bool,
-    /// Where the input's loudness distribution comes from, instead of the preset's choice
+    /// Source of the input's loudness distribution, instead of the preset's choice
     #[arg(long, value_enum)]
     pub dynamic_range: Option<DynamicRange>,
     /// Learn that distribution from this file instead of a first pass over the input
@@ -219,7 +219,7 @@ pub struct RenderArgs {
     /// Steps and ramps of parameters: time_s,id,value or sample,id,value, and ,curve (step or linear)
     #[arg(long, value_name = "FILE.csv")]
     pub automation: Option<PathBuf>,
-    /// Speed field for vortex sound, as simulate and flux write it; heard where vortex_flow is field
+    /// Speed field for vortex sound, written by simulate or flux; used where vortex_flow is field
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
     /// File to write
@@ -228,7 +228,7 @@ pub struct RenderArgs {
     /// Set a parameter after the preset; may be repeated
     #[arg(long = "set", value_name = "id=value")]
     pub settings: Vec<String>,
-    /// Channels of the output [default: as many as the input's; without one 2]
+    /// Channels of the output [default: those of the input; without one 2]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub channels: Option<usize>,
 }
@@ -250,7 +250,7 @@ pub enum DynamicRange {
     Off,
     /// From --learn, or from a first pass over the input
     Learned,
-    /// Estimated as it runs
+    /// Estimated during playback
     Running,
 }
 
@@ -273,61 +273,61 @@ pub struct FluxArgs {
     /// or a series of flux: CSV, .npy, or a sound file whose samples are the steps
     #[arg(long, value_name = "DIR|FILE")]
     pub input: PathBuf,
-    /// Grid of the burning field; `flame` stands for any of the usual names
+    /// Grid of the burning field; `flame` means any of the usual names
     #[arg(long, value_name = "NAME", default_value = "flame")]
     pub field: String,
-    /// Grid (or grids) of the velocity; `velocity` stands for any of the usual names
+    /// Grid (or grids) of the velocity; `velocity` means any of the usual names
     #[arg(long, value_name = "NAME", default_value = "velocity")]
     pub velocity: String,
-    /// Where in a voxel the velocity's components stand
+    /// Position of the velocity's components in a voxel
     #[arg(long, value_enum, default_value_t = Placement::Collocated)]
     pub placement: Placement,
-    /// What the velocity is multiplied by to be world units per second [default: 1; of Blender's files 2.5 voxels]
+    /// Factor that turns the velocity into world units per second [default: 1; for Blender's files 2.5 voxels]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub velocity_scale: Option<f64>,
-    /// What is measured of every frame
+    /// Quantity to measure in each frame
     #[arg(long, value_enum, default_value_t = Measure::Flux)]
     pub measure: Measure,
-    /// Value of the field at the flame front [default: 0.5, of a level set 0]
+    /// Value of the field at the flame front [default: 0.5; for a level set 0]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub iso: Option<f64>,
-    /// Parts into which a voxel's edge is cut, 1-16
+    /// Parts into which a voxel's edge is divided, 1-16
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     pub refine: usize,
-    /// Only these frames, last ones included: 7, 1-100, -5--1, 1-8x2 (every second), 1,5-9
+    /// Frames to measure, ends included: 7, 1-100, -5--1, 1-8x2 (every second), 1,5-9
     #[arg(long, value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true)]
     pub frames: Option<FrameList>,
     /// Write the frames' flux as a part for flux-merge
     #[arg(long, value_name = "FILE.csv")]
     pub partial: Option<PathBuf>,
-    /// Interpolate frames that are missing or cannot be read, instead of giving up
+    /// Interpolate frames that are missing or unreadable, instead of failing
     #[arg(long)]
     pub skip_bad: bool,
     /// Also write the flame fronts: DIR/front_NUMBER.ply
     #[arg(long, value_name = "DIR")]
     pub mesh: Option<PathBuf>,
-    /// Of every so many frames one front
+    /// Write every N-th front
     #[arg(long, value_name = "N", default_value_t = 1, requires = "mesh", value_parser = clap::value_parser!(u64).range(1..))]
     pub mesh_every: u64,
-    /// Kind of those files
+    /// Format of those files
     #[arg(long, value_enum, value_name = "KIND", default_value_t = MeshKind::Ply, requires = "mesh")]
     pub mesh_kind: MeshKind,
-    /// Also write how fast the gas flows where: a speed field for vortex sound
+    /// Also write a speed field for vortex sound: how fast the gas flows, and where
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
     /// Axis of the simulation that points up, for the speed field
     #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "speed_field")]
     pub up: UpAxis,
-    /// What stands between the frames of a simulation with fewer than 200 a second, up to 360
+    /// How to fill in steps, up to 360 per second, if the simulation has fewer than 200
     #[arg(long, value_enum, default_value_t = Upsample::Auto)]
     pub upsample: Upsample,
-    /// Number of what is random there
+    /// Seed of the filled-in steps
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub upsample_seed: u64,
-    /// When its steps are.
+    /// When its steps take place.
     #[command(flatten)]
     pub timeline: TimelineArgs,
-    /// What becomes of the flux.
+    /// How the flux becomes sound.
     #[command(flatten)]
     pub sound: SoundArgs,
 }
@@ -341,22 +341,22 @@ pub enum Measure {
     Release,
     /// Expansion: the sum of the solver's divergence field
     Divergence,
-    /// How much the field changes to the next frame
+    /// How much the field changes from frame to frame
     Change,
 }
 
 /// Values of `--upsample`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Upsample {
-    /// flips below 200 steps a second, else off
+    /// flips below 200 steps per second, else off
     Auto,
     /// Not at all
     Off,
-    /// As flips, by what the burning field releases alone
+    /// Like flips, from the burning field alone
     Release,
-    /// Parts of the flame change from a frame to the next at random times
+    /// Parts of the flame change from one frame to the next at random times
     Flips,
-    /// Noise that falls with frequency, as loud as the frames change
+    /// Noise that falls with frequency, and follows how much the frames change
     Noise,
     /// A smooth curve through the frames' flux
     Cubic,
@@ -365,9 +365,9 @@ pub enum Upsample {
 /// Values of `--up`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UpAxis {
-    /// As Houdini has it
+    /// As in Houdini
     Y,
-    /// As Blender and our own scenes have it
+    /// As in Blender and the built-in scenes
     Z,
 }
 
@@ -377,13 +377,13 @@ pub struct FluxPlanArgs {
     /// Folder of numbered frames, or a pattern for their names
     #[arg(long, value_name = "DIR")]
     pub input: PathBuf,
-    /// Frames of a part
+    /// Frames per part
     #[arg(long, value_name = "N", default_value_t = 30, allow_negative_numbers = true)]
     pub chunk: u64,
-    /// What runs the job
+    /// Scheduler that runs the job
     #[arg(long, value_enum)]
     pub format: FarmFormat,
-    /// Sound that the job writes; its parts go to a folder beside it
+    /// Sound file that the job writes; its parts go to a folder beside it
     #[arg(long, value_name = "OUT.wav")]
     pub output: PathBuf,
     /// File to write the job to [default: standard output]
@@ -398,7 +398,7 @@ pub struct FluxPlanArgs {
     /// An option of flux-merge, as in --merge-option=--peak-db=-12; may be repeated
     #[arg(long = "merge-option", value_name = "OPTION", allow_hyphen_values = true)]
     pub merge_options: Vec<String>,
-    /// More options of flux, behind --
+    /// More options of flux, after --
     #[arg(last = true, value_name = "FLUX OPTIONS")]
     pub flux_options: Vec<String>,
 }
@@ -410,20 +410,20 @@ pub enum FarmFormat {
     Openjd,
     /// A script that submits an array of jobs and one that depends on it
     Slurm,
-    /// A script that does one part after the other
+    /// A script that runs one part after the other
     Shell,
 }
 
 /// Options of `pyrophone flux-merge`.
 #[derive(Debug, Args)]
 pub struct FluxMergeArgs {
-    /// Parts that flux --partial has written, in any order, or folders of them
+    /// Parts written by flux --partial, in any order, or folders of them
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
-    /// When its steps are.
+    /// When its steps take place.
     #[command(flatten)]
     pub timeline: TimelineArgs,
-    /// What becomes of the flux.
+    /// How the flux becomes sound.
     #[command(flatten)]
     pub sound: SoundArgs,
 }
@@ -443,13 +443,13 @@ pub struct SoundArgs {
     /// Level of the loudest sample, -100 to 0
     #[arg(long, value_name = "DB", default_value_t = -6.0, allow_negative_numbers = true)]
     pub peak_db: f64,
-    /// File with the scale that all flames of a shot share, instead of --peak-db: the first one writes it
+    /// File with the scale shared by all flames of a shot, instead of --peak-db; the first one writes it
     #[arg(long, value_name = "FILE", conflicts_with = "peak_db")]
     pub scale_file: Option<PathBuf>,
-    /// Corner of the pressure's high-pass, 0-1000; 0 switches it off
+    /// Corner frequency of the pressure's high-pass, 0-1000; 0 switches it off
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true)]
     pub high_pass: f64,
-    /// Place of the first sample on the timeline, for the file's BWF time stamp
+    /// Position of the first sample on the timeline, for the file's BWF time stamp
     #[arg(long, value_name = "SAMPLES")]
     pub time_reference: Option<u64>,
     /// Also write flux and area of every frame: frame,flux,area
@@ -463,9 +463,9 @@ pub struct SoundArgs {
 /// Values of `--placement`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Placement {
-    /// At its centre, whatever the files say
+    /// At the centre, whatever the files say
     Collocated,
-    /// On its lower faces, whatever the files say
+    /// On the lower faces, whatever the files say
     Staggered,
     /// As the files say
     File,
@@ -476,7 +476,7 @@ pub enum Placement {
 pub enum Kind {
     /// The flux's derivative, high-passed: the low-frequency sound
     Pressure,
-    /// The flux's size, smoothed: an envelope for the plugin's envelope drive
+    /// The flux's magnitude, smoothed: an envelope for the plug-in's envelope drive
     Envelope,
 }
 
@@ -489,28 +489,28 @@ fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
-/// When the steps of a flux are.
+/// Options for when a flux's steps take place.
 #[derive(Debug, Clone, Args)]
 pub struct TimelineArgs {
-    /// Frames per second of simulated time [default: what the frames or the series say]
+    /// Frames per second of simulated time [default: as stated by the frames or the series]
     #[arg(long, value_name = "HZ", value_parser = rate, allow_hyphen_values = true)]
     pub rate: Option<f64>,
-    /// Number of the frame at which the timeline starts, instead of --time-reference
+    /// Frame number at which the timeline starts, instead of --time-reference
     #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
     pub start_frame: Option<i64>,
-    /// Frames per second of the film: places the sound by frames of the film, and is written beside the time stamp (iXML)
+    /// Frames per second of the film: positions are then in film frames; also written to iXML
     #[arg(long, value_name = "HZ", value_parser = FilmRate::parse, conflicts_with_all = ["start_frame", "time_reference"])]
     pub film_rate: Option<FilmRate>,
-    /// Frame of the film at which the first frame stands [default: its own number, where both have the same rate]
+    /// Film frame of the simulation's first frame [default: its own number, if both have the same rate]
     #[arg(long, value_name = "FRAME", requires = "film_rate", allow_negative_numbers = true)]
     pub film_frame: Option<i64>,
-    /// Frame of the film at which the timeline starts
+    /// Film frame at which the timeline starts
     #[arg(long, value_name = "FRAME", default_value_t = 0, requires = "film_rate", allow_negative_numbers = true)]
     pub timeline_start: i64,
-    /// Timecode of the timeline's start, as in 01:00:00:00; 01:00:00;00 drops frames
+    /// Timecode of the timeline's start, such as 01:00:00:00; drop-frame: 01:00:00;00
     #[arg(long, value_name = "HH:MM:SS:FF", value_parser = Timecode::parse, requires = "film_rate")]
     pub timecode: Option<Timecode>,
-    /// Curve of film frame, simulation frame for time that the film bends
+    /// Curve of film frame, simulation frame, for a retimed shot
     #[arg(long, value_name = "FILE.csv", requires = "film_rate", conflicts_with = "film_frame")]
     pub retime: Option<PathBuf>,
     /// Name of the scene, for iXML
@@ -519,7 +519,7 @@ pub struct TimelineArgs {
     /// Name of the take, for iXML
     #[arg(long, value_name = "NAME")]
     pub take: Option<String>,
-    /// Write the day and time of making into the file, which then differs from run to run
+    /// Write date and time into the file, which then differs from run to run
     #[arg(long)]
     pub dated: bool,
 }
@@ -534,7 +534,7 @@ pub enum MeshKind {
 }
 
 impl MeshKind {
-    /// How the names of such files end.
+    /// Extension of these files' names.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Ply => "ply",
@@ -546,16 +546,16 @@ impl MeshKind {
 /// Options of `pyrophone simulate`.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
-    /// What burns
+    /// The scene
     #[arg(value_name = "SCENE", value_parser = scenes())]
     pub scene: Scene,
     /// Length of the signal, 0.01-3600
     #[arg(long, value_name = "S", default_value_t = 5.0, allow_negative_numbers = true)]
     pub seconds: f64,
-    /// Voxels along the longest side of the box, 8-512, taken to a multiple of 8 (below 32, of 2) [default: 64]
+    /// Voxels along the longest side of the box, 8-512, rounded to a multiple of 8 (below 32, of 2) [default: 64]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub resolution: Option<usize>,
-    /// Number of all that is random
+    /// Random seed
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// Fuel and its speed, 0-4
@@ -567,19 +567,19 @@ pub struct SimulateArgs {
     /// Turbulence, 0-4
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub turbulence: f64,
-    /// Seconds simulated before the signal begins, 0-60 [default: 0.5; flame_jet and explosion: 0]
+    /// Seconds simulated before the signal starts, 0-60 [default: 0.5; flame_jet and explosion: 0]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub pre_roll: Option<f64>,
-    /// Parts that each voxel's edge is cut into where the front is looked for, 1-16
+    /// Parts into which a voxel's edge is divided to find the front, 1-16
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     pub refine: usize,
     /// Also write every frame, for `pyrophone flux` and other programs: DIR/SCENE_NUMBER.npz
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// Also write how fast the gas flows where: a speed field for vortex sound
+    /// Also write a speed field for vortex sound: how fast the gas flows, and where
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
-    /// What becomes of the flux.
+    /// How the flux becomes sound.
     #[command(flatten)]
     pub sound: SoundArgs,
 }
@@ -587,7 +587,7 @@ pub struct SimulateArgs {
 /// Options of `pyrophone vortex-texture`.
 #[derive(Debug, Args)]
 pub struct VortexTextureArgs {
-    /// Flow speeds in m/s, 0.1-100, each the same factor above the one before; one row each, 1-256
+    /// Flow speeds in m/s, 0.1-100, in geometric steps; one row each, 1-256
     #[arg(long, value_name = "LOW:HIGH:COUNT", value_parser = speeds)]
     pub speeds: (f64, f64, usize),
     /// Period of the rows, 0.25-60
@@ -599,7 +599,7 @@ pub struct VortexTextureArgs {
     /// Edge of a voxel in m, 0.001-0.2
     #[arg(long, value_name = "M", default_value_t = 0.02, allow_negative_numbers = true)]
     pub voxel_size: f64,
-    /// What comes in at the bottom
+    /// Inflow at the bottom
     #[arg(long, value_enum, default_value_t = FlowKind::Fire)]
     pub kind: FlowKind,
     /// Random part of the inflow, 0-1
@@ -608,10 +608,10 @@ pub struct VortexTextureArgs {
     /// Steps per second of the rows, 2000-16000
     #[arg(long, value_name = "HZ", default_value_t = 4_000.0, allow_negative_numbers = true)]
     pub rate: f64,
-    /// Number of all that is random
+    /// Random seed
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Integrate as published, over 27 voxels about each: these cancel but at the box's sides
+    /// Integrate as published, over 27 voxels around each, which cancel except at the box's sides
     #[arg(long)]
     pub paper: bool,
     /// File to write
@@ -622,7 +622,7 @@ pub struct VortexTextureArgs {
 /// Values of `--kind`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum FlowKind {
-    /// An even flow, disturbed at random
+    /// A uniform flow with random perturbations
     Wind,
     /// The same with hot gas in it, which rises
     Fire,

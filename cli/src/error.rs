@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Why a command wrote no output.
+/// Reason for which a command wrote no output.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A sound file could not be read, used or written.
@@ -16,7 +16,7 @@ pub enum Error {
     File {
         /// The file.
         path: String,
-        /// What is wrong with it.
+        /// The fault found.
         source: pyrophone_synthesis::Error,
     },
     /// A parameter, preset or automation was refused.
@@ -30,22 +30,22 @@ pub enum Error {
     Frame {
         /// Its file.
         path: String,
-        /// What is wrong with it.
+        /// The fault found.
         source: Box<pyrophone_flame::Error>,
     },
     /// A simulation or series could not be read.
     #[error(transparent)]
     Import(Box<pyrophone_flame::import::Error>),
     /// Stopped half way; what was done is kept.
-    #[error("{reason}; the {done} {what} done are kept in {path}: run the command again to go on from there")]
+    #[error("{reason}; the {done} finished {what} are in {path}: run the command again to resume from there")]
     Unfinished {
-        /// Why.
+        /// The reason.
         reason: Box<Self>,
-        /// How many are done.
+        /// Number finished.
         done: usize,
         /// Frames or rows.
         what: &'static str,
-        /// Where they are kept.
+        /// Path of the checkpoint.
         path: String,
     },
     /// An option contradicts another, or a file.
@@ -55,7 +55,7 @@ pub enum Error {
     #[error("cancelled; nothing was written")]
     Cancelled,
     /// Signals cannot be caught.
-    #[error("the system does not let Ctrl-C be caught ({0}); run from an ordinary terminal")]
+    #[error("Ctrl-C cannot be handled ({0}); run from an ordinary terminal")]
     Signal(#[from] std::io::Error),
 }
 

@@ -61,7 +61,8 @@ pub fn run(args: &ExtendArgs, work: &Work) -> Result<Done, Error> {
 fn check(args: &ExtendArgs) -> Result<(), Error> {
     if let Some(betas) = &args.betas {
         if *betas == args.output {
-            let message = format!("{}: --output and --betas name the same file; choose two", args.output.display());
+            let message =
+                format!("{}: --output and --betas name the same file; choose two names", args.output.display());
             return Err(Error::Conflict(message));
         }
         check_not_among(betas, &[&args.input])?;
@@ -124,7 +125,7 @@ fn controls(args: &ExtendArgs) -> Result<ExtendControls, Error> {
     for (option, found) in [("--fit-center", args.fit_center), ("centre of the blend", blend_center)] {
         if let Some(found) = found.filter(|found| (found - cutoff_hz).abs() > 1e-6) {
             return Err(Error::Conflict(format!(
-                "{option} is {found} Hz and the cutoff {cutoff_hz} Hz, but without --reference they are one frequency; give them the same value or add --reference"
+                "{option} is {found} Hz and the cutoff {cutoff_hz} Hz, but without --reference they are one frequency; give them the same value, or add --reference"
             )));
         }
     }

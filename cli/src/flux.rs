@@ -2,14 +2,14 @@
 
 mod cache;
 mod clock;
-pub mod film;
-pub mod frames;
+mod film;
 mod kept;
 mod measuring;
 pub mod motion;
 mod retime;
 mod scale;
 mod sight;
+pub mod signal;
 pub mod sound;
 mod units;
 pub mod upsampling;
@@ -22,15 +22,13 @@ use pyrophone_recording::{check_not_among, write_file};
 use rayon::prelude::*;
 
 use self::measuring::Plan;
-use self::sound::Signal;
+use self::signal::Signal;
 use crate::args::FluxArgs;
 use crate::error::Error;
 use crate::input;
 use crate::progress::Work;
 use crate::report::{self, Picture};
 use crate::summary::Done;
-
-pub use self::measuring::make_folder;
 
 /// Pictures of the front in a report.
 const PICTURES: usize = 12;
@@ -70,7 +68,7 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
     let shown = args.input.display();
     if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
         let what = if is_sound { "a sound, with a rate of its own" } else { "a series" };
-        let message = format!("{shown}: this is {what}, not a simulation, so {option} has no meaning; leave it out");
+        let message = format!("{shown}: this is {what}, not a simulation, so {option} does not apply; leave it out");
         return Err(Error::Conflict(message));
     }
     for output in sound::files(&args.sound) {
@@ -136,7 +134,7 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
 /// Refuses a place on the timeline that the sound cannot have.
 fn check_place(args: &FluxArgs, plan: &Plan, rate_hz: Option<f64>) -> Result<(), Error> {
     let Some(first) = plan.first_frame() else { return Ok(()) };
-    let rate_hz = rate_hz.unwrap_or(sound::LIKELY_RATE_HZ);
+    let rate_hz = rate_hz.unwrap_or(signal::LIKELY_RATE_HZ);
     let signal = Signal::of_series(vec![0.0], first, rate_hz).counted(*plan.sequence.numbering());
     sound::time_reference(&args.sound, &signal.on_timeline(&args.timeline).retimed()?).map(|_| ())
 }

@@ -8,7 +8,8 @@ use pyrophone_recording::check_not_among;
 
 use crate::args::FluxMergeArgs;
 use crate::error::Error;
-use crate::flux::sound::{self, Signal};
+use crate::flux::signal::Signal;
+use crate::flux::sound;
 use crate::input::text;
 use crate::progress::Work;
 use crate::summary::Done;

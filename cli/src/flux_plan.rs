@@ -18,7 +18,7 @@ use crate::summary::{Done, print};
 /// Most jobs that are written out one by one.
 const MOST_CHUNKS: u64 = 100_000;
 
-/// What a job does, whatever engine runs it.
+/// A job, independent of the scheduler that runs it.
 struct Job {
     program: PathBuf,
     input: PathBuf,
@@ -46,8 +46,7 @@ pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
     let output = absolute(&args.output)?;
     let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let job = Job {
-        program: std::env::current_exe()
-            .map_err(|_| Error::Conflict("the program does not know where it is".into()))?,
+        program: std::env::current_exe().map_err(|_| Error::Conflict("the program cannot find its own path".into()))?,
         input: absolute(&args.input)?,
         parts: output.with_file_name(format!("{name}.parts")),
         frames: (numbering.frame_of(first), numbering.frame_of(last)),
@@ -59,7 +58,7 @@ pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
     let chunks = job.chunks().count() as u64;
     if chunks > MOST_CHUNKS {
         let message = format!(
-            "--chunk {} makes {chunks} jobs, {MOST_CHUNKS} at most are written; choose more frames for each",
+            "--chunk {} makes {chunks} jobs, but at most {MOST_CHUNKS} are allowed; choose more frames per job",
             args.chunk
         );
         return Err(Error::Conflict(message));

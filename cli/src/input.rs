@@ -63,7 +63,7 @@ fn stop(result: Result<Recording, pyrophone_recording::Error>) -> Result<Recordi
 
 /// Reads a file of text.
 pub fn text(path: &Path) -> Result<String, Error> {
-    let not_text = |_| Error::Conflict(format!("{}: this is not a file of text; choose another", path.display()));
+    let not_text = |_| Error::Conflict(format!("{}: this is not a text file; choose another", path.display()));
     String::from_utf8(pyrophone_recording::read(path)?).map_err(not_text)
 }
 
@@ -81,7 +81,10 @@ pub fn mean(recording: &Recording) -> Vec<f64> {
     let power: f64 = mean.iter().map(|sample| sample * sample).sum();
     let mean_power = recording.channels.iter().flatten().map(|sample| f64::from(*sample).powi(2)).sum::<f64>() / count;
     if power < CANCELLING_SHARE * mean_power {
-        note(&format!("{}: its channels cancel in their mean, which drives the engines", recording.name));
+        note(&format!(
+            "{}: its channels cancel when averaged, and their average drives the engines; invert one of them",
+            recording.name
+        ));
     }
     mean
 }

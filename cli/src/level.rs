@@ -1,4 +1,4 @@
-//! How loud a sound is: its peak, and its loudness as programmes are measured (ITU-R BS.1770).
+//! Level of a sound: its peak, and its integrated loudness (ITU-R BS.1770).
 
 use ebur128::{Channel, EbuR128, Mode};
 
@@ -66,7 +66,7 @@ fn loudness(channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<f64, ebur128::
     meter.loudness_global()
 }
 
-/// Where the loudspeakers of so many channels stand, as the measure weighs them: the sides more, the LFE not at all.
+/// Loudspeakers of a channel count, for the measure's weights: the sides count more, the LFE not at all.
 fn map(channels: usize) -> &'static [Channel] {
     use Channel::{Center, Left, LeftSurround, Mm090, Mm135, Mp090, Mp135, Right, RightSurround, Um045, Unused, Up045};
     match channels {

@@ -2,14 +2,16 @@
 //!
 //! Exit code 0: the output was written. 1: refused or failed, with one line on standard error that
 //! says why and what to do; no output was left behind. 2: the command line was not understood. A signal stops the work,
-//! and once nothing half-done is left the process dies of it: 128 + its number, as shells tell it.
+//! and once nothing half-done is left the process dies of it: 128 + its number, as shells report it.
 
 mod args;
 mod error;
 mod extend;
+mod film_time;
 mod flux;
 mod flux_merge;
 mod flux_plan;
+mod frame_list;
 mod input;
 mod level;
 mod notes;
@@ -67,7 +69,7 @@ fn parse() -> Result<(Cli, String), clap::Error> {
     Ok((Cli::from_arg_matches(&matches)?, name))
 }
 
-/// What was written, for the commands that write files.
+/// Runs the command; its results, if it writes files.
 fn run(cli: &Cli, work: &Work) -> Result<Option<Done>, Error> {
     match &cli.command {
         Command::Texture(args) => texture::run(args, work).map(Some),

@@ -1,6 +1,6 @@
-//! What the user should know but what does not end the work.
+//! Notes to the user that do not end the work.
 //!
-//! A process is one command, so there is one list of notes: they arise anywhere, and `--json` tells them all at the end.
+//! A process is one command, so there is one list of notes: they arise anywhere, and `--json` prints them all at the end.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -8,12 +8,12 @@ use std::sync::{Mutex, PoisonError};
 static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From now on nothing but errors is told on standard error.
+/// From now on, prints only errors on standard error.
 pub fn be_quiet() {
     IS_QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether nothing but errors is told.
+/// Whether only errors are printed.
 pub fn is_quiet() -> bool {
     IS_QUIET.load(Ordering::Relaxed)
 }

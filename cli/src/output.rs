@@ -1,4 +1,4 @@
-//! Where sound goes: a WAV or FLAC file, or standard output.
+//! Output of sound: a WAV or FLAC file, or standard output.
 
 use std::io::IsTerminal;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::level::Level;
 use crate::notes::note;
 use crate::summary::Sound;
 
-/// What stands for standard input and output.
+/// Name of standard input and output.
 pub const STANDARD: &str = "-";
 
 /// Extensions of WAV files; a name without one is a WAV file too.
@@ -37,7 +37,9 @@ pub fn is_standard(path: &Path) -> bool {
 /// could not be written; and inputs that are all to come from standard input.
 pub fn check(output: &Path, sources: &[&Path]) -> Result<(), Error> {
     if sources.iter().filter(|source| is_standard(source)).count() > 1 {
-        return Err(Error::Conflict("two inputs are -, but standard input has one sound; name a file for one".into()));
+        return Err(Error::Conflict(
+            "two inputs are -, but standard input holds one sound; name a file for the other".into(),
+        ));
     }
     if is_standard(output) {
         if std::io::stdout().is_terminal() {
@@ -55,7 +57,7 @@ pub fn check(output: &Path, sources: &[&Path]) -> Result<(), Error> {
 pub fn check_file(output: &Path) -> Result<(), Error> {
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-        let message = format!("{}: there is no folder {}; make it first", output.display(), folder.display());
+        let message = format!("{}: there is no folder {}; create it first", output.display(), folder.display());
         return Err(Error::Conflict(message));
     }
     Ok(check_writable(output)?)
@@ -99,7 +101,7 @@ pub fn write_signal(
             write_flac_24(output, &channels, sample_rate_hz, broadcast)?;
             if clipped > 0 {
                 note(&format!(
-                    "{clipped} samples beyond full scale are clipped, since FLAC has none; WAV would keep them"
+                    "{clipped} samples beyond full scale are clipped, because FLAC cannot hold them; WAV would keep them"
                 ));
             }
         }
@@ -124,9 +126,17 @@ fn kind(output: &Path) -> Result<Kind, Error> {
         "flac" => Ok(Kind::Flac),
         known if WAV.contains(&known) => Ok(Kind::Wav),
         other => Err(Error::Conflict(format!(
-            "{}: no .{} files are written; name the output .wav (32-bit float) or .flac (24 bit)",
+            "{}: .{} files cannot be written; name the output .wav (32-bit float) or .flac (24 bit)",
             output.display(),
             other.replace(['\n', '\r'], " ")
         ))),
     }
+}
+
+/// Makes a folder and those above it, where they do not exist.
+pub fn make_folder(folder: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let (path, reason) = (folder.display().to_string(), error.kind().to_string());
+        Error::Recording(pyrophone_recording::Error::NotWritten { path, reason })
+    })
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::summary::{json, print};
 
-/// A parameter as `--json` tells it; values are those that presets and automation take.
+/// A parameter as `--json` prints it; values are those that presets and automation take.
 #[derive(Serialize)]
 struct Listed {
     id: &'static str,

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::notes::{note, take};
 use crate::summary::{json, print};
 
-/// A preset as `--json` tells it.
+/// A preset as `--json` prints it.
 #[derive(Serialize)]
 struct Listed {
     name: String,
@@ -17,7 +17,7 @@ struct Listed {
     path: Option<String>,
     description: String,
     tags: Vec<String>,
-    /// What it feeds on; `flame` needs no input.
+    /// Its drive mode; `flame` needs no input.
     drive_mode: String,
 }
 

@@ -68,7 +68,7 @@ enum Shown {
 }
 
 impl Stage<'_> {
-    /// Shows how much is done (0-1); answers whether to go on.
+    /// Shows how much is done (0-1); returns whether to continue.
     pub fn at(&self, done: f32) -> bool {
         match &self.shown {
             Shown::Bar(bar) => bar.set_position((f64::from(done.clamp(0.0, 1.0)) * STEPS as f64) as u64),

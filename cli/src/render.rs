@@ -33,7 +33,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
         None => Automation::default(),
     };
     if args.learn.is_some() && args.dynamic_range.is_some_and(|choice| choice != crate::args::DynamicRange::Learned) {
-        let message = "--learn contradicts --dynamic-range off and running; leave one of the two out";
+        let message = "--learn contradicts --dynamic-range off and running; leave one of them out";
         return Err(Error::Conflict(message.into()));
     }
     check_output(args)?;
@@ -73,7 +73,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
         play(&mut chain, &score, BLOCK_SAMPLES, &|done| stage.at(done))?
     };
     if chain.take_meters().cancels {
-        note("the input's channels cancel in their mean, which drives the engines");
+        note("the input's channels cancel when averaged, and their average drives the engines; invert one of them");
     }
     let sound = output::write(&args.output, rendered, main.sample_rate_hz, source.broadcast.as_ref())?;
     Ok(Done { latency_samples: Some(chain.latency_samples()), ..Done::with_sound(&args.output, sound) })
@@ -93,9 +93,9 @@ fn check_region(region_s: Option<[f64; 2]>, recording: &Recording, path: &Path) 
     let Some([start_s, end_s]) = region_s.filter(|[_, end_s]| *end_s > duration_s) else { return Ok(()) };
     let found = format!("--training-region is {start_s}-{end_s} s, but {} has {duration_s:.3} s", path.display());
     if start_s >= duration_s {
-        return Err(Error::Conflict(format!("{found}; choose a part of it")));
+        return Err(Error::Conflict(format!("{found}; choose a part inside it")));
     }
-    note(&format!("{found}; what it has of it is used"));
+    note(&format!("{found}; the part that exists is used"));
     Ok(())
 }
 
@@ -152,7 +152,7 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     let mut flows = events.iter().filter(|event| event.parameter == Id::VortexFlow as usize);
     let follows = field(values.get(Id::VortexFlow)) || flows.any(|event| field(event.value));
     if args.speed_field.is_some() && !(follows && may_sound(Id::VortexLevel)) {
-        note("the speed field is not heard: that takes vortex_flow=field and a vortex_level");
+        note("the speed field is not used: that needs vortex_flow=field and a vortex_level");
     }
     if args.training.is_some() || !may_sound(Id::TextureLevel) {
         return Ok(());
@@ -162,10 +162,10 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
         return Ok(());
     }
     if [Id::LowLevel, Id::ExtensionLevel, Id::VortexLevel].into_iter().any(may_sound) {
-        note("there is no --training, so the texture layer stays silent");
+        note("there is no --training, so the texture layer is silent");
         return Ok(());
     }
-    let message = format!("preset {}: texture alone sounds, but there is no recording; add --training", args.preset);
+    let message = format!("preset {}: only texture is on, but there is no recording; add --training", args.preset);
     Err(Error::Conflict(message))
 }
 

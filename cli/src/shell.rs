@@ -5,7 +5,7 @@ use pyrophone_recording::write_file;
 
 use crate::args::{Cli, CompletionsArgs, ManArgs};
 use crate::error::Error;
-use crate::flux::make_folder;
+use crate::output::make_folder;
 use crate::summary::{Done, print};
 
 /// Writes a shell's completions to standard output.

@@ -16,8 +16,10 @@ use pyrophone_synthesis::vortex::{End, SpeedField};
 use self::kept::{Flow, Kept};
 use crate::args::SimulateArgs;
 use crate::error::Error;
-use crate::flux::{make_folder, motion, sound};
+use crate::flux::signal::Signal;
+use crate::flux::{motion, sound};
 use crate::input::in_range;
+use crate::output::make_folder;
 use crate::progress::{Stage, Work, note};
 use crate::report::View;
 use crate::summary::Done;
@@ -51,7 +53,7 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
         }
     }
     let flux = Flux::from_steps(&steps)?;
-    let signal = sound::Signal::of_flux(&flux, Some(STEP_RATE_HZ));
+    let signal = Signal::of_flux(&flux, Some(STEP_RATE_HZ));
     let view = View::of(meshes.iter().map(|(_, mesh)| mesh));
     let label = |frame: i64| format!("frame {frame} · {:.3} s", frame as f64 / STEP_RATE_HZ);
     let surfaces = meshes.iter().map(|(frame, mesh)| (label(*frame), view.draw(mesh))).collect();
@@ -65,7 +67,7 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
     }
 }
 
-/// What is to be simulated.
+/// A simulation to be run.
 struct Plan {
     options: Options,
     scene: Scene,
@@ -84,14 +86,14 @@ struct Plan {
 /// Fronts to be drawn, with their frames.
 type Meshes = Vec<(i64, Mesh)>;
 
-/// All that was measured.
+/// Everything that was measured.
 struct Simulated {
     steps: Steps,
     meshes: Meshes,
     flow: Flow,
 }
 
-/// What is kept of a step.
+/// Results of one step.
 struct Measured {
     row: Row,
     /// Speeds of the sub-volumes, at every step that the field needs.
@@ -164,13 +166,13 @@ impl Plan {
         let frames = simulation.steps().saturating_sub(self.pre_roll);
         let flow_is_whole = self.regions.is_none() || flow.len() as u64 == frames.div_ceil(stride(STEP_RATE_HZ));
         if steps.len() as u64 != frames || !steps.keys().all(is_kept) || !flow_is_whole {
-            note("what the run before has left is not complete; starting anew");
+            note("the interrupted run's files are incomplete; starting again");
             simulation.reset();
             steps.clear();
             flow.clear();
         }
         if simulation.steps() > 0 {
-            note(&format!("{} steps were done by the run before", simulation.steps()));
+            note(&format!("{} steps are reused from an interrupted run", simulation.steps()));
             steps.retain(|frame, _| frame.unsigned_abs() < self.count);
             flow.truncate(self.count.div_ceil(stride(STEP_RATE_HZ)) as usize);
         }
@@ -256,7 +258,7 @@ impl Plan {
             others.map(|name| name.to_string_lossy().into_owned()).find(|name| name.ends_with(".npz") && !own(name));
         foreign.map_or(Ok(()), |name| {
             let shown = folder.display();
-            Err(Error::Conflict(format!("{shown}: it holds {name} of another run; choose or make another folder")))
+            Err(Error::Conflict(format!("{shown}: it holds {name} from another run; choose another folder")))
         })
     }
 

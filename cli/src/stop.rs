@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::error::Error;
 
-/// What Ctrl-C sends.
+/// The signal that Ctrl-C sends.
 #[cfg(not(unix))]
 const INTERRUPT: usize = 2;
 
@@ -51,7 +51,7 @@ impl Stop {
         let number = u8::try_from(self.number()).ok().filter(|number| *number != 0)?;
         #[cfg(unix)]
         let _ = signal_hook::low_level::emulate_default_handler(i32::from(number));
-        // Systems without signals have the number alone, as shells tell it.
+        // Systems without signals have the number alone, as shells report it.
         Some(ExitCode::from(128 + number))
     }
 

@@ -1,4 +1,4 @@
-//! What a command has done, as `--json` tells it.
+//! Summary of a command's results, for `--json`.
 //!
 //! The shape is a promise to scripts: keys are only ever added. What does not apply, or cannot be told, is `null`.
 
@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::level::Level;
 
-/// What a command has done.
+/// Results of a command.
 #[derive(Debug, Default)]
 pub struct Done {
     /// The output that was asked for with `--output`.
@@ -31,7 +31,7 @@ pub struct Sound {
     pub sample_rate_hz: u32,
     /// Its channels.
     pub channels: usize,
-    /// How loud it is.
+    /// Peak and loudness.
     pub level: Level,
     /// BLAKE3 of its samples, as [`pyrophone_recording::samples_hash`] tells it.
     pub hash: String,
@@ -90,7 +90,7 @@ pub fn print(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
-/// What is serialised here are texts, numbers and lists, which all have a JSON form.
+/// JSON of a value made of texts, numbers and lists, which always have a JSON form.
 pub fn json(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }

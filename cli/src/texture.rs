@@ -62,7 +62,7 @@ pub fn check_windows(dictionary: &Dictionary, path: &Path) -> Result<(), Error> 
         return Ok(());
     }
     Err(Error::Conflict(format!(
-        "{}: {:.3} s are too short for a window of texture; use a longer recording or fewer levels",
+        "{}: {:.3} s is too short for a window of texture; use a longer recording or fewer levels",
         path.display(),
         dictionary.seconds(),
     )))

@@ -43,7 +43,7 @@ pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<Done, Error> {
     }
 }
 
-/// What is to be recorded.
+/// A texture to be recorded.
 struct Plan {
     recipe: Recipe,
     speeds_m_s: Vec<f64>,
@@ -89,7 +89,7 @@ impl Plan {
         let from_before: Vec<Option<Row>> = self.speeds_m_s.iter().map(|speed| lock(kept).row(*speed)).collect();
         let found = from_before.iter().flatten().count();
         if found > 0 {
-            note(&format!("{found} rows were done by the run before"));
+            note(&format!("{found} rows are reused from an interrupted run"));
         }
         // The long ones first, so that no core is left alone with one at the end.
         let rows: Result<Vec<Row>, Error> = self
@@ -141,7 +141,7 @@ struct Meter<'a> {
 }
 
 impl Meter<'_> {
-    /// So many steps more are done; answers whether to go on.
+    /// Counts finished steps; false to stop.
     fn add(&self, steps: f64) -> bool {
         let more = (steps * 1e3) as u64;
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;

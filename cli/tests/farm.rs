@@ -45,7 +45,7 @@ fn plan(at: &Path, format: &str, job: &str) {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// What one run makes.
+/// Result of a single run.
 fn whole(at: &Path) -> Vec<u8> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pyrophone"));
     command.current_dir(at).args([

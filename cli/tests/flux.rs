@@ -159,7 +159,7 @@ fn an_interrupted_run_goes_on() {
         std::fs::write(at.join("out.wav.flux-progress"), &kept).unwrap();
         std::fs::write(frame(at, 22), &good).unwrap();
         let said = notes(at, &format!("flux --input flame --output out.wav --flux-csv out.csv {options}"));
-        assert!(!said.contains("done by the run before"), "{said}");
+        assert!(!said.contains("reused from an interrupted run"), "{said}");
     }
     assert_eq!(bytes(at, "out.wav"), bytes(at, "whole.wav"));
 }
@@ -249,7 +249,10 @@ fn frames_of_film_are_upsampled() {
     let folder = folder();
     let at = folder.path();
     let said = notes(at, "flux --input flame --rate 24 --output auto.wav --flux-csv auto.csv");
-    assert!(said.contains("360 steps per second are made of 24") && said.contains("plausible, not true"), "{said}");
+    assert!(
+        said.contains("24 frames per second are turned into 360 steps") && said.contains("plausible, not true"),
+        "{said}"
+    );
     assert!(!notes(at, "flux --input flame --output x.wav").contains("plausible"), "360 a second are enough");
     for method in ["flips", "noise", "cubic", "release"] {
         let options = format!("--rate 24000/1001 --upsample {method} --upsample-seed 7");
@@ -478,7 +481,7 @@ fn film_places_the_sound() {
         refuses(at, &format!("flux --input flame --output x.wav {options}"), 1, says);
     }
     for (options, says) in [
-        ("--film-rate 24.3", &["no rate of film"][..]),
+        ("--film-rate 24.3", &["not a film or television rate"][..]),
         ("--film-frame 3", &["--film-rate"]),
         ("--film-rate 24 --start-frame 1", &["--start-frame"]),
         ("--film-rate 24 --timecode 1:2", &["timecode"]),

@@ -1,4 +1,4 @@
-//! What tells of the program itself: presets, parameters, completions, manual pages, version.
+//! Commands about the program itself: presets, parameters, completions, manual pages, version.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! What goes in and out otherwise than by WAV files: pipes, FLAC, time stamps, and nothing at all.
+//! Input and output other than WAV files: pipes, FLAC, time stamps, and no input at all.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! What is refused: exit code, one line with a reason, and nothing left behind.
+//! Refusals: exit code, one line with a reason, and nothing left behind.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! What the commands write: length, rate, channels, and what the options do.
+//! Output of the commands: length, rate, channels, and the effect of the options.
 
 mod common;
 

@@ -14,7 +14,7 @@ fn bytes(folder: &Path, name: &str) -> Vec<u8> {
     std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// What is simulated and measured at once is what `flux` makes of the frames.
+/// Simulating and measuring in one go equals `flux` over the frames.
 #[test]
 fn cached_frames_give_the_same_signal() {
     let folder = tempfile::tempdir().unwrap();

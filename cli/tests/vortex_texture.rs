@@ -64,7 +64,7 @@ fn an_interrupted_recording_goes_on() {
     let again = arguments.replace("1:4:3", &format!("{speed}:{speed}:1"));
     let output = common::pyrophone(folder.path(), &again);
     assert!(output.status.success());
-    assert!(String::from_utf8(output.stderr).unwrap().contains("1 rows were done by the run before"));
+    assert!(String::from_utf8(output.stderr).unwrap().contains("1 rows are reused from an interrupted run"));
     assert!(!folder.path().join(PROGRESS).exists());
     succeeds(folder.path(), &again.replace("fire.vtx", "whole.vtx"));
     assert_eq!(bytes(folder.path(), "fire.vtx"), bytes(folder.path(), "whole.vtx"));

@@ -1,4 +1,4 @@
-//! What flames cost, in the rows of `docs/performance.md`: milliseconds per front, CPU seconds per simulated second.
+//! Cost of flames, as rows of `docs/performance.md`: milliseconds per front, CPU seconds per simulated second.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! What a flame costs: seconds per simulated second, and milliseconds per front.
+//! Cost of a flame: seconds per simulated second, and milliseconds per front.
 //!
 //! `cargo bench -p pyrophone-flame --bench flame -- [SCENE] [RESOLUTION] [STEPS]`
 

@@ -92,7 +92,7 @@ impl Truth {
     }
 }
 
-/// What is compared of a series.
+/// Measures of a series that are compared.
 struct Figures {
     levels_db: [f64; 3],
     envelope: f64,
@@ -169,7 +169,7 @@ fn compare(made: &[f64], truth: &[f64], frame_rate_hz: f64) -> Figures {
     }
 }
 
-/// What is heard of a flux: its derivative above 30 Hz.
+/// Audible part of a flux: its derivative above 30 Hz.
 fn pressure(flux: &[f64]) -> Vec<f64> {
     let slope: Vec<f64> = flux.windows(2).map(|pair| (pair[1] - pair[0]) * STEP_RATE_HZ).collect();
     // First order, forwards and backwards, twice: no phase.

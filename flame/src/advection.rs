@@ -19,11 +19,11 @@ const LEAST_SHARE: f32 = 0.02;
 /// The factor at which a flow carries a field best.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
-    /// What the velocity must be multiplied by.
+    /// Factor for the velocity.
     pub factor: f64,
-    /// What of the field's change is left unexplained then, 0-1.
+    /// Share of the field's change that remains unexplained with it, 0-1.
     pub left: f64,
-    /// What is left at a factor of one; above 1 where moving the field is worse than leaving it.
+    /// The same at a factor of one; above 1 if moving the field is worse than leaving it.
     pub left_at_one: f64,
 }
 
@@ -55,7 +55,7 @@ pub fn fit(pairs: &[(Grid<1>, Grid<1>, Velocity)], time_s: f64) -> Option<Fit> {
     (left < 1.0).then_some(Fit { factor, left, left_at_one })
 }
 
-/// How far the field, moved by its flow for `time_s`, is from what it has become: a sum of squares.
+/// Squared difference between the field advected for `time_s` and the next field, summed.
 fn mismatch(before: &Grid<1>, after: &Grid<1>, flow: &Velocity, voxels: &[[i32; 3]], time_s: f64) -> f64 {
     let transform = before.transform();
     let miss = |index: &[i32; 3]| {

@@ -1,6 +1,6 @@
-//! What can be wrong with a simulation, or with what is asked of it.
+//! Errors of simulations, and of what is asked of them.
 
-/// Why a flame could not be read, measured or simulated.
+/// Reason for which a flame could not be read, measured or simulated.
 ///
 /// Every message is one line: what was found, what is allowed, what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -8,7 +8,7 @@
 pub enum Error {
     /// A grid's transform has no inverse or no sensible voxel size.
     #[error(
-        "the grid's transform {rows:?} + {translation:?} cannot be used; voxels must have a volume and edges between 1e-9 and 1e9"
+        "the grid's transform {rows:?} + {translation:?} is unusable; voxels need a volume, and edges between 1e-9 and 1e9"
     )]
     Transform {
         /// The matrix, row after row.
@@ -17,7 +17,7 @@ pub enum Error {
         translation: [f64; 3],
     },
     /// An array does not have as many values as its shape says.
-    #[error("an array of shape {shape:?} has {found} values; they must be as many as the shape's product")]
+    #[error("an array of shape {shape:?} has {found} values; the number must be the product of the shape")]
     Shape {
         /// Voxels along x, y, z.
         shape: [usize; 3],
@@ -46,7 +46,7 @@ pub enum Error {
     },
     /// A flow that is to be recorded does not come to rest in its mean.
     #[error(
-        "the flow has not settled after {passages} passages: its unrest changes by {change:.2} of its energy (0.2 allowed), its divergence is {divergence:.0e} of speed over voxel (0.001 allowed); choose more voxels"
+        "the flow has not settled after {passages} passages: its velocity variance changes by {change:.2} of itself (0.2 allowed), its divergence is {divergence:.0e} of speed over voxel (0.001 allowed); choose more voxels"
     )]
     Unsettled {
         /// Passages through the box.
@@ -60,14 +60,14 @@ pub enum Error {
     #[error("one side of the box is periodic and the opposite one is not; make both periodic or neither")]
     OneSidedPeriod,
     /// A saved simulation cannot be gone on with.
-    #[error("the saved simulation cannot be used ({reason}); start again without it")]
+    #[error("the saved simulation is unusable ({reason}); start again without it")]
     Checkpoint {
-        /// What was found.
+        /// The fault found.
         reason: &'static str,
     },
     /// The field burns everywhere but where it is stored.
     #[error(
-        "the field is {background} far from everything, above the iso value {iso}: such a flame has no bounds; choose another field or a higher iso value"
+        "the field's background is {background}, above the iso value {iso}, so the flame is unbounded; choose another field or a higher iso value"
     )]
     Unbounded {
         /// The field's background.
@@ -77,7 +77,7 @@ pub enum Error {
     },
     /// A surface would be too large to be meant.
     #[error(
-        "the flame front would have {found} pieces, but at most {allowed} are worked on; check the iso value and crop the simulation"
+        "the flame front would have {found} pieces, but at most {allowed} are allowed; check the iso value, or crop the simulation"
     )]
     TooLarge {
         /// Blocks or corners found.
@@ -109,7 +109,7 @@ pub enum Error {
         name: String,
         /// Line from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The fault found.
         reason: String,
     },
     /// Partial tables were measured with different settings.
@@ -137,7 +137,7 @@ pub enum Error {
         second: String,
     },
     /// Two partial tables hold the same frame.
-    #[error("frame {frame} is both in {first} and in {second}; merge shards that do not overlap")]
+    #[error("frame {frame} is in both {first} and {second}; merge parts that do not overlap")]
     Overlap {
         /// The frame.
         frame: i64,
@@ -147,12 +147,12 @@ pub enum Error {
         second: String,
     },
     /// Frames between the first and the last are in no partial table.
-    #[error("frame {frame} is in none of the files, but frames before and after it are; add the shard that holds it")]
+    #[error("frame {frame} is in none of the files, but frames before and after it are; add the part that holds it")]
     Hole {
         /// The first frame missing.
         frame: i64,
     },
-    /// A flow stands still.
+    /// The flow does not move.
     #[error("nothing moves in any step, so there is no speed field; check the velocity's grid")]
     NoMotion,
     /// An engine refused what was made for it.

@@ -10,16 +10,16 @@ use crate::import::Numbering;
 /// Most frames between the first and the last of a table.
 pub const MAX_FRAMES: u64 = 10_000_000;
 
-/// How a partial table begins; its settings follow.
+/// Start of a partial table's first line; its settings follow.
 const MARK: &str = "# pyrophone flux 2; ";
 
-/// How the line begins that names the cache a part was measured from.
+/// Start of the line that names the cache of a part.
 const CACHE_MARK: &str = "# cache ";
 
-/// How the last line of a part begins: steps and a hash of all before follow.
+/// Start of a part's last line; the number of steps and a hash of everything before follow.
 const END_MARK: &str = "# end ";
 
-/// How the line of a change to the next step begins.
+/// Start of the line with a change to the next step.
 const CHANGE_MARK: char = '+';
 
 /// One step of a flame, in world units.
@@ -36,7 +36,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// What was measured at a frame.
+    /// The row of a frame's measurements.
     pub fn new(frame: i64, measure: &Measure) -> Self {
         let Measure { flux, area, mean_curvature, .. } = *measure;
         Self { frame, flux, area, mean_curvature }
@@ -59,6 +59,7 @@ impl Flux {
     /// Fills what was skipped or is missing: linear between its neighbours, and the nearest step's values before the
     /// first and after the last one measured.
     ///
+    /// # Errors
     /// Fails where nothing was measured, or beyond [`MAX_FRAMES`].
     pub fn from_steps(steps: &Steps) -> Result<Self, Error> {
         let measured: Vec<Row> = steps.values().flatten().copied().collect();
@@ -96,6 +97,9 @@ impl Flux {
 
     /// Writes `frame,flux,area` and, where steps per second are known, `time_s`; flux and area read back as the same
     /// `f64`. Frames are named by `label`.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn write_csv(&self, rate_hz: Option<f64>, label: impl Fn(i64) -> String, to: &mut impl Write) -> IoResult<()> {
         writeln!(to, "frame,flux,area{}", if rate_hz.is_some() { ",time_s" } else { "" })?;
         self.rows.iter().try_for_each(|row| {
@@ -105,8 +109,11 @@ impl Flux {
         })
     }
 
-    /// Reads what [`write_csv`](Self::write_csv) wrote, or any table whose first columns are these; `name` stands in
+    /// Reads what [`write_csv`](Self::write_csv) wrote, or any table whose first columns are these; `name` is used in
     /// messages. Frames missing in between are interpolated.
+    ///
+    /// # Errors
+    /// [`Error::Table`] with the line where a row is malformed; [`Error::NoFrames`] where no frame was measured.
     pub fn read_csv(text: &str, name: &str) -> Result<Self, Error> {
         let mut steps = Steps::new();
         let mut has_header = false;
@@ -152,17 +159,17 @@ pub type Changes = BTreeMap<i64, Vec<f64>>;
 /// A part of a simulation's table, with what must agree before parts are put together.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Partial {
-    /// How it was measured, one line; nothing where nothing burns in any frame, or none could be measured.
+    /// Settings of the measurement, one line; empty if nothing burns in any frame, or none could be measured.
     pub settings: String,
     /// The cache it was measured from, one word; nothing where that does not matter.
     pub cache: String,
     /// Steps per second, where they are known.
     pub rate_hz: Option<f64>,
-    /// How frames' numbers count its steps.
+    /// Relation of frame numbers to its steps.
     pub numbering: Numbering,
     /// Its steps.
     pub steps: Steps,
-    /// What changes from each of its steps to the next, where that was asked for.
+    /// Changes from each of its steps to the next, if upsampling needs them.
     pub changes: Changes,
 }
 
@@ -170,6 +177,9 @@ impl Partial {
     /// Writes lines with the settings and the cache, then `frame,flux,area,mean_curvature` (skipped frames have empty
     /// fields), then changes, and last how many steps there are with a hash of all before, by which a file that was cut is
     /// told.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn write(&self, to: &mut impl Write) -> IoResult<()> {
         let mut text = vec![];
         self.write_head(&mut text)?;
@@ -185,6 +195,9 @@ impl Partial {
     }
 
     /// Writes the lines before the steps. Control characters become spaces.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn write_head(&self, to: &mut impl Write) -> IoResult<()> {
         let plain = |text: &str| text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>();
         let [stride, subframes, rest] = self.numbering.parts();
@@ -207,6 +220,9 @@ impl Partial {
     }
 
     /// Writes one step's line.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn write_step(frame: i64, row: Option<&Row>, to: &mut impl Write) -> IoResult<()> {
         match row {
             None => writeln!(to, "{frame},,,"),
@@ -218,14 +234,18 @@ impl Partial {
     }
 
     /// Writes the line of a change from step `frame` to the next.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn write_change(frame: i64, change: &[f64], to: &mut impl Write) -> IoResult<()> {
         write!(to, "{CHANGE_MARK}{frame}")?;
         change.iter().try_for_each(|number| write!(to, ",{number:?}"))?;
         writeln!(to)
     }
 
-    /// Reads what [`write`](Self::write) wrote; `name` stands in messages.
+    /// Reads what [`write`](Self::write) wrote; `name` is used in messages.
     ///
+    /// # Errors
     /// Fails where it is no part, or one that was cut or changed.
     pub fn read(text: &str, name: &str) -> Result<Self, Error> {
         let damaged = |line, reason: String| Error::Table { name: name.into(), line, reason };
@@ -240,6 +260,9 @@ impl Partial {
     }
 
     /// Reads a part whose last line is still to come.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read), but for a missing last line.
     pub fn read_unfinished(text: &str, name: &str) -> Result<Self, Error> {
         let damaged = |line, reason: String| Error::Table { name: name.into(), line, reason };
         let mut head = text.lines();
@@ -274,6 +297,7 @@ impl Partial {
 
     /// Puts parts together, each with the name that stands in messages, in any order.
     ///
+    /// # Errors
     /// Fails where their settings or caches differ, where two hold the same frame, and where a frame between the first and
     /// the last is in none. Parts in which nothing burns or could be measured have no settings.
     pub fn merge(parts: &[(String, Self)]) -> Result<Self, Error> {
@@ -314,7 +338,7 @@ impl Partial {
     }
 }
 
-/// FNV-1a of 64 bits (Fowler, Noll & Vo): tells damage, not malice.
+/// FNV-1a of 64 bits (Fowler, Noll & Vo): detects damage, not malice.
 fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }

@@ -26,7 +26,10 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// Fails where the matrix cannot be inverted or a voxel is absurdly small or large.
+    /// The transform with this matrix, row after row, and this translation.
+    ///
+    /// # Errors
+    /// [`Error::Transform`] where the matrix cannot be inverted or a voxel's edges are not between 1e-9 and 1e9.
     pub fn new(rows: [[f64; 3]; 3], translation: [f64; 3]) -> Result<Self, Error> {
         let finite = rows.iter().flatten().chain(&translation).all(|value| value.is_finite());
         let sane = rows.iter().all(|row| VOXEL_SIZE.contains(&length(*row)));
@@ -50,11 +53,14 @@ impl Transform {
     }
 
     /// Voxels of edge `voxel_size`, index 0 at `origin`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
     pub fn uniform(voxel_size: f64, origin: [f64; 3]) -> Result<Self, Error> {
         Self::new([[voxel_size, 0.0, 0.0], [0.0, voxel_size, 0.0], [0.0, 0.0, voxel_size]], origin)
     }
 
-    /// Where an index lies in the world.
+    /// World position of an index.
     pub fn to_world(&self, index: [f64; 3]) -> [f64; 3] {
         let turned = self.turn(index);
         std::array::from_fn(|axis| turned[axis] + self.translation[axis])
@@ -119,8 +125,9 @@ impl<const N: usize> Grid<N> {
         Self { blocks: BTreeMap::new(), tiles: BTreeMap::new(), tile_sizes: vec![], background, transform }
     }
 
-    /// A field from an array of `shape` (x, y, z; z fastest) whose first value stands at index (0, 0, 0); zero outside.
+    /// A field from an array of `shape` (x, y, z; z fastest) whose first value is at index (0, 0, 0); zero outside.
     ///
+    /// # Errors
     /// Fails where the array's length is not the product of its shape.
     pub fn dense(shape: [usize; 3], values: &[[f32; N]], transform: Transform) -> Result<Self, Error> {
         let expected = shape.iter().try_fold(1usize, |product, size| product.checked_mul(*size));
@@ -205,7 +212,7 @@ impl<const N: usize> Grid<N> {
         self.background
     }
 
-    /// How the indices lie in the world.
+    /// Transform from indices to the world.
     pub fn transform(&self) -> &Transform {
         &self.transform
     }
@@ -242,7 +249,7 @@ impl<const N: usize> Grid<N> {
     }
 }
 
-/// Where an index stands in its block: x slowest, z fastest.
+/// Slot of an index in its block: x slowest, z fastest.
 pub fn slot(index: [i32; 3]) -> usize {
     let [x, y, z] = index.map(|i| (i & (BLOCK - 1)) as usize);
     (x << 6) | (y << 3) | z

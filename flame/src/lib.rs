@@ -1,10 +1,4 @@
-//! From a simulated flame to its low-frequency sound (Chadwick & James 2011, §2-3).
-//!
-//! ```text
-//! import (VDB, npz, npy) ─┐
-//!                         ├─ frames: field and velocity ─ front ─ flux I(t) ─ pressure p(t)
-//! solver, scenes ─────────┘
-//! ```
+#![doc = include_str!("../README.md")]
 
 pub mod advection;
 pub mod error;

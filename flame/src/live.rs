@@ -20,13 +20,13 @@ const HOT_M_S: f64 = 1.0;
 const CALM_M_S: f64 = 0.05;
 /// Upward acceleration of the hottest gas in m/s²: three times the air's temperature.
 const BUOYANCY_M_S2: f64 = 20.0;
-/// How fast the hottest gas cools, in 1/s.
+/// Cooling rate of the hottest gas, in 1/s.
 const COOLING_HZ: f64 = 30.0;
 /// Stirring of hot gas, rms in m/s² per component, and its scale in m and pace in 1/s.
 const STIRRING_M_S2: f64 = 15.0;
 const STIRRING_M: f64 = 0.3;
 const STIRRING_HZ: f64 = 6.0;
-/// How fast gas comes to rest that nothing drives, in 1/s.
+/// Damping rate of gas that nothing drives, in 1/s.
 const REST_HZ: f64 = 2.5;
 const CONFINEMENT: f64 = 4.0;
 
@@ -43,6 +43,9 @@ pub struct LiveFlow {
 
 impl LiveFlow {
     /// Gas at rest, to be moved on by `step_s` (0.0001-1 s) at a time.
+    ///
+    /// # Errors
+    /// Where `step_s` is out of range.
     pub fn new(step_s: f64) -> Result<Self, Error> {
         crate::error::in_range("time step in s", step_s, 1e-4, 1.0)?;
         let sides = [[Side::Open; 2], [Side::Open; 2], [Side::Wall, Side::Open]];
@@ -72,6 +75,7 @@ impl LiveFlow {
 
     /// One step, in which gas comes in at `speed_m_s` (0-100); the sub-volumes' mean speeds in m/s after it.
     ///
+    /// # Errors
     /// Fails where the gas's velocity has no field, which is a fault of the solver.
     pub fn step(&mut self, speed_m_s: f64) -> Result<Vec<f32>, Error> {
         let speed_m_s = if speed_m_s.is_nan() { 0.0 } else { speed_m_s.clamp(0.0, 100.0) };

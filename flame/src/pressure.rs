@@ -8,23 +8,23 @@ use crate::error::{Error, in_range};
 /// The corner of the paper's high-pass (§6) in Hz.
 pub const HIGH_PASS_HZ: f64 = 30.0;
 
-/// Where spectral extension takes over in the paper (§4), in Hz.
+/// Frequency above which spectral extension takes over in the paper (§4), in Hz.
 pub const CUTOFF_HZ: f64 = 180.0;
 
 /// Longest sound in seconds.
 const MAX_SECONDS: f64 = 3600.0;
 
-/// What a series becomes.
+/// Result to compute from a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kind {
     /// The flux's derivative, high-passed: a sound.
     #[default]
     Pressure,
-    /// The flux's size, smoothed: what drives a sound.
+    /// The flux's magnitude, smoothed: an envelope.
     Envelope,
 }
 
-/// How a series of flux becomes sound.
+/// Options for turning a series of flux into sound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Steps per second, 1-768,000.
@@ -37,7 +37,7 @@ pub struct Options {
     pub high_pass_hz: f64,
     /// Level of the loudest sample in dB of full scale, -100 to 0.
     pub peak_db: f64,
-    /// What the pressure or envelope is multiplied by whatever its peak, above 0; none where `peak_db` decides.
+    /// Factor on the pressure or envelope, whatever its peak, above 0; none to follow `peak_db`.
     pub scale: Option<f64>,
 }
 
@@ -56,7 +56,10 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Fails where one is outside its range.
+    /// Checks all options.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the first option outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         in_range("the step rate in Hz", self.rate_hz, 1.0, 768_000.0)?;
         in_range("the sample rate in Hz", f64::from(self.sample_rate_hz), 8_000.0, 384_000.0)?;
@@ -66,7 +69,7 @@ impl Options {
     }
 }
 
-/// What a step rate is good for.
+/// Assessment of a step rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Advice {
     /// It holds all that the paper's cutoff leaves to the simulation.
@@ -115,15 +118,16 @@ impl std::fmt::Display for Advice {
 /// A rendered series.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sound {
-    /// Samples; the first stands at the first step.
+    /// Samples; the first is at the first step.
     pub samples: Vec<f32>,
-    /// What the pressure (flux per second) or envelope was multiplied by.
+    /// Factor that was applied to the pressure (flux per second) or envelope.
     pub scale: f64,
 }
 
 /// Renders a series of flux: `values.len() / rate_hz` seconds. A series that does not change, but for
 /// rounding, is silent as pressure.
 ///
+/// # Errors
 /// Fails where the series is empty, not finite or longer than an hour, and where an option is out of range.
 pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
     options.validate()?;
@@ -172,7 +176,7 @@ fn is_still(values: &[f64]) -> bool {
 }
 
 /// dI/dt at audio rate: the sum over the steps of psi'((t - t_i) / dt) / dt times I(t_i) (eq. 11), psi the cubic of
-/// Mitchell & Netravali with B = C = 1/3. The series goes on with its end values beyond both ends.
+/// Mitchell & Netravali with B = C = 1/3. The series continues with its end values beyond both ends.
 pub fn derivative(values: &[f64], rate_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
     convolved(values, rate_hz, sample_rate_hz, |taps| {
         // Where the steps are denser than the samples, the weights' sum wavers round one, and its slope round zero.

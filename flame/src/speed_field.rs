@@ -112,8 +112,9 @@ impl Regions {
         (0..self.len()).map(|region| self.place(region, up)).collect()
     }
 
-    /// The field of `steps`, each what [`mean_speeds`](Self::mean_speeds) has told, `rate_hz` of them per second.
+    /// The field of `steps`, each from [`mean_speeds`](Self::mean_speeds), `rate_hz` of them per second.
     ///
+    /// # Errors
     /// Fails where there are none, where nothing moves, and where [`SpeedField::new`] refuses them.
     pub fn field(&self, steps: &[Vec<f32>], rate_hz: f64, up: Up, end: End) -> Result<SpeedField, Error> {
         let fastest = |region: usize| steps.iter().map(|step| step[region]).fold(0.0f32, f32::max);

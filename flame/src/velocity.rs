@@ -2,7 +2,7 @@
 
 use crate::grid::{BLOCK, Grid, Transform, slot};
 
-/// Where in a voxel the components of a velocity stand.
+/// Position of a velocity's components in a voxel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Placement {
     /// All at its centre.

@@ -12,7 +12,7 @@ fn row(frame: i64, flux: f64) -> Row {
 }
 
 proptest! {
-    /// What does not change makes no sound, at its ends neither, at any rates.
+    /// A constant flux makes no sound, not even at its ends, at any rate.
     #[test]
     fn a_constant_flux_is_silence(
         value in any::<f64>().prop_filter("finite", |x| x.abs() < 1e300),

@@ -48,7 +48,7 @@ fn every_scene_burns_and_repeats_by_seed() {
     }
 }
 
-/// What is left out of the frame that a flux is measured in has no part in it.
+/// Leaving out the flow away from the front does not change the flux.
 #[test]
 fn flux_needs_the_flow_near_the_front_alone() {
     let front = Front::new(0.5, 2).unwrap();

@@ -5,12 +5,12 @@ use std::time::Duration;
 
 use crate::{Block, Configuration, Event, HostError, Layout, Plugin, Processor, Requests, Transport};
 
-/// How the signal is cut into blocks.
+/// Division of the signal into blocks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum BlockSize {
-    /// All of this many frames, but for the last.
+    /// All of this many frames, except the last.
     Fixed(usize),
-    /// Each of 0 to `max` frames, drawn anew from `seed`.
+    /// Each of 0 to `max` frames, drawn from `seed`.
     Random {
         /// Seed of the draw.
         seed: u64,
@@ -32,7 +32,7 @@ pub struct AutomationPoint {
     pub value: f64,
 }
 
-/// How to bounce.
+/// Options of a bounce.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BounceOptions {
     /// Sample rate in Hz.
@@ -43,13 +43,13 @@ pub struct BounceOptions {
     pub block: BlockSize,
     /// Zeros played before the input, in samples. They are cut off the output again.
     pub pad_before: usize,
-    /// How much longer than the input the output is, in samples.
+    /// Extra length of the output after the input's end, in samples.
     pub extra_after: usize,
     /// The host's position at the first sample played, padding included.
     pub start_position: i64,
     /// Automation, in any order.
     pub automation: Vec<AutomationPoint>,
-    /// Whether the plugin is told that the host renders offline.
+    /// Whether the host renders offline.
     pub offline: bool,
     /// Whether input and output share their memory.
     pub in_place: bool,
@@ -73,14 +73,14 @@ impl BounceOptions {
     }
 }
 
-/// What a bounce gave.
+/// Result of a bounce.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bounce {
     /// Channels of the output; its first sample belongs to the input's first.
     pub channels: Vec<Vec<f32>>,
     /// The latency that was compensated, in samples.
     pub latency_samples: u32,
-    /// What the plugin asked for while playing. A change of latency there means that the compensation was wrong.
+    /// Requests made while playing. A change of latency among them means that the compensation was wrong.
     pub requests: Requests,
 }
 

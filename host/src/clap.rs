@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex};
 
 use clack_extensions::audio_ports::PluginAudioPorts;
 use clack_extensions::audio_ports_config::{AudioPortsConfigBuffer, PluginAudioPortsConfig};
@@ -25,6 +25,7 @@ use self::description::{Range, read_layout, read_parameters};
 use self::handlers::{Flags, Handlers, MainThread, Shared};
 use self::processor::ClapProcessor;
 use crate::buses::Buses;
+use crate::lock::lock;
 use crate::{Configuration, Event, Format, HostError, Layout, Parameter, Plugin, Processor, Requests};
 
 /// Entries stay loaded, see [`load`](crate::load).
@@ -328,9 +329,4 @@ fn load_entry(bundle: &Path) -> Result<PluginEntry, String> {
     let entry = unsafe { PluginEntry::load(&path) }.map_err(|error| error.to_string())?;
     entries.insert(path, entry.clone());
     Ok(entry)
-}
-
-/// The queue is only pushed to and drained, so that a panic elsewhere leaves it whole.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

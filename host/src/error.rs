@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use crate::Layout;
 
-/// Why a host could not do what it was asked.
+/// Reason for which a host could not do what it was asked.
 #[derive(Debug, thiserror::Error)]
 pub enum HostError {
     /// The bundle could not be opened.
@@ -10,17 +10,17 @@ pub enum HostError {
     Load {
         /// The bundle.
         path: PathBuf,
-        /// What went wrong.
+        /// The cause.
         reason: String,
     },
     /// No parameter has this numeric id.
-    #[error("the plugin has no parameter with the numeric id {id}; ask `Plugin::parameters` for those it has")]
+    #[error("the plug-in has no parameter with the numeric id {id}; `Plugin::parameters` lists those it has")]
     UnknownParameter {
         /// The id asked for.
         id: u32,
     },
     /// The plugin does not understand this text as a value.
-    #[error("the plugin does not take {text:?} as a value of parameter {id}")]
+    #[error("the plug-in does not accept {text:?} as a value of parameter {id}")]
     Text {
         /// The parameter.
         id: u32,
@@ -28,26 +28,26 @@ pub enum HostError {
         text: String,
     },
     /// The plugin refused to save or load its state.
-    #[error("the plugin refused to {action} its state")]
+    #[error("the plug-in refused to {action} its state")]
     State {
         /// `save` or `load`.
         action: &'static str,
     },
     /// A state is not what nice-plug writes.
-    #[error("not a state of this plugin: {0}")]
+    #[error("not a state of this plug-in: {0}")]
     StateFormat(String),
     /// The plugin has no such channel layout.
-    #[error("the plugin has no layout {0}")]
+    #[error("the plug-in has no layout {0}")]
     Layout(Layout),
     /// The plugin refused to become active, or the configuration makes no sense.
-    #[error("the plugin cannot be activated: {0}")]
+    #[error("the plug-in cannot be activated: {0}")]
     Activate(String),
     /// The plugin is active and must not be, or the other way round.
-    #[error("the plugin is {found}, but must be {needed} for this")]
+    #[error("the plug-in is {found}, but must be {needed} for this")]
     Lifecycle {
-        /// What it is.
+        /// Its state.
         found: &'static str,
-        /// What it must be.
+        /// The state needed.
         needed: &'static str,
     },
     /// A block is longer than announced at activation.
@@ -63,9 +63,9 @@ pub enum HostError {
     Channels {
         /// The bus.
         bus: &'static str,
-        /// What was given.
+        /// Channels given.
         found: String,
-        /// What is needed.
+        /// Channels needed.
         needed: String,
     },
     /// An event lies outside its block, or before the event ahead of it.
@@ -77,15 +77,15 @@ pub enum HostError {
         frames: usize,
     },
     /// The plugin reported an error from `process`.
-    #[error("the plugin failed to process a block")]
+    #[error("the plug-in failed to process a block")]
     Process,
     /// The plugin wrote past the end of a block.
-    #[error("the plugin wrote past the end of a block of {frames} frames")]
+    #[error("the plug-in wrote past the end of a block of {frames} frames")]
     Overrun {
         /// Frames of the block.
         frames: usize,
     },
-    /// What was asked for cannot be done in this format or on this system.
+    /// The request is not possible in this format or on this system.
     #[error("{0}")]
     Unsupported(String),
 }

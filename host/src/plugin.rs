@@ -60,7 +60,7 @@ impl fmt::Display for Layout {
     }
 }
 
-/// What a plugin is activated with.
+/// Configuration for an activation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Configuration {
     /// Sample rate in Hz.
@@ -80,7 +80,7 @@ pub struct Parameter {
     pub id: u32,
     /// Name shown to people.
     pub name: String,
-    /// Groups it stands in, outermost first, separated by `/`; empty outside any group.
+    /// Its groups, outermost first, separated by `/`; empty outside any group.
     pub group: String,
     /// Unit; always empty in CLAP, where it is part of the text of a value.
     pub unit: String,
@@ -107,7 +107,7 @@ pub struct Event {
     pub value: f64,
 }
 
-/// What the host tells about the time line at the first frame of a block.
+/// The host's timeline at the first frame of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transport {
     /// Whether the transport runs.
@@ -137,13 +137,13 @@ pub struct Block<'a> {
     pub output: &'a mut [&'a mut [f32]],
     /// Changes of parameters, in order of their offsets.
     pub events: &'a [Event],
-    /// The time line; `None` when the host tells nothing.
+    /// The timeline; `None` if the host provides none.
     pub transport: Option<Transport>,
     /// Whether input and output share their memory, as hosts are free to do.
     pub in_place: bool,
 }
 
-/// How long a plugin goes on sounding after its input fell silent.
+/// Tail of a plug-in: sound after its input has fallen silent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tail {
     /// This many samples.
@@ -152,7 +152,7 @@ pub enum Tail {
     Infinite,
 }
 
-/// What the plugin asked its host for since the last time it was asked.
+/// Requests that the plug-in has made since the last query.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Requests {
     /// To be deactivated and activated again.
@@ -239,7 +239,7 @@ pub trait Plugin {
     /// The latency that the plugin reports, in samples; meaningful while active.
     fn latency_samples(&mut self) -> u32;
 
-    /// Does what a host does on its main thread when idle: runs the callbacks the plugin asked for, and tells what else it wants.
+    /// Does what a host does on its main thread when idle: runs the callbacks the plugin asked for, and returns its other requests.
     fn run_callbacks(&mut self) -> Requests;
 
     /// Opens the editor inside an X11 window and gives its size in pixels.
@@ -298,6 +298,6 @@ pub trait Processor: Send {
     /// The tail that the plugin reports at present.
     fn tail(&mut self) -> Tail;
 
-    /// Which instance it belongs to: unique among the instances of this process.
+    /// Number of its instance, unique in this process.
     fn instance(&self) -> u64;
 }

@@ -1,4 +1,4 @@
-//! What nice-plug puts into a session, so that tests can take states apart and make bad ones.
+//! Format of the state that nice-plug saves, so that tests can take states apart and make bad ones.
 //!
 //! It is JSON: `{"version": "0.1.0", "params": {"alpha": {"f32": 2.5}, "levels": {"i32": 6}, "bypass": {"bool": false},
 //! "drive": {"string": "flux"}}, "fields": {"recording": "{\"path\":\"/a.wav\"}"}}`. Parameters stand there under their string ids with

@@ -11,7 +11,7 @@ use crate::{clap, vst3};
 
 /// One check: its name, and what it does with a bundle.
 pub struct Check {
-    /// What must hold.
+    /// The requirement.
     pub name: &'static str,
     pub(crate) run: fn(&Path) -> Result<(), String>,
 }
@@ -20,7 +20,7 @@ impl Check {
     /// Runs the check on a bundle.
     ///
     /// # Errors
-    /// What was found instead of what must hold.
+    /// Finding that contradicts the requirement.
     pub fn run(&self, bundle: &Path) -> Result<(), String> {
         (self.run)(bundle)
     }

@@ -9,7 +9,7 @@ pub(crate) mod validator;
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use ::vst3::Steinberg::Vst::{
     BusDirections_, BusInfo, IAudioProcessor, IAudioProcessorTrait, IComponent, IComponentHandler, IComponentTrait,
@@ -25,6 +25,7 @@ use self::interfaces::{Handler, HostApplication, MemoryStream};
 use self::module::Module;
 use self::processor::Vst3Processor;
 use crate::buses::Buses;
+use crate::lock::lock;
 use crate::{Configuration, Event, Format, HostError, Layout, Parameter, Plugin, Processor, Requests};
 
 static INSTANCES: AtomicU64 = AtomicU64::new(0);
@@ -343,9 +344,4 @@ impl Drop for Vst3Plugin {
 
 fn stream_pointer(stream: &ComWrapper<MemoryStream>) -> *mut IBStream {
     stream.as_com_ref::<IBStream>().map_or(std::ptr::null_mut(), |stream| stream.as_ptr())
-}
-
-/// The queue is only pushed to and drained, so that a panic elsewhere leaves it whole.
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -5,7 +5,7 @@ use crate::{Error, Recording, subsonic};
 /// Most gain of a [`Cut`], up or down, in dB.
 pub const MAX_GAIN_DB: f64 = 60.0;
 
-/// Which part of a recording is used, and how loud.
+/// A part of a recording, and its level.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cut {
     /// Start and end in seconds; none: all of it. What lies beyond the recording's ends is left out.
@@ -19,6 +19,7 @@ pub struct Cut {
 impl Cut {
     /// First sample of the part in `recording` and one past its last; never empty.
     ///
+    /// # Errors
     /// Fails where start or end is no number, or the end is not after the start.
     pub fn span(&self, recording: &Recording) -> Result<std::ops::Range<usize>, Error> {
         let all = recording.len_samples();
@@ -34,6 +35,7 @@ impl Cut {
 
     /// The factor that brings the part to its level.
     ///
+    /// # Errors
     /// Fails as [`span`](Self::span), and where the gain is not within ±[`MAX_GAIN_DB`].
     pub fn gain(&self, recording: &Recording) -> Result<f64, Error> {
         self.check_gain()?;
@@ -59,6 +61,7 @@ impl Cut {
     /// The part of `recording`, at its level, without what lies below hearing: an offset and whatever moves slower than
     /// 10 Hz would take part in its peak and in every match. Name and hash stay: they name the file.
     ///
+    /// # Errors
     /// Fails as [`gain`](Self::gain).
     pub fn of(&self, recording: &Recording) -> Result<Recording, Error> {
         self.check_gain()?;
@@ -67,6 +70,7 @@ impl Cut {
 
     /// The part of `recording`, at its level, with all that lies below hearing, as the paper's method takes it.
     ///
+    /// # Errors
     /// Fails as [`gain`](Self::gain).
     pub fn as_recorded(&self, recording: &Recording) -> Result<Recording, Error> {
         self.check_gain()?;

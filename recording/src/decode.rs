@@ -16,6 +16,7 @@ const BLOCK: usize = 4096;
 
 /// Reads a whole file into memory.
 ///
+/// # Errors
 /// Fails where it is missing, a folder, not readable, empty, or larger than
 /// [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES).
 pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
@@ -49,14 +50,17 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
 /// Reads and decodes a sound file: WAV (also RF64 and Wave64), AIFF, CAF, FLAC, Ogg or MP3.
 ///
 /// Integer samples become fractions of full scale; 32-bit floats stay as they are, bit for bit.
-/// Fails as [`read`] and [`decode_bytes`] do.
+///
+/// # Errors
+/// As [`read`] and [`decode_bytes`].
 pub fn decode(path: &Path, progress: Progress) -> Result<Recording, Error> {
     let bytes = read(path)?;
     decode_named(&bytes, content_hash(&bytes), &file_name(path), progress)
 }
 
-/// Decodes a sound file held in memory; `name` stands in messages.
+/// Decodes a sound file in memory; `name` is used in messages.
 ///
+/// # Errors
 /// Fails on bytes that are no sound, of an unsupported kind, damaged or truncated, and on sound
 /// outside the limits of this crate or with a sample that is not finite.
 pub fn decode_bytes(bytes: &[u8], name: &str, progress: Progress) -> Result<Recording, Error> {
@@ -94,7 +98,7 @@ fn decode_named(bytes: &[u8], content_hash: String, name: &str, progress: Progre
     Ok(Recording { channels, sample_rate_hz, name: name.into(), content_hash, notes })
 }
 
-/// What makes a sound useless although nothing is wrong with its file.
+/// Note on a sound that is useless although its file is sound.
 fn note_of(channels: &[Vec<f32>]) -> Option<Note> {
     // Less than the smallest normal number is no sound of any medium.
     if channels.iter().all(|samples| largest(samples) < f32::MIN_POSITIVE.to_bits()) {

@@ -16,6 +16,7 @@ pub const MAX_EMBEDDED_BYTES: usize = 10_000_000;
 
 /// Packs a file's bytes into text: zlib (RFC 1950), then base64 (RFC 4648).
 ///
+/// # Errors
 /// Fails with [`Error::EmbedTooLarge`] beyond [`MAX_EMBEDDED_BYTES`].
 pub fn embed(bytes: &[u8]) -> Result<String, Error> {
     if bytes.len() > MAX_EMBEDDED_BYTES {
@@ -28,6 +29,7 @@ pub fn embed(bytes: &[u8]) -> Result<String, Error> {
 
 /// Unpacks what [`embed`] packed.
 ///
+/// # Errors
 /// Fails with [`Error::EmbedDamaged`] on other text, and before it has unpacked more than
 /// [`MAX_EMBEDDED_BYTES`].
 pub fn unembed(text: &str) -> Result<Vec<u8>, Error> {

@@ -1,4 +1,4 @@
-//! What can be wrong with a sound file.
+//! Errors of sound files.
 
 use std::path::Path;
 
@@ -6,14 +6,14 @@ use crate::{MAX_CHANNELS, MAX_EMBEDDED_BYTES, MAX_FILE_BYTES, MAX_SAMPLE_RATE_HZ
 use crate::{MAX_FLAC_CHANNELS, MAX_FLAC_RATE_HZ};
 use crate::{MAX_SECONDS, MIN_SAMPLE_RATE_HZ};
 
-/// Why a file could not be read, used or written.
+/// Reason for which a file could not be read, used or written.
 ///
 /// Every message is one line: which file, what was found, what is allowed, what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// There is no such file.
-    #[error("{path}: there is no such file; check the path or choose the file's new place")]
+    #[error("{path}: there is no such file; check the path, or choose the file again")]
     Missing {
         /// The path asked for.
         path: String,
@@ -35,11 +35,11 @@ pub enum Error {
     Unreadable {
         /// The path asked for.
         path: String,
-        /// What the system said.
+        /// The system's message.
         reason: String,
     },
     /// The region of a recording is none.
-    #[error("{name}: its region from {start_s} s to {end_s} s is none; end it after its start")]
+    #[error("{name}: its region from {start_s} s to {end_s} s is empty; choose an end after the start")]
     Region {
         /// The file.
         name: String,
@@ -63,7 +63,9 @@ pub enum Error {
         name: String,
     },
     /// The file is larger than any recording allowed.
-    #[error("{name}: the file has {found_bytes} bytes, but at most {MAX_FILE_BYTES} are read; use a shorter excerpt")]
+    #[error(
+        "{name}: the file has {found_bytes} bytes, but at most {MAX_FILE_BYTES} are allowed; use a shorter excerpt"
+    )]
     FileTooLarge {
         /// The file.
         name: String,
@@ -75,7 +77,7 @@ pub enum Error {
     NotAudio {
         /// The file.
         name: String,
-        /// What it seems to be.
+        /// Apparent contents.
         found: String,
     },
     /// A sound format, but of a kind that is not read.
@@ -91,7 +93,7 @@ pub enum Error {
     Damaged {
         /// The file.
         name: String,
-        /// What was found.
+        /// The fault found.
         reason: String,
     },
     /// The file ends before its sound does.
@@ -99,21 +101,21 @@ pub enum Error {
     Truncated {
         /// The file.
         name: String,
-        /// How much of the sound is there.
+        /// Amount present.
         found: u64,
-        /// How much its header declares.
+        /// Amount declared by its header.
         declared: u64,
-        /// What is counted: `bytes of sound` or `samples`.
+        /// Unit: `bytes of sound` or `samples`.
         unit: &'static str,
     },
-    /// What must be the same throughout changes in the middle of the sound.
+    /// Sample rate or channel count changes in the middle of the sound.
     #[error(
         "{name}: its {what} changes from {from} to {to} after {at_s:.3} s, but must stay the same; split the file there, or convert it"
     )]
     Changes {
         /// The file.
         name: String,
-        /// What changes.
+        /// The quantity that changes.
         what: &'static str,
         /// Its first value.
         from: u32,
@@ -122,14 +124,14 @@ pub enum Error {
         /// Seconds of sound before.
         at_s: f64,
     },
-    /// What must be the same throughout differs between the streams that a file is joined from.
+    /// Sample rate or channel count differs between the streams that a file is joined from.
     #[error(
         "{name}: its {what} changes from {from} to {to} between two of its streams, but must stay the same; split the file there, or convert it"
     )]
     ChangesBetween {
         /// The file.
         name: String,
-        /// What changes.
+        /// The quantity that changes.
         what: &'static str,
         /// Its value in the first stream.
         from: u32,
@@ -217,7 +219,7 @@ pub enum Error {
     NotWritten {
         /// The file to be written.
         path: String,
-        /// What the system said.
+        /// The system's message.
         reason: String,
     },
     /// More channels than FLAC has, or a higher rate than its encoder takes.
@@ -240,7 +242,7 @@ pub enum Error {
         /// The file that it would overwrite.
         source_path: String,
     },
-    /// What is to be written is beyond what a sample can hold.
+    /// A sample to be written is not finite.
     #[error(
         "{path}: not written, because sample {index} of channel {channel} would be {value}; the input is too loud, lower its level"
     )]
@@ -265,7 +267,7 @@ pub enum Error {
     /// An embedded recording cannot be unpacked.
     #[error("the recording kept inside the session is damaged ({reason}); load it from its file again")]
     EmbedDamaged {
-        /// What was found.
+        /// The fault found.
         reason: String,
     },
     /// Called off by the progress callback.

@@ -35,7 +35,10 @@ pub fn round_to_24_bit(channels: &mut [Vec<f32>]) -> usize {
     clipped
 }
 
-/// Fails where FLAC cannot hold so many channels, or its encoder not take the rate.
+/// Checks that FLAC can hold a sound.
+///
+/// # Errors
+/// [`Error::NotForFlac`] where there are too many channels, or the rate is too high for the encoder.
 pub fn check_flac(path: &Path, channels: usize, sample_rate_hz: u32) -> Result<(), Error> {
     if channels <= MAX_FLAC_CHANNELS && sample_rate_hz <= MAX_FLAC_RATE_HZ {
         return Ok(());
@@ -46,6 +49,7 @@ pub fn check_flac(path: &Path, channels: usize, sample_rate_hz: u32) -> Result<(
 /// Writes 24-bit FLAC: `channels` of equal length, 1 to [`MAX_FLAC_CHANNELS`], rounded as by [`round_to_24_bit`]; its
 /// place on the timeline, where it has one, stands in the comments.
 ///
+/// # Errors
 /// Fails as [`write_wav_f32`](crate::write_wav_f32) does, and where there are more channels or the rate is higher
 /// than [`MAX_FLAC_RATE_HZ`].
 pub fn write_flac_24(

@@ -5,12 +5,13 @@
 
 use std::io::{Read, Seek};
 
-use crate::{Broadcast, wav};
+use crate::broadcast::Broadcast;
+use crate::channel_mask::channel_mask;
 
 /// The number of a block of comments.
 pub(crate) const COMMENTS: u8 = 4;
 
-/// Who is said to have made the file.
+/// Vendor string.
 const VENDOR: &str = "Pyrophone";
 
 /// Largest block of comments that is read, in bytes.
@@ -20,7 +21,7 @@ const MOST_BYTES: u64 = 1 << 20;
 pub(crate) fn comments(channels: usize, broadcast: Option<&Broadcast>) -> Vec<u8> {
     let mut comments = vec![];
     if channels > 2 {
-        comments.push(format!("WAVEFORMATEXTENSIBLE_CHANNEL_MASK=0x{:04X}", wav::channel_mask(channels)));
+        comments.push(format!("WAVEFORMATEXTENSIBLE_CHANNEL_MASK=0x{:04X}", channel_mask(channels)));
     }
     if let Some(broadcast) = broadcast {
         comments.push(format!("TIME_REFERENCE={}", broadcast.time_reference_samples));
@@ -41,7 +42,7 @@ fn put(bytes: &mut Vec<u8>, text: &str) {
     bytes.extend(text.as_bytes());
 }
 
-/// The place that a file's comments tell, from behind its first four bytes on.
+/// The position that a file's comments state, read from after its first four bytes.
 pub(crate) fn read(file: &mut (impl Read + Seek)) -> Option<Broadcast> {
     loop {
         let mut head = [0; 4];

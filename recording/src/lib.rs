@@ -1,12 +1,7 @@
-//! Sound files in and out: what is read is checked, what is written is whole.
-//!
-//! [`read`] and [`decode`] take WAV (also RF64, BW64 and Wave64), AIFF, CAF, FLAC, Ogg Vorbis and MP3 and refuse,
-//! with a one-line reason, whatever cannot serve as a recording; what the user should know of one that can stands in its
-//! [`Note`]s. [`Cut`] takes a part of one, [`resample`] brings a recording to another sample rate, [`write_wav_f32`] and
-//! [`write_broadcast_wav_f32`] write float WAV files, [`write_flac_24`] writes FLAC, and [`embed`] packs a file's bytes
-//! into text, for keeping inside a session.
+#![doc = include_str!("../README.md")]
 
 mod broadcast;
+mod channel_mask;
 mod cut;
 mod decode;
 mod embed;
@@ -24,7 +19,7 @@ mod subsonic;
 mod wav;
 mod write;
 
-pub use broadcast::{Broadcast, write_broadcast_wav_f32};
+pub use broadcast::Broadcast;
 pub use cut::{Cut, MAX_GAIN_DB};
 pub use decode::{decode, decode_bytes, decode_known, read};
 pub use embed::{MAX_EMBEDDED_BYTES, embed, unembed};
@@ -33,7 +28,9 @@ pub use flac::{MAX_FLAC_CHANNELS, MAX_FLAC_RATE_HZ, check_flac, round_to_24_bit,
 pub use note::Note;
 pub use resample::resample;
 pub use stream::settle_length;
-pub use write::{check_finite, check_not_among, check_writable, write_file, write_wav_f32, write_wav_f32_to};
+pub use write::{
+    check_finite, check_not_among, check_writable, write_broadcast_wav_f32, write_file, write_wav_f32, write_wav_f32_to,
+};
 
 /// Most channels a recording may have.
 pub const MAX_CHANNELS: usize = 10;
@@ -49,7 +46,7 @@ pub const MAX_SAMPLES: usize = 1 << 29;
 /// Largest file that is read, in bytes: what [`MAX_SAMPLES`] take in 32-bit float.
 pub const MAX_FILE_BYTES: u64 = 4 * MAX_SAMPLES as u64 + (1 << 20);
 
-/// Told how much of the work is done (0-1); answers whether to go on. `false` ends the work with
+/// Called with the share of the work that is done (0-1); returns whether to continue. `false` ends the work with
 /// [`Error::Cancelled`].
 pub type Progress<'a> = &'a dyn Fn(f32) -> bool;
 
@@ -69,7 +66,7 @@ pub struct Recording {
     pub name: String,
     /// BLAKE3 of the file's bytes, 64 hexadecimal digits.
     pub content_hash: String,
-    /// What the user should know of it.
+    /// Notes for the user.
     pub notes: Vec<Note>,
 }
 

@@ -1,4 +1,4 @@
-//! What the user should know of a recording that can be used all the same.
+//! Notes on recordings that are odd but usable.
 
 /// A finding about a sound file, one line of text without the file's name.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,30 +15,30 @@ pub enum Note {
         declared: u64,
         /// Those that are there.
         found: u64,
-        /// What is counted.
+        /// Unit of the counts.
         unit: &'static str,
     },
     /// The last frame, packet or page breaks off.
     BreaksOff {
-        /// What breaks off.
+        /// The unit that is truncated.
         what: &'static str,
     },
     /// Packets in the middle of the stream could not be decoded.
     Undecoded {
-        /// How many.
+        /// Their number.
         packets: usize,
     },
     /// Bytes between the packets that are none.
     Skipped {
-        /// How many.
+        /// Their number.
         bytes: usize,
     },
     /// Sound beside the one that is read.
     LeftOut {
-        /// What is left out.
+        /// The part left out.
         what: &'static str,
     },
-    /// No sample is more than nothing.
+    /// All samples are silent.
     Silent,
     /// The channels cancel in their mean.
     ChannelsCancel,
@@ -48,23 +48,20 @@ impl std::fmt::Display for Note {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::UnknownLength { found_s } => {
-                write!(
-                    f,
-                    "its header does not say how long it is; all {found_s:.3} s up to the end of the file are used"
-                )
+                write!(f, "its header does not state its length; all {found_s:.3} s up to the end of the file are used")
             }
             Self::CountDiffers { declared, found, unit } => {
-                write!(f, "its header counts {declared} {unit}, but {found} are there; all of them are used")
+                write!(f, "its header states {declared} {unit}, but there are {found}; all of them are used")
             }
-            Self::BreaksOff { what } => write!(f, "its last {what} breaks off; what comes before it is used"),
+            Self::BreaksOff { what } => write!(f, "its last {what} is truncated; everything before it is used"),
             Self::Undecoded { packets } => {
-                write!(f, "{packets} packets of it are damaged and left out; export or copy it again to have them")
+                write!(f, "{packets} damaged packets are left out; export or copy the file again to include them")
             }
-            Self::Skipped { bytes } => write!(f, "{bytes} bytes in it are neither sound nor a tag, and are skipped"),
+            Self::Skipped { bytes } => write!(f, "{bytes} bytes that are neither sound nor a tag are skipped"),
             Self::LeftOut { what } => write!(f, "{what} is left out"),
             Self::Silent => write!(f, "it is silent throughout"),
             Self::ChannelsCancel => {
-                write!(f, "its channels cancel in their mean, which matching goes by; invert one of them")
+                write!(f, "its channels cancel when averaged, and matching uses their average; invert one of them")
             }
         }
     }

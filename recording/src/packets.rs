@@ -35,7 +35,7 @@ struct Decoding<'a> {
     of: &'a mut Described,
     name: &'a str,
     channels: Vec<Vec<f32>>,
-    /// What the last packet decoded to.
+    /// Samples of the last packet.
     planes: Vec<Vec<f32>>,
     undecoded: usize,
     last_fault: Option<&'static str>,
@@ -168,7 +168,7 @@ impl Decoding<'_> {
     }
 }
 
-/// Why a packet gave no samples.
+/// Reason for which a packet gave no samples.
 enum Fault {
     Decoder(DecoderError),
     Error(Error),

@@ -1,10 +1,10 @@
-//! Samples that stand in a file one after the other, each on its own.
+//! Plain samples: stored one after the other, without compression.
 
-use crate::format::Described;
+use crate::format::described::Described;
 use crate::g711::{from_a_law, from_mu_law};
 use crate::{Error, Progress};
 
-/// How one sample is stored.
+/// Storage of one sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Coding {
     /// Eight bits about 128.
@@ -110,7 +110,7 @@ impl Pcm<'_> {
     }
 }
 
-/// What an integer of `N` bytes means, of which `bits` make up full scale.
+/// Value of an integer of `N` bytes, of which `bits` make up full scale.
 fn integer<const N: usize>(bits: u32) -> impl Fn([u8; N]) -> f32 {
     // A power of two: multiplying by it is as exact as dividing by full scale.
     let step = 0.5f64.powi(bits as i32 - 1);

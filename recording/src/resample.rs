@@ -12,6 +12,7 @@ const LEAST_SINC_TAPS: usize = 1024;
 /// The recording at `rate_hz`: round(samples * ratio) samples long, without delay. At its own rate
 /// it comes back unchanged, bit for bit. Name and hash stay: they name the file.
 ///
+/// # Errors
 /// Fails at a rate outside the limits of this crate, where the result would be too large, and where
 /// `progress` calls it off.
 pub fn resample(recording: &Recording, rate_hz: u32, progress: Progress) -> Result<Recording, Error> {

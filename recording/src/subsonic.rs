@@ -1,4 +1,4 @@
-//! What lies below hearing: an offset, and the rumble of wind and stands.
+//! Removal of inaudible low frequencies: an offset, and the rumble of wind and microphone stands.
 //!
 //! It carries no sound, but it takes part in every peak and every match: an offset of 2 % of full scale is as much as a
 //! quiet fire's whole sound. It is taken out forwards and backwards, so that nothing above it moves in time.

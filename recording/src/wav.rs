@@ -2,31 +2,15 @@
 
 use std::io::Write;
 
-use crate::Broadcast;
-use crate::broadcast::{BEXT_BYTES, MOST_IXML_BYTES, bext};
+use crate::broadcast::{BEXT_BYTES, Broadcast, MOST_IXML_BYTES, bext};
+use crate::channel_mask::channel_mask;
 
 /// IEEE 754 floats, as `WAVEFORMATEX` numbers them.
 const FLOAT: u16 = 3;
 /// `WAVEFORMATEXTENSIBLE`, which more than two channels need to say which loudspeakers they are for.
 const EXTENSIBLE: u16 = 0xfffe;
-/// What follows a format's number in its GUID.
+/// Rest of a format's GUID, after its number.
 const GUID_TAIL: [u8; 14] = [0, 0, 0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71];
-
-/// The loudspeakers of so many channels (left, right, centre, LFE, rear, side, top), as bits. Without them programs would
-/// take the channels in the order of the bits.
-pub(crate) fn channel_mask(channels: usize) -> u32 {
-    match channels {
-        3 => 0x7,
-        4 => 0x33,
-        5 => 0x37,
-        6 => 0x3f,
-        7 => 0x637,
-        8 => 0x63f,
-        9 => 0x5637,
-        10 => 0x563f,
-        _ => 0,
-    }
-}
 
 /// The size of the samples in bytes; fails, with the reason, where a WAV file cannot hold them.
 pub(crate) fn data_bytes(channels: &[Vec<f32>]) -> Result<u32, String> {

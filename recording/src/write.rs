@@ -3,14 +3,17 @@
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use crate::broadcast::Broadcast;
+use crate::channel_mask::channel_mask;
 use crate::error::{clean, one_line};
-use crate::{Broadcast, Error, wav};
+use crate::{Error, wav};
 
 /// Writes 32-bit float WAV: `channels` of equal length, 1 to [`MAX_CHANNELS`](crate::MAX_CHANNELS),
 /// sample values as they are (no normalising, no dither, no clipping).
 ///
+/// # Errors
 /// Fails where channels are missing, too many or unequal, and where the file cannot be written; then
-/// whatever stood at `path` before still stands there.
+/// whatever was at `path` before is still there.
 pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<(), Error> {
     let expected = check_channels(path, channels, sample_rate_hz)?;
     let spec = hound::WavSpec {
@@ -41,12 +44,29 @@ fn set_channel_mask(file: &mut std::fs::File, channels: usize) -> std::io::Resul
         return Ok(());
     }
     file.seek(SeekFrom::Start(MASK_AT))?;
-    file.write_all(&wav::channel_mask(channels).to_le_bytes())
+    file.write_all(&channel_mask(channels).to_le_bytes())
+}
+
+/// Writes 32-bit float WAV as [`write_wav_f32`](crate::write_wav_f32) does, with a `bext` chunk of version 1 before the
+/// sound.
+///
+/// # Errors
+/// Fails as that does, and where the file would reach 4 GiB.
+pub fn write_broadcast_wav_f32(
+    path: &Path,
+    channels: &[Vec<f32>],
+    sample_rate_hz: u32,
+    broadcast: &Broadcast,
+) -> Result<(), Error> {
+    check_channels(path, channels, sample_rate_hz)?;
+    wav::data_bytes(channels).map_err(|reason| Error::NotWritten { path: one_line(path), reason })?;
+    write_file(path, |file| wav::write(&mut BufWriter::new(file), channels, sample_rate_hz, Some(broadcast)))
 }
 
 /// Writes the same sound to anything that takes bytes, such as a pipe, with a `bext` chunk where `broadcast` is given;
-/// `name` stands in messages.
+/// `name` is used in messages.
 ///
+/// # Errors
 /// Fails as [`write_wav_f32`] does; what was written until then is written.
 pub fn write_wav_f32_to(
     out: &mut impl Write,
@@ -72,7 +92,10 @@ pub(crate) fn check_channels(path: &Path, channels: &[Vec<f32>], sample_rate_hz:
     Ok(expected)
 }
 
-/// Fails where what is to be written to `path` holds values that are not finite: its input was too loud.
+/// Checks what is to be written to `path`.
+///
+/// # Errors
+/// [`Error::Overflow`] where a value is not finite, because the input was too loud.
 pub fn check_finite(path: &Path, channels: &[Vec<f32>]) -> Result<(), Error> {
     for (channel, samples) in channels.iter().enumerate() {
         if let Some(index) = samples.iter().position(|sample| !sample.is_finite()) {
@@ -82,7 +105,10 @@ pub fn check_finite(path: &Path, channels: &[Vec<f32>]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Fails where the file at `output` is one of `sources`, under whatever name.
+/// Checks that an output does not replace one of its inputs, under whatever name.
+///
+/// # Errors
+/// [`Error::Overwrites`] where the file at `output` is one of `sources`.
 pub fn check_not_among(output: &Path, sources: &[&Path]) -> Result<(), Error> {
     let Ok(place) = output.canonicalize() else { return Ok(()) };
     let same = |source: &&&Path| source.canonicalize().is_ok_and(|source| source == place);
@@ -95,7 +121,8 @@ pub fn check_not_among(output: &Path, sources: &[&Path]) -> Result<(), Error> {
 /// Writes a file under a temporary name in the same folder and moves it into place once it is whole. A link is
 /// followed.
 ///
-/// Fails with [`Error::NotWritten`], also where something stands at `path` that is not a file (a folder, a device,
+/// # Errors
+/// Fails with [`Error::NotWritten`], also where `path` is not a file (a folder, a device,
 /// a pipe); then nothing new is left behind.
 pub fn write_file<E: std::fmt::Display>(
     path: &Path,
@@ -110,8 +137,10 @@ pub fn write_file<E: std::fmt::Display>(
     Ok(())
 }
 
-/// Fails, as [`write_file`] would at the end of the work, where no file could be written to `path`; nothing is left
-/// behind.
+/// Checks that a file can be written to `path`; nothing is left behind.
+///
+/// # Errors
+/// As [`write_file`] would fail at the end of the work.
 pub fn check_writable(path: &Path) -> Result<(), Error> {
     let place = place_of(path)?;
     match part(&place) {
@@ -120,7 +149,7 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
     }
 }
 
-/// Where the file itself stands, behind whatever links; fails where the move would put a file in the place of something
+/// Path of the file itself, with links resolved; fails where the move would replace something
 /// else.
 fn place_of(path: &Path) -> Result<PathBuf, Error> {
     let failure = |reason: String| Error::NotWritten { path: one_line(path), reason };

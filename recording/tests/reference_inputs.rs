@@ -1,5 +1,8 @@
 //! Every sound file of the reference inputs, with the result that its list asks for.
 
+#[path = "../../tests/src/skip.rs"]
+mod skip;
+
 use std::path::{Path, PathBuf};
 
 use pyrophone_recording::{Note, decode, no_progress};
@@ -13,15 +16,15 @@ fn inputs() -> Option<PathBuf> {
     }
     let missing = format!("no reference data at {}: set PYROPHONE_REFERENCE", folder.display());
     assert!(std::env::var("CI").as_deref() != Ok("true"), "{missing}");
-    eprintln!("skipped: {missing}");
+    skip::skip(&missing);
     None
 }
 
-/// What must come of a file.
+/// Expected result for a file.
 enum Expected {
-    /// So many samples, and nothing to say.
+    /// A number of samples, without a note.
     Samples(std::ops::RangeInclusive<usize>),
-    /// So many samples, and a note.
+    /// A number of samples, with a note.
     Noted(std::ops::RangeInclusive<usize>, fn(&Note) -> bool),
     /// A refusal that says all of this.
     Refused(&'static [&'static str]),

@@ -27,7 +27,7 @@ use crate::target_dir;
 /// Size of the screen of a server of our own, in pixels.
 pub const SCREEN: (u32, u32) = (1280, 800);
 
-/// How long anything may take; machines are slow and busy.
+/// Limit of every wait, generous because machines may be slow and busy.
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A screen, and a folder that the editors' files are in.
@@ -94,7 +94,7 @@ impl Desk {
         self.folder().join("map")
     }
 
-    /// Where things are in the window that has drawn last, once one has.
+    /// Map of the window that has drawn last, once one has.
     pub fn map(&self) -> Option<Map> {
         Map::read(&self.map_file())
     }
@@ -150,7 +150,7 @@ fn start_server() -> Option<Child> {
         Ok(server) => server,
         Err(error) => {
             assert!(std::env::var("CI").as_deref() != Ok("true"), "no DISPLAY, and Xvfb: {error}");
-            eprintln!("skipped: no DISPLAY, and Xvfb: {error}");
+            crate::skip::skip(&format!("no DISPLAY, and Xvfb: {error}"));
             return None;
         }
     };

@@ -1,4 +1,4 @@
-//! What the end-to-end tests share: the built bundles, sessions for them, sounds to play.
+//! Helpers shared by the end-to-end tests: the built bundles, sessions for them, sounds to play.
 //!
 //! The bundles and the command line must have been built: `cargo xtask test` does it all.
 
@@ -22,6 +22,7 @@ pub mod reference;
 #[allow(missing_docs, reason = "written for one crate's own tests")]
 #[path = "../../synthesis/tests/common/signals.rs"]
 pub mod signals;
+pub mod skip;
 
 /// Sample rate of most tests, in Hz.
 pub const RATE_HZ: f64 = 44_100.0;
@@ -82,7 +83,7 @@ pub fn session(recording: Option<&Path>, learned: Option<Learned>) -> Session {
     Session { recording: recording.map(reference), learned, ..Session::default() }
 }
 
-/// What texture would learn from these channels played through `values`.
+/// Distribution that texture learns from these channels played through `values`.
 pub fn learned(values: &Values, input: &[Vec<f32>], sample_rate_hz: f64) -> Learned {
     let structure = values.structure();
     let distribution = pyrophone_synthesis::chain::learn(sample_rate_hz, &structure, &values.controls(), input, &[]);

@@ -6,7 +6,7 @@ use pyrophone_host::{Block, Configuration, Event, Layout, Plugin, Processor, Tai
 /// Longest block, in frames.
 pub const MAX_BLOCK: usize = 8192;
 
-/// What the host says about its time line.
+/// The host's timeline.
 #[derive(Debug, Clone, Copy)]
 pub enum Clock {
     /// It plays, from this position on.
@@ -20,7 +20,7 @@ pub enum Clock {
 }
 
 impl Clock {
-    /// What it says `samples` later.
+    /// The timeline `samples` later.
     #[must_use]
     pub fn transport(self, samples: usize) -> Option<Transport> {
         let later = |position: i64| position.saturating_add_unsigned(samples as u64);

@@ -1,4 +1,4 @@
-//! What drawing the editor costs. It measures and judges nothing, so it runs when it is asked for only:
+//! Cost of drawing the editor. It measures and judges nothing, so it only runs when named:
 //! `cargo test --package pyrophone-tests --test editor_cost -- --ignored --nocapture`. With `GALLIUM_NOOP=1` in the environment Mesa
 //! draws nothing, so that what is left is the editor's own part and the driver's.
 

@@ -59,7 +59,7 @@ fn play_until(player: &mut Player, is_over: &AtomicBool) {
     }
 }
 
-/// What a process holds.
+/// Resources held by a process.
 #[derive(Debug, Clone, Copy)]
 struct Holdings {
     /// Bytes that were asked for and not freed.

@@ -9,6 +9,7 @@ use pyrophone_host::{Format, numeric_id};
 use pyrophone_settings::PARAMETERS;
 use pyrophone_tests::live::{Clock, Live};
 use pyrophone_tests::signals::Random;
+use pyrophone_tests::skip::skip;
 use pyrophone_tests::{
     MONO, RATE_HZ, STEREO, assert_same, await_recording, flame, load_session, open, peak, play, preset, recording,
     session,
@@ -17,7 +18,7 @@ use pyrophone_tests::{
 fn is_wanted() -> bool {
     let is_wanted = pyrophone_tests::is_soak();
     if !is_wanted {
-        eprintln!("skipped: set PYROPHONE_SOAK=1");
+        skip("set PYROPHONE_SOAK=1");
     }
     is_wanted
 }

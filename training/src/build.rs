@@ -5,7 +5,7 @@ use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Shape};
 
-/// What is being done.
+/// Stage of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// The part is brought to the engines' sample rate.
@@ -14,7 +14,7 @@ pub enum Stage {
     Indexing,
 }
 
-/// Why there is no dictionary.
+/// Reason for which there is no dictionary.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The part is none, or cannot be brought to the sample rate.
@@ -25,7 +25,7 @@ pub enum Error {
     Engine {
         /// The recording's name.
         name: String,
-        /// What they say.
+        /// The engines' error.
         source: pyrophone_synthesis::Error,
     },
     /// `progress` has called it off.
@@ -43,7 +43,7 @@ impl From<pyrophone_recording::Error> for Error {
 }
 
 /// The dictionary of the part `cut` of a recording, for engines of a structure at a sample rate in Hz. `progress` is told what is
-/// done and how much of that (0-1), and answers whether to go on.
+/// done and how much of that (0-1), and returns whether to continue.
 ///
 /// The paper's method takes a recording as it is; the companded one without what lies below hearing.
 ///

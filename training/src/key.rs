@@ -1,11 +1,11 @@
-//! What a dictionary is made of.
+//! Key of a dictionary: everything that it is made from.
 
 use pyrophone_recording::Cut;
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::Shape;
 
-/// What a dictionary is made of.
+/// Key of a dictionary: content, part, sample rate and structure.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct DictionaryKey {
     content_hash: String,
@@ -18,7 +18,7 @@ pub struct DictionaryKey {
 }
 
 impl DictionaryKey {
-    /// All that it is, as text: equal keys have equal texts, and different ones different texts.
+    /// The key as text: equal keys have equal texts, and different keys different texts.
     pub fn text(&self) -> String {
         format!("{self:?}")
     }

@@ -18,7 +18,7 @@ use crate::key::DictionaryKey;
 /// Names another folder; where it is empty, nothing is kept.
 pub const FOLDER_VARIABLE: &str = "PYROPHONE_CACHE";
 
-/// What a file begins with.
+/// First bytes of a file.
 const MAGIC: &[u8; 8] = b"PYRODIC2";
 /// Bytes of the checksum at the end.
 const CHECKSUM_LEN: u64 = 4;
@@ -127,7 +127,7 @@ fn files(folder: &Path) -> Vec<(SystemTime, u64, PathBuf)> {
     described.collect()
 }
 
-/// What passes through, summed up and counted.
+/// A stream with a checksum and a count.
 struct Summed<T> {
     inner: T,
     checksum: Hasher,

@@ -12,15 +12,15 @@ use crate::{cargo, instructions, setup};
 
 /// The package with the benches; each is a program that prints tables.
 const PACKAGE: &str = "pyrophone-synthesis";
-/// Where the search's figures are kept, between these lines.
+/// Markers of the search's figures in the page.
 const PERFORMANCE: &str = "docs/performance.md";
 const BEGIN: &str = "<!-- figures: cargo xtask bench search -->\n";
 const END: &str = "<!-- end of figures -->\n";
-/// Where the costs are kept.
+/// Markers of the costs in the page.
 const COST_BEGIN: &str = "<!-- costs: cargo xtask bench all -->\n";
 const COST_END: &str = "<!-- end of costs -->\n";
 
-/// Which benches to run.
+/// Options of `cargo xtask bench`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Only this one; `all` and `search` also write their tables into docs/performance.md
@@ -40,7 +40,7 @@ enum Bench {
     Search,
     /// The solver and the flame front
     Flame,
-    /// How true the steps between a simulation's frames are (PYROPHONE_REFERENCE names the folder of the reference cache)
+    /// Accuracy of the steps between a simulation's frames (PYROPHONE_REFERENCE names the folder of the reference cache)
     Upsample,
     /// The editor's window, frame by frame
     Window,
@@ -48,7 +48,7 @@ enum Bench {
     Reload,
     /// Instructions of one second of each engine; keeps them for `cargo xtask test` to compare with
     Instructions,
-    /// How the scenes sound at several resolutions; takes minutes, so only where it is asked for
+    /// Sound of the scenes at several resolutions; takes minutes, so it only runs when named
     Scenes,
 }
 

@@ -1,4 +1,4 @@
-//! The plugin as CLAP and VST3 bundles.
+//! The plug-in as CLAP and VST3 bundles.
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::fs;
@@ -14,10 +14,10 @@ const LIBRARY: &str = "pyrophone";
 /// The bundles' name in `bundler.toml`.
 const NAME: &str = "Pyrophone";
 
-/// What hosts may know of the VST3 bundle without loading it.
+/// `moduleinfo.json` of the VST3 bundle, which hosts read without loading it.
 const MODULE_INFO: &str = include_str!("../moduleinfo.json");
 
-/// How to build.
+/// Build profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Profile {
     /// With debug assertions.
@@ -27,7 +27,7 @@ pub enum Profile {
 }
 
 impl Profile {
-    /// What tells Cargo of it.
+    /// Its flags for Cargo.
     fn flags(self) -> Vec<String> {
         match self {
             Self::Dev => vec![],
@@ -80,7 +80,7 @@ fn describe(bundle: &Path) -> Result<()> {
     fs::write(folder.join("moduleinfo.json"), text).with_context(|| format!("writing to {}", folder.display()))
 }
 
-/// Where the bundles are, CLAP first.
+/// Paths of the bundles, CLAP first.
 pub fn paths() -> [PathBuf; 2] {
     ["clap", "vst3"].map(|extension| project::target_dir().join("bundled").join(format!("{NAME}.{extension}")))
 }

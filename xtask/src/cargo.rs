@@ -1,4 +1,4 @@
-//! How Cargo is called.
+//! Calls to Cargo.
 
 use std::ffi::OsString;
 use std::process::{Command, ExitCode, ExitStatus};

@@ -23,7 +23,7 @@ const LOOP_S: f64 = 10.0;
 /// Seconds over which a loop's end fades into its beginning.
 const FADE_S: f64 = 1.0;
 
-/// What a way makes of a scene as designed.
+/// Change of a variant against the scene as designed.
 type Way = fn(Options) -> Options;
 
 /// The ways in which every scene is simulated, in the order that the synthesis crate expects: as designed, windy.

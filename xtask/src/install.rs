@@ -1,4 +1,4 @@
-//! The bundles to where hosts look for plugins.
+//! Installing the bundles where hosts look for plug-ins.
 
 use std::env::var_os;
 use std::fs;
@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use crate::bundle::{self, Profile};
 use crate::cargo;
 
-/// Where to.
+/// Options of `cargo xtask install`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// For all users instead of the present one

@@ -9,15 +9,15 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::{cargo, project};
 
-/// Where the counts are kept that new ones are compared with.
+/// File of the counts that new ones are compared with.
 const KEPT: &str = "xtask/instructions.txt";
-/// How far a count may be off.
+/// Relative tolerance of a count.
 const TOLERANCE: f64 = 0.1;
-/// What is counted: `bench instructions` of the package's bench knows these.
+/// Cases that are counted, as `bench instructions` of the package's bench names them.
 const PACKAGE: &str = "pyrophone-synthesis";
 const ENGINES: [&str; 5] = ["exact", "bounded", "quiet", "extension", "default"];
 
-/// Why nothing can be compared, if so.
+/// Reason for which nothing can be compared, if there is one.
 pub fn obstacle() -> Option<&'static str> {
     if !can_count() {
         Some("valgrind is not installed (`apt-get install valgrind`)")

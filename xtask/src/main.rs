@@ -10,6 +10,7 @@ mod install;
 mod instructions;
 mod project;
 mod setup;
+mod tally;
 mod test;
 mod uninstall;
 mod validators;

@@ -1,4 +1,4 @@
-//! Where things are.
+//! Folders of the project.
 
 use std::path::{Path, PathBuf};
 

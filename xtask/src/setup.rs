@@ -1,4 +1,4 @@
-//! What the machine must have besides Rust: it is looked for, and installed where that is possible.
+//! Requirements besides Rust, which are installed if they are missing and that is possible.
 
 use std::env::{split_paths, var_os};
 use std::path::Path;
@@ -12,7 +12,7 @@ pub struct Need {
     found: Found,
     /// Debian's package.
     package: &'static str,
-    /// What it is for.
+    /// Its purpose.
     purpose: &'static str,
 }
 
@@ -102,7 +102,7 @@ impl Need {
     }
 }
 
-/// Where shared libraries lie on Debian and its kin, and elsewhere.
+/// Folders of shared libraries, on Debian and elsewhere.
 fn library_folders() -> impl Iterator<Item = String> {
     let triplet = format!("{}-linux-gnu", std::env::consts::ARCH);
     ["/usr/lib", "/lib", "/usr/local/lib"]

@@ -11,7 +11,7 @@ use pyrophone_flame::speed_field::{Regions, stride};
 pub const RESOLUTION: usize = 40;
 const REFINE: usize = 2;
 
-/// What was seen of a flame.
+/// Observations of a simulated flame.
 pub struct Burnt {
     /// Flux at every step.
     pub flux: Vec<f64>,
@@ -21,7 +21,7 @@ pub struct Burnt {
     pub regions: Regions,
 }
 
-/// How often per second motion is seen.
+/// Rate at which motion is sampled, per second.
 pub const MOTION_RATE_HZ: f64 = 30.0;
 
 /// Flux at every step over `seconds`, after `pre_roll_s` that are not kept.

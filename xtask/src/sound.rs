@@ -1,4 +1,4 @@
-//! What `cargo xtask` calls to play through plugins and to draw pictures.
+//! The program that `cargo xtask` calls to play through plug-ins and to draw pictures.
 
 mod bounce;
 mod demo;

@@ -1,4 +1,4 @@
-//! The bundles away from where `install` has put them.
+//! Removing what `install` has installed.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use crate::bundle;
 use crate::install::{preset_folder, system_folders, user_folders};
 
-/// Where from.
+/// Options of `cargo xtask uninstall`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// From where it is installed for all users, instead of for the present one

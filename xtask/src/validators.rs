@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Result, ensure};
 
-use crate::test::Tally;
+use crate::tally::Tally;
 use crate::{bundle, project, setup};
 
 /// Names the folder that the plug-in keeps things in.

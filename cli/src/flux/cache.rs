@@ -1,4 +1,4 @@
-//! Which files a simulation consists of, and whether they are still the same.
+//! The files of a simulation, and whether they are still the same.
 
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;

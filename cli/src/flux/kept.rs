@@ -1,4 +1,4 @@
-//! What an interrupted run leaves for the next one: a part of the table beside the output.
+//! Checkpoint of an interrupted run: a part of the table, beside the output.
 
 use std::fs::File;
 use std::io::Write;
@@ -8,7 +8,7 @@ use pyrophone_flame::flux::{Changes, Partial, Row, Steps};
 
 use crate::error::Error;
 
-/// What is added to the output's name.
+/// Suffix of the checkpoint's name, after the output's.
 const SUFFIX: &str = ".flux-progress";
 
 /// Frames done so far, in a file that goes away when the work is whole.
@@ -17,7 +17,7 @@ pub struct Kept {
     settings: String,
     /// Frames done by the run before; in the end, all of them.
     pub steps: Steps,
-    /// How they change to the next ones, where that is asked for.
+    /// Changes from each step to the next, if upsampling needs them.
     pub changes: Changes,
     /// Open once there is something to keep.
     file: Option<File>,
@@ -30,7 +30,7 @@ impl Kept {
         let mut name = output.file_name().unwrap_or_default().to_os_string();
         name.push(SUFFIX);
         let path = output.with_file_name(name);
-        // A file that cannot be read, or of other settings, is of no use: it will be written anew.
+        // A file that cannot be read, or of other settings, is of no use: it will be written again.
         let text = std::fs::read_to_string(&path).unwrap_or_default();
         // The last line may have been cut off while it was written.
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];

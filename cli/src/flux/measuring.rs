@@ -16,15 +16,16 @@ use super::kept::Kept;
 use super::sight::Sight;
 use crate::args::{FluxArgs, Measure, MeshKind, Placement};
 use crate::error::Error;
+use crate::output::make_folder;
 use crate::progress::{Work, note};
 
-/// How much a given rate may differ from the frames' own, as a part of it.
+/// Relative tolerance between a given rate and the frames' own.
 const SAME_RATE: f64 = 0.01;
 
 /// Frames for each thread that are measured before they are kept.
 const PORTION: usize = 4;
 
-/// What is to be measured, and how.
+/// A measurement: of which frames, and how.
 pub struct Plan {
     /// The frames on disk.
     pub sequence: Sequence,
@@ -36,23 +37,23 @@ pub struct Plan {
     pub indices: Vec<usize>,
     /// Steps among those asked for that have no file.
     missing: Vec<i64>,
-    /// What the first good frame shows; none where there is no good one.
+    /// Facts from the first good frame; none without a good one.
     pub sight: Option<Sight>,
-    /// All that the numbers depend on, but for the files.
+    /// Everything that the results depend on, except for the files.
     pub settings: String,
     measure: Measure,
-    /// What is told of the change from each step to the next, where that is asked for.
+    /// Describes the change from each step to the next, if upsampling is wanted.
     pub upsampler: Option<Upsampler>,
     skip_bad: bool,
-    /// Where fronts are written: of every so many steps one, from this one on.
+    /// Folder for fronts, stride in steps, and first step.
     mesh: Option<(PathBuf, u64, i64)>,
     mesh_kind: MeshKind,
 }
 
-/// What was measured of a step.
+/// Results of one step.
 struct Measured {
     row: Row,
-    /// How it changes to the next one.
+    /// Change to the next step.
     change: Option<Vec<f64>>,
 }
 
@@ -115,7 +116,7 @@ impl Plan {
         })
     }
 
-    /// The same with the change from each step to the next told for an upsampler.
+    /// The same, with the changes between steps that an upsampler needs.
     pub fn with_upsampler(mut self, upsampler: Option<Upsampler>) -> Self {
         if let (Some(upsampler), Some(_)) = (&upsampler, &self.sight) {
             self.settings += &format!(", upsample {upsampler}");
@@ -150,7 +151,7 @@ impl Plan {
         let mut steps: Steps = self.missing.iter().map(|number| (*number, None)).collect();
         steps.extend(done.iter().filter_map(|index| kept.steps.get_key_value(&numbers[*index])));
         if !done.is_empty() {
-            note(&format!("{} of {} frames were done by the run before", done.len(), self.indices.len()));
+            note(&format!("{} of {} frames are reused from an interrupted run", done.len(), self.indices.len()));
         }
         let total = self.indices.len().max(1) as f32;
         let finished = std::sync::atomic::AtomicUsize::new(done.len());
@@ -210,7 +211,7 @@ impl Plan {
         Ok(sources)
     }
 
-    /// How a frame changes to the next one, where that is asked for and both can be read.
+    /// Change from a frame to the next, if that is wanted and both can be read.
     fn change(&self, index: usize, sources: &BTreeMap<usize, Source>) -> Option<Vec<f64>> {
         let next = self.next(index)?;
         let beyond = self.next(next).and_then(|beyond| sources.get(&beyond));
@@ -228,7 +229,7 @@ impl Plan {
         self.upsampler.as_ref().is_some_and(Upsampler::needs_changes) && self.next(index).is_some()
     }
 
-    /// What comes from where in a frame.
+    /// Volume sources of a frame.
     fn source(&self, index: usize) -> Result<Source, Error> {
         let of_frame = |source| self.of_frame(index, source);
         match self.measure {
@@ -286,7 +287,7 @@ impl Plan {
         match (given_hz, told) {
             (Some(given_hz), Ok(Some(told_hz))) if (given_hz / told_hz - 1.0).abs() > SAME_RATE => {
                 note(&format!(
-                    "--rate is {given_hz}, but the frames' own times say {told_hz:.6} per second; --rate is used"
+                    "--rate is {given_hz}, but the frames' own times give {told_hz:.6} per second; --rate is used"
                 ));
                 Ok(Some(given_hz))
             }
@@ -351,7 +352,7 @@ fn selection(args: &FluxArgs) -> Selection {
     }
 }
 
-/// All that the numbers depend on, but for the files.
+/// Everything that the results depend on, except for the files.
 fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
     let Sight { iso, field, velocity, .. } = sight;
     match args.measure {
@@ -371,7 +372,7 @@ fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
 /// Says what is unusual about the files' names.
 fn note_names(sequence: &Sequence) {
     if sequence.left_out() > 0 {
-        note(&format!("{} numbered files of other sorts are left out", sequence.left_out()));
+        note(&format!("{} numbered files with other names are ignored", sequence.left_out()));
     }
     let numbering = sequence.numbering();
     if !numbering.is_plain() {
@@ -388,7 +389,7 @@ fn check_wanted(args: &FluxArgs, sequence: &Sequence, indices: &[usize], missing
     let shown = args.input.display();
     if let (Some(step), false) = (missing.first(), args.skip_bad) {
         return Err(Error::Conflict(format!(
-            "{shown}: frame {} is missing ({} in all); add --skip-bad to interpolate, or the missing files",
+            "{shown}: frame {} is missing ({} in all); add the missing files, or --skip-bad to interpolate",
             sequence.numbering().label(*step),
             missing.len()
         )));
@@ -402,12 +403,4 @@ fn check_wanted(args: &FluxArgs, sequence: &Sequence, indices: &[usize], missing
     }
     note(&format!("{message}: the part is empty"));
     Ok(())
-}
-
-/// Makes a folder and those above it.
-pub fn make_folder(folder: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(folder).map_err(|error| {
-        let (path, reason) = (folder.display().to_string(), error.kind().to_string());
-        Error::Recording(pyrophone_recording::Error::NotWritten { path, reason })
-    })
 }

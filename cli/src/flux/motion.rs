@@ -1,4 +1,4 @@
-//! How fast a simulation's gas flows where: a speed field for vortex sound.
+//! Speed field of a simulation, for vortex sound: how fast the gas flows, and where.
 
 use std::path::Path;
 

@@ -1,9 +1,9 @@
-//! Retiming: which frame of the simulation stands at which frame of the film.
+//! Retiming: the frame of the simulation at each frame of the film.
 
 use std::path::Path;
 
 use crate::error::Error;
-use crate::flux::sound::Signal;
+use crate::flux::signal::Signal;
 use crate::input::text;
 
 /// Longest film in seconds.
@@ -29,15 +29,15 @@ impl Retime {
             let numbers: Vec<Option<f64>> = line.split([',', ';', '\t']).map(|cell| cell.trim().parse().ok()).collect();
             match numbers[..] {
                 [Some(film), Some(frame)] if film.is_finite() && frame.is_finite() => match points.last() {
-                    Some((last, _)) if *last >= film => return failed(index + 1, "frames of the film must ascend"),
+                    Some((last, _)) if *last >= film => return failed(index + 1, "film frames must ascend"),
                     _ => points.push((film, frame)),
                 },
                 [None, None] if points.is_empty() => {}
-                _ => return failed(index + 1, "two numbers are due: film frame, simulation frame"),
+                _ => return failed(index + 1, "expected two numbers: film frame, simulation frame"),
             }
         }
         if points.len() < 2 {
-            return Err(Error::Conflict(format!("{shown}: a curve has two points at least")));
+            return Err(Error::Conflict(format!("{shown}: a curve needs at least two points")));
         }
         Ok(Self { points })
     }
@@ -81,6 +81,20 @@ fn cubic(values: &[f64], at: f64) -> f64 {
     b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
 }
 
+impl Signal {
+    /// The same as a film shows it that bends time; as it is where none does.
+    pub fn retimed(self) -> Result<Self, Error> {
+        let Some((path, rate)) =
+            self.timeline.as_ref().and_then(|timeline| timeline.retime.as_ref().zip(timeline.film_rate))
+        else {
+            return Ok(self);
+        };
+        let retime = Retime::read(path)?;
+        let flux = retime.applied(&self, rate.hz())?;
+        Ok(Self { flux, area: vec![], film_frame: Some(retime.first()), ..self })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,7 +111,7 @@ mod tests {
         assert_eq!((film[0], film[4], film[10], film[20]), (1.0, 3.0, 6.0, 6.0), "half as fast, then still");
         for (text, says) in [
             ("1,2\n", "two points"),
-            ("1,2\n1,3\n", "line 2: frames of the film must ascend"),
+            ("1,2\n1,3\n", "line 2: film frames must ascend"),
             ("a,b\n1,2\n2,x\n", "line 3"),
             ("1,2,3\n", "line 1"),
         ] {

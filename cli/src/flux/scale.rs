@@ -6,7 +6,7 @@ use crate::args::SoundArgs;
 use crate::error::Error;
 use crate::input::text;
 
-/// How the file begins; the scale follows.
+/// First line of the file; the scale follows.
 const MARK: &str = "pyrophone scale ";
 
 /// The scale in the shot's file; none where there is no such file yet.
@@ -17,7 +17,7 @@ pub fn kept(args: &SoundArgs) -> Result<Option<f64>, Error> {
     let found = text(path)?;
     let scale = found.trim().strip_prefix(MARK).and_then(|scale| scale.parse::<f64>().ok());
     let refused = || {
-        let message = format!("{}: no scale that --scale-file has written; choose another file", path.display());
+        let message = format!("{}: this is not a scale written by --scale-file; choose another file", path.display());
         Error::Conflict(message)
     };
     scale.filter(|scale| scale.is_finite() && *scale > 0.0).map(Some).ok_or_else(refused)
@@ -34,12 +34,12 @@ pub fn peak(samples: &[f32]) -> f32 {
     samples.iter().fold(0.0, |peak: f32, sample| peak.max(sample.abs()))
 }
 
-/// What was done, for people.
+/// The scaling that was applied, as text.
 pub fn told(args: &SoundArgs, scale: f64, peak: f32) -> String {
     match &args.scale_file {
         Some(path) => {
             let peak_db = 20.0 * peak.log10();
-            format!("scaled by {scale:.6e}, as {} says, to a peak of {peak_db:.1} dB", path.display())
+            format!("scaled by {scale:.6e}, from {}, to a peak of {peak_db:.1} dB", path.display())
         }
         None => format!("scaled by {scale:.6e} to a peak of {} dB", args.peak_db),
     }

@@ -1,4 +1,4 @@
-//! What the first good frame of a simulation shows.
+//! Facts from the first good frame of a simulation: size, placement, units.
 
 use pyrophone_flame::import::{GridInfo, Selection, Sequence};
 
@@ -9,7 +9,7 @@ use crate::progress::note;
 /// Iso value of a field of 0 to 1.
 const ISO: f64 = 0.5;
 
-/// What a frame shows.
+/// Facts from one frame.
 pub struct Sight {
     /// The value at the front.
     pub iso: f64,
@@ -28,7 +28,7 @@ pub struct Sight {
 impl Sight {
     /// Looks at a frame.
     ///
-    /// Fails where it cannot be read, and where nobody knows the value at its front.
+    /// Fails if it cannot be read, or if the value at its front is unknown.
     pub fn of(sequence: &Sequence, index: usize, selection: &Selection, args: &FluxArgs) -> Result<Self, Error> {
         let description = sequence.describe(index)?;
         let (info, velocity) = match args.measure {
@@ -44,7 +44,7 @@ impl Sight {
         };
         if info.is_unit_dependent() && args.iso.is_none() && args.measure == Measure::Flux {
             return Err(Error::Conflict(format!(
-                "the grid {} has a unit, so that nobody but you knows its value at the flame front; give it by --iso, or choose another --field",
+                "the grid {} has a physical unit, so its value at the flame front is unknown; give it with --iso, or choose another --field",
                 info.name
             )));
         }
@@ -67,7 +67,7 @@ impl Sight {
         self.voxel_edges.map(shortly).join(" x ")
     }
 
-    /// How far what burns reaches, for people.
+    /// Extent of the burning region, as text.
     pub fn extent_text(&self) -> String {
         self.extent.map_or("nothing burns".into(), |[low, high]| {
             let edges: [String; 3] =
@@ -80,7 +80,7 @@ impl Sight {
 fn note_staggered(velocity: &GridInfo, args: &FluxArgs) {
     if velocity.is_staggered() && args.placement == Placement::Collocated {
         note(&format!(
-            "the grid {} is staggered (components on the voxels' faces), but is taken at the voxels' centres; --placement file takes it where it stands",
+            "the grid {} is staggered (components on the voxels' faces), but is read at the voxels' centres; --placement file reads it as stored",
             velocity.name
         ));
     }

@@ -3,124 +3,30 @@
 use std::io::Write;
 use std::path::Path;
 
-use pyrophone_flame::flux::{Changes, Flux};
+use pyrophone_flame::flux::Flux;
 use pyrophone_flame::import::Numbering;
 use pyrophone_flame::pressure::{self, Advice, Options};
-use pyrophone_flame::upsample::Upsampler;
 use pyrophone_recording::{Broadcast, write_file};
 
-use super::retime::Retime;
+use super::signal::{LIKELY_RATE_HZ, Signal};
 use super::{clock, film, scale};
-use crate::args::{Kind, SoundArgs, TimelineArgs};
+use crate::args::{Kind, SoundArgs};
 use crate::error::Error;
 use crate::output;
 use crate::progress::{Work, note};
 use crate::report::{self, Picture, Report};
 use crate::summary::Done;
 
-/// Steps per second for checking options while the true rate is not known yet: the paper's.
-pub const LIKELY_RATE_HZ: f64 = 360.0;
-
-/// How long a simulation may take to start, in seconds.
+/// Time in which a simulation settles after its start, in seconds.
 const START_S: f64 = 0.05;
 
-/// How far its start may stand out before it is worth a word: 12 dB.
+/// Amplitude ratio beyond which a loud start is noted: 12 dB.
 const START_RATIO: f32 = 4.0;
 
 /// Interpolated frames that a note names.
 const NAMED_FRAMES: usize = 8;
 
-/// A flux with its time.
-pub struct Signal {
-    /// One value per step.
-    pub flux: Vec<f64>,
-    /// The front's area at every step; empty where it is not known.
-    pub area: Vec<f64>,
-    /// Number of the first step.
-    pub first_frame: i64,
-    /// Steps per second: a likely one where nobody knows it.
-    pub rate_hz: f64,
-    /// Whether that rate is known.
-    pub is_timed: bool,
-    /// Where it stands in time, where that is asked for.
-    pub timeline: Option<TimelineArgs>,
-    /// The frame of the film at which it starts, where a curve says so.
-    pub film_frame: Option<f64>,
-    /// How frames' numbers count the steps that were measured.
-    pub numbering: Numbering,
-    /// Steps that stand for one that was measured.
-    pub substeps: usize,
-}
-
-impl Signal {
-    /// Of measured frames.
-    pub fn of_flux(flux: &Flux, rate_hz: Option<f64>) -> Self {
-        Self {
-            flux: flux.values(),
-            area: flux.rows.iter().map(|row| row.area).collect(),
-            first_frame: flux.rows.first().map_or(0, |row| row.frame),
-            rate_hz: rate_hz.unwrap_or(LIKELY_RATE_HZ),
-            is_timed: rate_hz.is_some(),
-            timeline: None,
-            film_frame: None,
-            numbering: Numbering::default(),
-            substeps: 1,
-        }
-    }
-
-    /// Of a series.
-    pub fn of_series(flux: Vec<f64>, first_frame: i64, rate_hz: f64) -> Self {
-        let none = Flux::default();
-        Self { flux, first_frame, ..Self::of_flux(&none, Some(rate_hz)) }
-    }
-
-    /// The same, its steps counted by frames' numbers.
-    pub fn counted(self, numbering: Numbering) -> Self {
-        Self { numbering, ..self }
-    }
-
-    /// The same on a timeline.
-    pub fn on_timeline(self, timeline: &TimelineArgs) -> Self {
-        Self { timeline: Some(timeline.clone()), ..self }
-    }
-
-    /// The same as a film shows it that bends time; as it is where none does.
-    pub fn retimed(self) -> Result<Self, Error> {
-        let Some((path, rate)) =
-            self.timeline.as_ref().and_then(|timeline| timeline.retime.as_ref().zip(timeline.film_rate))
-        else {
-            return Ok(self);
-        };
-        let retime = Retime::read(path)?;
-        let flux = retime.applied(&self, rate.hz())?;
-        Ok(Self { flux, area: vec![], film_frame: Some(retime.first()), ..self })
-    }
-
-    /// The first frame's number.
-    pub fn first_number(&self) -> f64 {
-        self.numbering.number(self.first_frame)
-    }
-
-    /// The same with more steps.
-    pub fn upsampled(self, upsampler: &Upsampler, changes: &Changes) -> Self {
-        let substeps = upsampler.substeps();
-        let area = |area: &f64| std::iter::repeat_n(*area, substeps);
-        Self {
-            flux: upsampler.series(&self.flux, self.first_frame, changes),
-            area: self.area.iter().flat_map(area).collect(),
-            rate_hz: self.rate_hz * substeps as f64,
-            substeps,
-            ..self
-        }
-    }
-
-    /// Steps per second that were measured.
-    pub fn measured_hz(&self) -> f64 {
-        self.rate_hz / self.substeps as f64
-    }
-}
-
-/// Files that are asked for, but for the report's.
+/// Files that were asked for, except the report's.
 pub fn files(args: &SoundArgs) -> impl Iterator<Item = &Path> {
     [args.output.as_deref(), args.flux_csv.as_deref()].into_iter().flatten()
 }
@@ -148,7 +54,7 @@ pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result
         }
     }
     if let Some(folder) = args.report.as_deref().filter(|path| path.exists() && !path.is_dir()) {
-        let message = format!("{}: it is a file, but the report is a folder; choose another name", folder.display());
+        let message = format!("{}: this is a file, but a report needs a folder; choose another name", folder.display());
         return Err(Error::Conflict(message));
     }
     Ok(())
@@ -167,7 +73,7 @@ pub fn known_rate(args: &SoundArgs, rate_hz: Option<f64>, input: &Path) -> Resul
 /// Nobody says how fast the steps follow each other.
 pub fn no_rate(input: &Path) -> Error {
     Error::Conflict(format!(
-        "{}: nothing in it says how many steps a second has; give the simulation's by --rate, as in --rate 24",
+        "{}: its step rate is unknown; give the simulation's frames per second, as in --rate 24",
         input.display()
     ))
 }
@@ -199,7 +105,7 @@ fn note_start(samples: &[f32], sample_rate_hz: u32) {
     if rest > 0.0 && first > START_RATIO * rest {
         let above_db = 20.0 * (first / rest).log10();
         note(&format!(
-            "the first {START_S} s are {above_db:.0} dB louder than all that follows, to which they set the scale: a simulation that starts from rest is better heard from later on"
+            "the first {START_S} s are {above_db:.0} dB louder than everything after them, and set the scale: leave out the start of a simulation that begins at rest"
         ));
     }
 }
@@ -274,9 +180,9 @@ pub fn write(
         let heard = result.inspect_err(|_| remove(&written))?;
         if is_silent {
             let reason = match (signal.flux.len(), signal.area.iter().all(|area| *area == 0.0)) {
-                (steps, _) if steps <= signal.substeps => "there is one frame, and no change",
-                (_, false) => "the flux does not change: the flame stands still, or as much flows in as out",
-                (_, true) => "the flux does not change; is there a flame front at this iso value?",
+                (steps, _) if steps <= signal.substeps => "there is only one frame, and so no change",
+                (_, false) => "the flux is constant: the flame does not move, or as much gas flows in as out",
+                (_, true) => "the flux is constant; is there a flame front at this iso value?",
             };
             note(&format!("the output is silent: {reason}"));
         } else {
@@ -317,7 +223,7 @@ fn remove(written: &[&Path]) {
     }
 }
 
-/// Where the first sample stands on the timeline.
+/// Position of the first sample on the timeline, in samples.
 pub fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
     let sample_rate_hz = f64::from(args.sample_rate);
     if let Some(timeline) = &signal.timeline

@@ -27,7 +27,7 @@ pub fn scaled(selection: Selection, sight: Option<&Sight>, args: &FluxArgs) -> R
     };
     let scale = BLENDER_UNITS_PER_S * sight.voxel_edges[0];
     note(&format!(
-        "the velocity is Blender's, in cells per unit of its own time: multiplied by 2.5 voxels ({scale:.6}) to be world units per second at a time scale of 1; for another time scale give --velocity-scale"
+        "the velocity is Blender's, in cells per unit of its own time; it is multiplied by 2.5 voxels ({scale:.6}), which gives world units per second at a time scale of 1; for another time scale, use --velocity-scale"
     ));
     Ok(Selection { velocity_scale: scale, ..selection })
 }
@@ -55,13 +55,16 @@ pub fn check(
         }
     }
     let Some(fit) = fit(&pairs, 1.0 / rate_hz) else { return Ok(None) };
-    let told = format!("smoke moves as the velocity times {:.3} does, at {rate_hz} steps per second", fit.factor);
+    let told = format!("the smoke moves at {:.3} times the velocity, at {rate_hz} steps per second", fit.factor);
     if fit.is_wrong() {
         note(&format!(
-            "{told}: the rate or the velocity's unit cannot be right; if the unit is, the rate is about {:.0} (--rate), and if the rate is, the unit needs --velocity-scale {:.4}",
+            "{told}: the rate or the velocity's unit must be wrong; if the unit is right, the rate is about {:.0} (--rate); if the rate is right, use --velocity-scale {:.4}",
             rate_hz / fit.factor,
             selection.velocity_scale * fit.factor
         ));
     }
-    Ok(Some(format!("{told} (at 1 rate and unit agree; {:.0} % of its change is left over)", 100.0 * fit.left)))
+    Ok(Some(format!(
+        "{told} (1 means that rate and unit agree; {:.0} % of its change is unexplained)",
+        100.0 * fit.left
+    )))
 }

@@ -1,4 +1,4 @@
-//! What stands between the frames of a simulation that has too few of them for sound.
+//! Steps between the frames of a simulation that has too few of them for sound.
 
 use pyrophone_flame::upsample::{Method, Upsampler};
 
@@ -9,7 +9,7 @@ use crate::progress::note;
 /// Steps per second that are made.
 const TARGET_HZ: f64 = 360.0;
 
-/// How far below that they may stay, so that television's rates take no step more than others.
+/// Tolerance below that rate, so that television's rates need no more steps than others.
 const NEARLY: f64 = 0.98;
 
 /// Steps per second from which nothing is added unless asked for.
@@ -17,7 +17,7 @@ const ENOUGH_HZ: f64 = 200.0;
 
 /// The upsampler that is asked for, or that the rate calls for; says what is made up.
 ///
-/// Fails where one is asked for and nobody knows the rate.
+/// Fails if one is asked for and the rate is unknown.
 pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>, Error> {
     let is_envelope = args.sound.kind == Kind::Envelope;
     let method = match (args.upsample, rate_hz) {
@@ -31,13 +31,14 @@ pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>
     };
     let Some(rate_hz) = rate_hz else {
         let message = format!(
-            "{}: --upsample needs to know how many frames a second has; give the simulation's by --rate",
+            "{}: --upsample needs the simulation's frames per second; give them with --rate",
             args.input.display()
         );
         return Err(Error::Conflict(message));
     };
     if args.measure == Measure::Change && matches!(method, Method::Flips | Method::Release) {
-        let message = "--measure change tells no parts of the flame apart; use --upsample noise, cubic or off with it";
+        let message =
+            "--measure change does not distinguish parts of the flame; use it with --upsample noise, cubic or off";
         return Err(Error::Conflict(message.into()));
     }
     let substeps = (NEARLY * TARGET_HZ / rate_hz).ceil().max(1.0) as usize;
@@ -45,7 +46,7 @@ pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>
         return Ok(None);
     }
     note(&format!(
-        "{} steps per second are made of {rate_hz} frames (--upsample {}): above {:.1} Hz loudness and timbre are likely ones, but the phases are plausible, not true",
+        "{rate_hz} frames per second are turned into {} steps (--upsample {}): above {:.1} Hz, loudness and timbre are estimates, and phases are plausible, not true",
         rate_hz * substeps as f64,
         method.name(),
         0.5 * rate_hz

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::Job;
 
-/// What the engine puts in for a chunk's frames: `1-30`, or `7` for a chunk of one.
+/// Placeholder for a chunk's frames: the engine fills in `1-30`, or `7` for a chunk of one.
 const FRAMES: &str = "{{Task.Param.Frames}}";
 
 /// The template, in JSON, of which YAML is a superset.

@@ -5,7 +5,7 @@ use super::Job;
 /// Stands for the frames until the shell's own word takes its place; it needs quotes, and nobody's file has it.
 const PLACE: &str = "\u{1}";
 
-/// A script that measures part by part and goes on where it was stopped.
+/// A script that measures part by part and resumes where it was stopped.
 pub fn plain(job: &Job) -> String {
     let mut text = head(job);
     for (first, last) in job.chunks() {

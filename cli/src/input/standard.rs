@@ -9,10 +9,10 @@ use pyrophone_recording::{MAX_FILE_BYTES, settle_length};
 use crate::error::Error;
 use crate::progress::Work;
 
-/// How standard input is called in messages.
+/// Name of standard input in messages.
 pub const NAME: &str = "standard input";
 
-/// How often a wait for more of it looks whether the work is to end.
+/// Interval at which a wait for input checks for a signal.
 const GLANCE: Duration = Duration::from_millis(50);
 
 /// All of it, with its true length in the header where its writer did not know it.

@@ -12,7 +12,7 @@ const LONG: Duration = Duration::from_secs(60);
 
 /// The lines of one part of the work, whichever threads tell how far it is.
 pub struct Lines {
-    /// What stands before and behind the percent.
+    /// Text before and after the percentage.
     around: (&'static str, &'static str),
     last: Mutex<Last>,
 }

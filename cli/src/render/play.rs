@@ -6,10 +6,10 @@ use pyrophone_synthesis::chain::{Chain, Transport};
 
 use crate::error::Error;
 
-/// Samples per call of the chain, but for cuts at automation.
+/// Samples per call of the chain, unless automation cuts it shorter.
 pub const BLOCK_SAMPLES: usize = 4096;
 
-/// What is played.
+/// Everything that is played.
 pub struct Score<'a> {
     /// Channels of the main input, all of one length.
     pub main: &'a [Vec<f32>],
@@ -23,7 +23,7 @@ pub struct Score<'a> {
     pub events: &'a [Event],
 }
 
-/// Plays all of it from position 0 and cuts off the latency; `go_on` is told how much is done (0-1).
+/// Plays all of it from position 0 and cuts off the latency; `go_on` gets the share that is done (0-1) and returns whether to continue.
 pub fn play(
     chain: &mut Chain,
     score: &Score<'_>,

@@ -1,4 +1,4 @@
-//! What is played into the chain: a file, standard input, or so many seconds of nothing.
+//! Main input of the chain: a file, standard input, or a length of silence.
 
 use std::path::{Path, PathBuf};
 
@@ -21,9 +21,9 @@ const CHANNELS: usize = 2;
 pub struct Source {
     /// Its sound.
     pub recording: Recording,
-    /// What its file says of its place on the timeline.
+    /// Position on the timeline, as its file states it.
     pub broadcast: Option<Broadcast>,
-    /// How messages call it.
+    /// Its name in messages.
     pub name: PathBuf,
 }
 
@@ -48,7 +48,7 @@ impl Source {
         let total = samples.saturating_mul(args.channels.unwrap_or(CHANNELS).max(1));
         if total > MAX_SAMPLES {
             let message = format!(
-                "--seconds {seconds} are {total} samples over all channels, but at most {MAX_SAMPLES} are allowed; choose fewer seconds or channels, or a lower rate"
+                "--seconds {seconds} makes {total} samples over all channels, but at most {MAX_SAMPLES} are allowed; choose fewer seconds or channels, or a lower rate"
             );
             return Err(Error::Conflict(message));
         }
@@ -77,7 +77,7 @@ fn check_needs_none(args: &RenderArgs, values: &Values, automation: &Automation)
         return Ok(());
     }
     Err(Error::Conflict(format!(
-        "--seconds takes the place of an input, but preset {} needs one (its drive_mode is {}); add --input, or --set drive_mode=flame",
+        "--seconds replaces the input, but preset {} needs one (its drive_mode is {}); add --input, or --set drive_mode=flame",
         args.preset,
         Id::DriveMode.parameter().to_text(mode)
     )))

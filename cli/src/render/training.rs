@@ -1,4 +1,4 @@
-//! What texture learns from.
+//! The dictionary that texture learns from.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -41,7 +41,7 @@ pub fn dictionary(
     })?;
     check_windows(&made, path)?;
     if let Some(Err(error)) = store.map(|store| store.write(&key, &made)) {
-        note(&format!("what was learnt from {} cannot be kept for the next time: {error}", path.display()));
+        note(&format!("the dictionary of {} cannot be stored for next time: {error}", path.display()));
     }
     Ok(Arc::new(made))
 }

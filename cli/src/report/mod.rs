@@ -11,7 +11,7 @@ use std::path::Path;
 use pyrophone_recording::write_file;
 
 use crate::error::Error;
-use crate::flux::make_folder;
+use crate::output::make_folder;
 
 pub use raster::{Picture, View};
 use spectrum::Spectrum;
@@ -19,11 +19,11 @@ use spectrum::Spectrum;
 /// The band in which the simulation itself is heard (Chadwick & James 2011, §3-4), in Hz.
 const BAND_HZ: (f64, f64) = (30.0, 180.0);
 
-/// What is told of a flame signal.
+/// Contents of a report on a flame signal.
 pub struct Report<'a> {
     /// The page's heading.
     pub title: String,
-    /// What it was made from, and how: labels and values.
+    /// Origin of the signal: labels and values.
     pub facts: Vec<(String, String)>,
     /// Pictures of the front, each with its label, in the order of time.
     pub surfaces: Vec<(String, Picture)>,

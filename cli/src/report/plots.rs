@@ -28,7 +28,7 @@ pub const GLOW: RGBColor = RGBColor(0xff, 0xc4, 0x54);
 /// Of something beside it.
 pub const ASH: RGBColor = RGBColor(0xb9, 0xab, 0x9e);
 
-/// How an axis is divided.
+/// Scale of an axis.
 pub struct Axis {
     /// Ends.
     pub range: (f64, f64),

@@ -8,7 +8,7 @@ const SIZE: (usize, usize) = (420, 520);
 const FINE: usize = 3;
 /// Part of the picture that the flames may fill.
 const FILL: f64 = 0.88;
-/// Where the camera stands: turned about the upward axis, and raised, in radians.
+/// Camera angles in radians: azimuth about the upward axis, and elevation.
 const CAMERA: (f64, f64) = (0.6, 0.22);
 /// From the front towards the light, in the camera's axes: right, up, towards the camera.
 const LIGHT: [f64; 3] = [-0.46, 0.68, 0.57];

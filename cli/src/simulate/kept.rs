@@ -1,4 +1,4 @@
-//! What is done of a simulation, kept beside its output until it is whole.
+//! Checkpoints of a simulation, stored beside its output until it is complete.
 
 use std::io::{BufRead, Read, Write};
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ impl Kept {
             }
             Err(reason) => {
                 simulation.reset();
-                note(&format!("{}: not gone on with ({reason})", self.path.display()));
+                note(&format!("{}: cannot be resumed ({reason}); starting again", self.path.display()));
                 Default::default()
             }
         }
@@ -59,8 +59,9 @@ impl Kept {
         let mut line = String::new();
         file.by_ref().take(64).read_line(&mut line).map_err(said)?;
         let mut numbers = line.split_whitespace().map(|number| number.parse::<u64>().ok());
-        let mut number =
-            |most: u64| numbers.next().flatten().filter(|number| *number <= most).ok_or("it is not of this program");
+        let mut number = |most: u64| {
+            numbers.next().flatten().filter(|number| *number <= most).ok_or("this program did not write it")
+        };
         let size = number(MOST_TABLE_BYTES)?;
         let (rows, columns) = (number(MOST_TABLE_BYTES)?, number(1 << 16)?);
         let mut table = String::new();
@@ -71,14 +72,14 @@ impl Kept {
         }
         let mut speeds = vec![];
         let bytes = (4 * rows).checked_mul(columns).filter(|bytes| *bytes <= MOST_TABLE_BYTES);
-        let bytes = bytes.ok_or("it is not of this program")?;
+        let bytes = bytes.ok_or("this program did not write it")?;
         file.by_ref().take(bytes).read_to_end(&mut speeds).map_err(said)?;
         if speeds.len() as u64 != bytes {
             return Err("it ends early".to_owned());
         }
         let speeds: Vec<f32> = speeds.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
         if rows > 0 && columns as usize != self.columns || !speeds.iter().all(|speed| (0.0..f32::MAX).contains(speed)) {
-            return Err("its speeds are of another build, or damaged".to_owned());
+            return Err("its speeds are from another build, or damaged".to_owned());
         }
         simulation.load(file).map_err(|error| error.to_string())?;
         Ok((partial.steps, speeds.chunks_exact((columns as usize).max(1)).map(<[f32]>::to_vec).collect()))

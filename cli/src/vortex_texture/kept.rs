@@ -41,20 +41,20 @@ impl Kept {
         }
         match self.try_restore() {
             Ok(rows) => self.rows = rows,
-            Err(reason) => note(&format!("{}: not gone on with ({reason})", self.path.display())),
+            Err(reason) => note(&format!("{}: cannot be resumed ({reason}); starting again", self.path.display())),
         }
     }
 
     fn try_restore(&self) -> Result<Vec<Row>, String> {
         let said = |error: std::io::Error| error.kind().to_string();
         if std::fs::metadata(&self.path).map_err(said)?.len() > MOST_BYTES {
-            return Err("it is not of this program".into());
+            return Err("this program did not write it".into());
         }
         let bytes = std::fs::read(&self.path).map_err(said)?;
         let mut rest = bytes.as_slice();
         let mut settings = vec![];
         rest.read_until(b'\n', &mut settings).map_err(said)?;
-        let settings = String::from_utf8(settings).map_err(|_| "it is not of this program")?;
+        let settings = String::from_utf8(settings).map_err(|_| "this program did not write it")?;
         if settings.trim_end() != self.settings {
             let other = settings.trim_end().chars().take(200).collect::<String>().replace('\r', " ");
             return Err(format!("it belongs to {other}"));

@@ -13,7 +13,7 @@ const MAX_INDEX: i64 = 1 << 30;
 /// Voxels that the cells of a block see along each axis: one before, two after.
 const REACH: usize = BLOCK as usize + 3;
 
-/// What the samples' rounding may add to the bounds of a cell, as a part of its largest value.
+/// Rounding margin for the bounds of a cell, relative to its largest value.
 const ROUNDING: f64 = 1e-12;
 
 /// Hands over, in ascending order of blocks and of cells in them, every cell of these blocks whose spline can cross
@@ -29,6 +29,7 @@ pub(super) fn visit(field: &Grid<1>, keys: &[[i32; 3]], level: f64, mut visit: i
 
 /// Keys of the blocks of cells that see more than one value: all that see a block, or a tile and what is not that tile.
 ///
+/// # Errors
 /// Fails where tiles have so much surface, or lie so far away, that they cannot be meant.
 pub(super) fn candidates(field: &Grid<1>) -> Result<Vec<[i32; 3]>, Error> {
     let tile_blocks: u128 = field.tiles().map(|(_, log2, _)| shell_blocks(log2)).sum();
@@ -55,7 +56,7 @@ fn check_index(index: [i64; 3]) -> Result<(), Error> {
     if index.iter().any(|i| i.abs() >= MAX_INDEX) { Err(Error::TooFar { index }) } else { Ok(()) }
 }
 
-/// How many keys [`shell`] gives for a tile.
+/// Number of keys that [`shell`] returns for a tile.
 fn shell_blocks(log2: u32) -> u128 {
     let edge = 1u128 << log2.clamp(3, 26).saturating_sub(3);
     (edge + 2).pow(3) - edge.saturating_sub(2).pow(3)

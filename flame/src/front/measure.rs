@@ -17,7 +17,7 @@ pub struct Front {
     refine: usize,
 }
 
-/// What a flame front measures at one step, in world units.
+/// Measurements of a flame front at one step, in world units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measure {
     /// Velocity flux through the front, volume per second; positive where the flame expands.
@@ -47,11 +47,11 @@ pub(super) struct Corner {
     pub index: [f64; 3],
 }
 
-/// What a part of the front adds up to.
+/// Sums over a part of the front.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     flux: f64,
-    /// All that passes, in and out.
+    /// Sum of the absolute flux, in and out.
     passing: f64,
     area: f64,
     triangles: u64,
@@ -71,6 +71,9 @@ impl Sums {
 impl Front {
     /// The surface at `iso` (-1e9 to 1e9), each cell between voxels cut in `refine` (1-16) along each edge. 3 is near
     /// enough for sound: errors fall with the square of `refine`, work grows with it or faster.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] where `iso` or `refine` is outside its range.
     pub fn new(iso: f64, refine: usize) -> Result<Self, Error> {
         in_range("the iso value", iso, -1e9, 1e9)?;
         in_range("the refinement", refine as f64, 1.0, MAX_REFINE as f64)?;
@@ -217,7 +220,7 @@ fn apply(vector: [f64; 3], rows: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| vector[0] * rows[0][axis] + vector[1] * rows[1][axis] + vector[2] * rows[2][axis])
 }
 
-/// Where in its cell an edge is crossed, 0-1 along each axis.
+/// Position of an edge's crossing in its cell, 0-1 along each axis.
 fn within_cell(crossing: &Crossing, per_step: f64) -> [f64; 3] {
     std::array::from_fn(|axis| {
         let along = ((crossing.direction >> (2 - axis)) & 1) as f64 * crossing.share;

@@ -17,7 +17,10 @@ pub struct Mesh {
 }
 
 impl Front {
-    /// The front of a field; empty where there is none. Fails as [`Front::measure`] does, and beyond 2^32 corners.
+    /// The front of a field; empty where there is none.
+    ///
+    /// # Errors
+    /// As [`Front::measure`], and beyond 2^32 corners.
     pub fn mesh(&self, field: &Grid<1>) -> Result<Mesh, Error> {
         let transform = field.transform();
         let mirrored = transform.is_mirrored();
@@ -44,6 +47,9 @@ impl Front {
 
 impl Mesh {
     /// Writes Wavefront OBJ: text, numbers that read back as the same `f64`.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn write_obj(&self, to: &mut impl Write) -> IoResult<()> {
         writeln!(to, "# Flame front, world units")?;
         for [x, y, z] in &self.vertices {
@@ -57,6 +63,9 @@ impl Mesh {
     }
 
     /// Writes PLY: binary, little-endian, corners as `f32`.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn write_ply(&self, to: &mut impl Write) -> IoResult<()> {
         write!(
             to,

@@ -48,14 +48,14 @@ const EDGE: [[u8; 8]; 8] = {
     numbers
 };
 
-/// Where the surface crosses an edge of the lattice.
+/// Crossing of the surface with an edge of the lattice.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Crossing {
     /// The edge's lower end: steps of the lattice from the cell's corner.
     pub low: [usize; 3],
     /// The edge's other end, as a corner of the cube on `low`: 1-7.
     pub direction: usize,
-    /// How far along the edge, 0-1.
+    /// Position along the edge, 0-1.
     pub share: f64,
 }
 

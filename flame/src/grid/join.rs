@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use super::{BLOCK, BLOCK_VOXELS, Grid, Transform, filled, slot};
 
-/// How far voxels may lie from each other's places, as a part of their edge: rounding.
+/// Tolerance of voxel positions relative to their edge, for rounding.
 const SAME_PLACE: f64 = 1e-3;
 
-/// How far, in voxels, the two fields may lie apart.
+/// Largest distance of the two fields, in voxels.
 const MOST_APART: f64 = (1 << 28) as f64;
 
 /// Blocks that the tiles of a field may become where they do not lie as the other's.
@@ -88,7 +88,7 @@ fn keys_within(low: [i32; 3], high: [i32; 3]) -> impl Iterator<Item = [i32; 3]> 
 }
 
 impl Transform {
-    /// How many of these voxels the other ones lie further on; none where they do not lie on each other.
+    /// Offset of the other grid in voxels; none if the two grids are not aligned.
     fn voxels_to(&self, other: &Self) -> Option<[i32; 3]> {
         let edges = self.voxel_edges();
         let is_same = (0..3).all(|row| {

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use super::description::{GridInfo, Selected, Source};
 use super::error::{Error, Fault, shown};
-use super::sequence::PlacementChoice;
+use super::model::{GridInfo, PlacementChoice, Selected, Source};
 use crate::grid::{Grid, Transform};
 use crate::velocity::{Placement, Velocity};
 
@@ -110,7 +109,7 @@ fn scaled(grid: Grid<1>, axis: usize) -> Result<Grid<1>, Fault> {
     Ok(grid.map(|[voxels]| [(f64::from(voxels) * step[axis]) as f32]))
 }
 
-/// A component that stands on the voxels' lower faces: its grid, half a voxel down.
+/// The grid of a component on the voxels' lower faces: moved half a voxel down.
 fn on_lower_face(grid: Grid<1>, axis: usize) -> Result<Grid<1>, Fault> {
     let rows = [0, 1, 2].map(|of| grid.transform().turn(unit(of)));
     let half_down = unit(axis).map(|i| -0.5 * i);

@@ -1,4 +1,4 @@
-//! What one file may make of itself in memory.
+//! Memory budget of one file.
 
 use super::error::Fault;
 
@@ -18,7 +18,7 @@ pub const MOST_NODES: u64 = 1 << 22;
 /// Bytes of a file that is read.
 pub const MOST_FILE_BYTES: u64 = 4 << 30;
 
-/// What is left for one file; charged before anything is allocated.
+/// Memory left for one file; charged before anything is allocated.
 #[derive(Debug, Clone)]
 pub struct Budget {
     bytes: Count,
@@ -53,11 +53,17 @@ impl Budget {
     }
 
     /// Takes memory that is about to be allocated.
+    ///
+    /// # Errors
+    /// [`Fault::TooLarge`] where the budget is used up.
     pub fn keep(&mut self, bytes: usize) -> Result<(), Fault> {
         self.bytes.spend(bytes as u64)
     }
 
     /// Takes one node of a tree.
+    ///
+    /// # Errors
+    /// [`Fault::TooLarge`] where the budget is used up.
     pub fn node(&mut self) -> Result<(), Fault> {
         self.nodes.spend(1)
     }

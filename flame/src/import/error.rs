@@ -1,8 +1,8 @@
-//! What can be wrong with a file of a simulation, or with a folder of them.
+//! Errors of simulation files and of folders of them.
 
 use std::path::Path;
 
-/// What is wrong with a file's content, whatever the file's name.
+/// A fault in a file's content, without the file's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
@@ -14,17 +14,17 @@ pub enum Fault {
     Unsupported {
         /// What was found.
         found: String,
-        /// What is read in its place.
+        /// Advice on what to use instead.
         advice: &'static str,
     },
     /// More than memory is given for.
-    #[error("{what}: {found}, but at most {allowed} are read; use a smaller or coarser simulation")]
+    #[error("{what}: {found}, but at most {allowed} are allowed; use a smaller or coarser simulation")]
     TooLarge {
-        /// What is counted.
+        /// The thing counted.
         what: &'static str,
-        /// How many were found.
+        /// Number found.
         found: u64,
-        /// How many are allowed.
+        /// Number allowed.
         allowed: u64,
     },
     /// No grid answers to the name asked for.
@@ -58,7 +58,7 @@ impl From<crate::Error> for Fault {
     }
 }
 
-/// Why a simulation could not be read.
+/// Reason for which a simulation could not be read.
 ///
 /// Every message is one line: which file, what was found, what is allowed, what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -70,12 +70,12 @@ pub enum Error {
         /// The path asked for.
         path: String,
     },
-    /// The system refuses to hand over a file or folder.
+    /// The system refuses access to a file or folder.
     #[error("{path}: cannot be read ({reason}); check its permissions or copy it to a local disk")]
     Unreadable {
         /// The path.
         path: String,
-        /// What the system said.
+        /// The system's message.
         reason: String,
     },
     /// Something is wrong with a file's content.
@@ -83,11 +83,11 @@ pub enum Error {
     File {
         /// The file.
         path: String,
-        /// What is wrong with it.
+        /// The fault found.
         fault: Fault,
     },
     /// A file of no kind that is read.
-    #[error("{path}: not a file that is read; use .vdb, .npz or .npy")]
+    #[error("{path}: files of this kind are not supported; use .vdb, .npz or .npy")]
     Kind {
         /// The file.
         path: String,
@@ -97,12 +97,12 @@ pub enum Error {
     NoFrames {
         /// The folder.
         path: String,
-        /// What is there instead.
+        /// Contents of the folder.
         found: String,
     },
     /// A folder with frames of several sorts.
     #[error(
-        "{path}: frames of several sorts ({found}); keep one sort in a folder of its own, or name one by --input \"NAME.####.vdb\""
+        "{path}: frames of several sequences ({found}); move one to a folder of its own, or choose one with --input \"NAME.####.vdb\""
     )]
     Mixed {
         /// The folder.
@@ -111,7 +111,7 @@ pub enum Error {
         found: String,
     },
     /// Two files claim one frame.
-    #[error("{path}: frame {number} is there twice ({first}, {second}); remove one of them")]
+    #[error("{path}: duplicate frame {number} ({first}, {second}); remove one of them")]
     Twice {
         /// The folder.
         path: String,
@@ -124,7 +124,7 @@ pub enum Error {
     },
     /// Frame numbers far apart.
     #[error(
-        "{path}: between frames {first} and {last} {missing} are missing, at most {allowed} may be; remove stray files"
+        "{path}: between frames {first} and {last}, {missing} are missing, but at most {allowed} may be; remove stray files"
     )]
     Gap {
         /// The folder.
@@ -135,17 +135,17 @@ pub enum Error {
         last: i64,
         /// Numbers without a file.
         missing: u64,
-        /// How many may be missing.
+        /// Number that may be missing.
         allowed: u64,
     },
-    /// Frames whose times do not go on evenly.
-    #[error("{path}: the frames' own times (time_s) are uneven, but steps must be even; give their rate by --rate")]
+    /// Frames whose times are uneven.
+    #[error("{path}: the frames' own times (time_s) are uneven, but steps must be even; give the rate with --rate")]
     UnevenTimes {
         /// The folder or file.
         path: String,
     },
     /// A frame that the sequence does not have.
-    #[error("{path}: frame {index} of {found} was asked for (counting from 0); ask for one that is there")]
+    #[error("{path}: frame {index} was requested, but there are {found} (counting from 0); choose one that exists")]
     NoFrame {
         /// The folder or file.
         path: String,
@@ -161,7 +161,7 @@ pub enum Error {
         path: String,
         /// The line, from 1.
         line: u64,
-        /// What is wrong with it, and what is allowed.
+        /// The fault found, and what is allowed.
         reason: String,
     },
 }

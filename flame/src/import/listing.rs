@@ -1,43 +1,16 @@
-//! Which files of a folder are frames.
+//! The files of a folder that are frames.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::error::{Error, shown, shown_path};
+use super::format::Format;
 use super::numbering::{Name, Number, Numbering, Pattern, subframes};
-
-/// Formats of frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Format {
-    Vdb,
-    Npz,
-    Npy,
-}
-
-impl Format {
-    /// By the end of a file's name.
-    pub fn of(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "vdb" => Some(Self::Vdb),
-            "npz" => Some(Self::Npz),
-            "npy" => Some(Self::Npy),
-            _ => None,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Vdb => ".vdb",
-            Self::Npz => ".npz",
-            Self::Npy => ".npy",
-        }
-    }
-}
 
 /// The files of one frame, each with the part of its name before the number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct FrameFiles {
-    /// The step that the file's number stands for, as [`Numbering`] counts them.
+    /// The step of the file's number, as [`Numbering`] counts them.
     pub number: i64,
     pub format: Format,
     /// One, or for `.npy` one for each field: the field's name and the file.
@@ -186,7 +159,7 @@ fn frames(folder: &Path, format: Format, files: &[Numbered], numbering: &Numberi
     Ok(frames.into_iter().map(frame).collect())
 }
 
-/// The field that a `.npy` file holds: its name without what parts it from the number.
+/// The field that a `.npy` file holds: its name without the separator before the number.
 fn field(stem: &str) -> String {
     stem.trim_end_matches(['_', '.', '-', ' ']).to_owned()
 }
@@ -293,7 +266,7 @@ mod tests {
             &["a_1.vdb", "b_1.vdb"],
         ] {
             let message = numbers(names).unwrap_err().to_string();
-            assert!(message.contains("several sorts") && message.contains(".vdb a_"), "{message}");
+            assert!(message.contains("several sequences") && message.contains(".vdb a_"), "{message}");
         }
     }
 

@@ -1,36 +1,12 @@
-//! Which grid is meant: names that simulators use for the flame and for the velocity.
+//! Choice of grids by name: those that simulators use for the flame and for the velocity.
 
-use super::description::{GridInfo, Selected};
 use super::error::{Fault, shown};
-use super::sequence::Selection;
-
-/// Names of burning fields in the order of preference, with those of physical units last.
-const FIELDS: [&str; 10] =
-    ["flame", "flames", "fire", "flamefront", "flame_front", "burn", "react", "heat", "fuel", "temperature"];
-
-/// How many of [`FIELDS`] mean the same everywhere: near 1 where it burns, 0 elsewhere.
-const WITHOUT_UNIT: usize = 7;
-
-/// Names of the field that tells how much volume comes from where, in the order of preference.
-const DIVERGENCES: [&str; 3] = ["divergence", "div", "expansion"];
-
-/// Names of fields that are carried by the gas and change little else, in the order of preference.
-const CARRIED: [&str; 4] = ["density", "smoke", "temperature", "temp"];
-
-/// Names of velocities in the order of preference.
-const VELOCITIES: [&str; 3] = ["velocity", "vel", "v"];
-
-/// At most so many grids are listed in a message.
-const MOST_LISTED: usize = 24;
-
-/// Whether a name stands for a quantity with a unit.
-pub(super) fn is_unit_dependent(name: &str) -> bool {
-    FIELDS[WITHOUT_UNIT..].iter().any(|field| field.eq_ignore_ascii_case(name.trim()))
-}
+use super::model::{GridInfo, Selected, Selection, listed};
+use super::vocabulary::{CARRIED, DIVERGENCES, FIELDS, VELOCITIES};
 
 /// The grids that answer to a selection.
 ///
-/// A name is taken exactly, else without regard to case. The usual names (`flame`, `velocity`) stand for any of their
+/// A name is matched exactly, else without regard to case. The usual names (`flame`, `velocity`) mean any of their
 /// kind; a velocity may come as three grids named after its components.
 pub(super) fn select(grids: &[GridInfo], selection: &Selection) -> Result<Selected, Fault> {
     let field = select_field(grids, selection)?;
@@ -50,17 +26,12 @@ pub(super) fn select_field(grids: &[GridInfo], selection: &Selection) -> Result<
     field.ok_or_else(|| absent(grids, "scalar grid", &selection.field))
 }
 
-/// The field that tells best where the gas went: not the flame, which does not move with it.
+/// The field that shows best how the gas moved: not the flame, which does not move with it.
 pub(super) fn carried(grids: &[GridInfo]) -> Option<usize> {
     CARRIED.iter().find_map(|name| named(grids, name, 1))
 }
 
-/// Whether a name stands for a signed distance, whatever its grid says of itself.
-pub(super) fn is_distance(name: &str) -> bool {
-    ["flamefront", "flame_front"].iter().any(|known| known.eq_ignore_ascii_case(name.trim()))
-}
-
-/// The name asked for, and, where it is the usual one, all that may stand for it.
+/// The name asked for and, if it is the usual one, all its synonyms.
 fn candidates<'a>(wanted: &'a str, usual: &[&'a str]) -> Vec<&'a str> {
     if usual[0].eq_ignore_ascii_case(wanted) {
         return [wanted].iter().chain(&usual[1..]).copied().collect();
@@ -98,19 +69,6 @@ fn components(grids: &[GridInfo], stem: &str) -> Option<[usize; 3]> {
 
 fn absent(grids: &[GridInfo], what: &str, name: &str) -> Fault {
     Fault::NoGrid { wanted: format!("{what} \"{}\"", shown(name)), there: listed(grids) }
-}
-
-/// Names and types, for a message.
-pub(super) fn listed(grids: &[GridInfo]) -> String {
-    if grids.is_empty() {
-        return "no grids".into();
-    }
-    let named = |grid: &GridInfo| format!("{} ({})", shown(&grid.name), shown(&grid.kind));
-    let first: Vec<String> = grids.iter().take(MOST_LISTED).map(named).collect();
-    match grids.len().saturating_sub(MOST_LISTED) {
-        0 => first.join(", "),
-        more => format!("{} and {more} more", first.join(", ")),
-    }
 }
 
 #[cfg(test)]

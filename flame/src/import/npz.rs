@@ -4,6 +4,7 @@
 //! vector field. `voxel_size` (one number, else 1) and `origin` (three, else 0) tell where all of them stand, `time_s`
 //! (one number) when.
 
+mod arrays;
 mod write;
 
 use std::collections::BTreeSet;
@@ -12,17 +13,14 @@ use std::io::{Read, Seek};
 use zip::ZipArchive;
 use zip::result::ZipError;
 
+use self::arrays::{ORIGIN, TIME, VOXEL_SIZE};
 use super::budget::{Budget, check_file_size};
-use super::description::{GridInfo, Source, check_components};
 use super::error::{Fault, damaged, shown};
+use super::model::{GridInfo, Source, check_components};
 use super::npy::{Header, components, fault_of, grid};
 use crate::grid::{Grid, Transform};
 
 pub use self::write::{DenseFrame, write_frame};
-
-const VOXEL_SIZE: &str = "voxel_size";
-const ORIGIN: &str = "origin";
-const TIME: &str = "time_s";
 
 /// Members of an archive.
 const MOST_MEMBERS: usize = 4096;
@@ -32,7 +30,7 @@ const MOST_MEMBERS: usize = 4096;
 pub struct Npz<R> {
     archive: ZipArchive<R>,
     infos: Vec<GridInfo>,
-    /// Where in the archive each grid stands, or why it cannot be read.
+    /// Index of each grid in the archive, or the reason for which it cannot be read.
     members: Vec<Result<usize, Fault>>,
     transform: Transform,
     time_s: Option<f64>,
@@ -42,6 +40,7 @@ pub struct Npz<R> {
 impl<R: Read + Seek> Npz<R> {
     /// Reads the archive's directory and the headers of its arrays.
     ///
+    /// # Errors
     /// Fails where the archive makes no sense; what is wrong with a single array only shows when that one is read.
     pub fn open(mut reader: R) -> Result<Self, Fault> {
         let file_bytes = reader.seek(std::io::SeekFrom::End(0)).map_err(|error| fault_of(&error))?;
@@ -90,7 +89,7 @@ impl<R: Read + Seek> Npz<R> {
                     self.infos.push(GridInfo {
                         name,
                         kind: header.as_ref().map_or_else(|_| "unreadable".into(), Header::kind),
-                        // What cannot be read is found by its name, so that the reason is told.
+                        // What cannot be read is found by its name, so that the reason is reported.
                         components: header.as_ref().map_or(1, |header| components(&header.shape)),
                         ..GridInfo::default()
                     });

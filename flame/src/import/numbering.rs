@@ -1,14 +1,14 @@
-//! Numbers in the names of frames, and the steps that they stand for.
+//! Numbers in the names of frames, and the steps that they mean.
 
 mod pattern;
 pub(super) mod subframes;
 
 pub use pattern::Pattern;
 
-/// Finest sub-frames that are told from their digits: so many to a frame.
+/// Finest sub-frames that are recognised by their digits, per frame.
 const MOST_SUBFRAMES: i64 = 64;
 
-/// Frames from which a stride is believed: of two nobody can tell it from a gap.
+/// Number of frames from which a stride is assumed: with two, it could be a gap.
 const LEAST_STRIDDEN: usize = 3;
 
 /// A frame's number as its file names it.
@@ -17,7 +17,7 @@ pub(super) struct Number {
     pub whole: i64,
     /// Digits behind the point of a sub-frame, as written: `25` of `1.25`.
     pub fraction: String,
-    /// A minus stands before it, which the whole part of -0.5 does not tell.
+    /// Whether a minus sign is before it, which the whole part of -0.5 does not show.
     pub is_negative: bool,
 }
 
@@ -40,7 +40,7 @@ impl Number {
     }
 }
 
-/// A file's name taken apart: what stands before its number, the number, and what stands behind it.
+/// A file's name in parts: before its number, the number, and after it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Name {
     pub before: String,
@@ -76,13 +76,13 @@ impl Name {
         Some(Self { number, behind: self.behind.clone(), ..whole })
     }
 
-    /// What is the same in the names of all frames.
+    /// Part of the name that is the same for all frames.
     pub fn stem(&self) -> String {
         format!("{}{}", self.before, self.behind)
     }
 }
 
-/// How the numbers in files' names count the steps of a simulation.
+/// Relation of the numbers in file names to the steps of a simulation.
 ///
 /// Steps are whole numbers that go up by one. They are the frames' numbers where those do so, too; where there are
 /// sub-frames there are several steps to a frame, and where only every second frame was written (on twos) there are fewer
@@ -127,7 +127,7 @@ impl Numbering {
         [self.stride, self.subframes, self.rest]
     }
 
-    /// What [`parts`](Self::parts) were taken from; none where they make no sense.
+    /// Inverse of [`parts`](Self::parts); none if they make no sense.
     pub fn of_parts([stride, subframes, rest]: [i64; 3]) -> Option<Self> {
         let is_sane = stride >= 1 && (1..=MOST_SUBFRAMES).contains(&subframes) && (0..stride).contains(&rest);
         is_sane.then_some(Self { stride, subframes, rest })

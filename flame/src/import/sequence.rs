@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 
 use super::assemble::Assembly;
 use super::budget::check_file_size;
-use super::description::{Description, Source};
+use super::description::Description;
 use super::error::{Error, Fault, shown_path};
-use super::listing::{self, Format, FrameFiles, Listing};
+use super::format::Format;
+use super::listing::{self, FrameFiles, Listing};
+use super::model::{Selection, Source};
 use super::names;
 use super::npy::Npy;
 use super::npz::Npz;
@@ -21,44 +23,8 @@ use crate::velocity::Velocity;
 /// Numbers that may be missing between the first frame and the last.
 const MOST_MISSING: u64 = 1_000_000;
 
-/// How far a frame's time may stand from its even place, in steps.
+/// Tolerance of a frame's time against an even grid, in steps.
 const MOST_UNEVEN: f64 = 0.02;
-
-/// Where the velocity's components are taken to stand in their voxels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PlacementChoice {
-    /// At the centre, whatever the file says.
-    #[default]
-    Collocated,
-    /// On the lower faces, whatever the file says.
-    Staggered,
-    /// On the lower faces where the file calls the grid staggered, else at the centre.
-    FromFile,
-}
-
-/// Which grids of a frame are wanted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Selection {
-    /// The burning field. `flame` stands for any of the usual names; another name only for itself.
-    pub field: String,
-    /// The velocity, one grid or three. `velocity` stands for any of the usual names; another name only for itself.
-    pub velocity: String,
-    /// Where its components stand.
-    pub placement: PlacementChoice,
-    /// What the file's numbers are multiplied by to be world units per second.
-    pub velocity_scale: f64,
-}
-
-impl Default for Selection {
-    fn default() -> Self {
-        Self {
-            field: "flame".into(),
-            velocity: "velocity".into(),
-            placement: PlacementChoice::default(),
-            velocity_scale: 1.0,
-        }
-    }
-}
 
 /// The frames of a folder, or a single file's. Frames are counted from 0 in the order of their numbers.
 #[derive(Debug, Clone)]
@@ -73,6 +39,7 @@ impl Sequence {
     /// Opens a folder of numbered `.vdb`, `.npz` or `.npy` files (`<field>_<number>.npy`, one for each field), those files
     /// of a folder whose names fit a pattern such as `fire.####.vdb`, or one file. Files are not read yet.
     ///
+    /// # Errors
     /// Fails where there are no frames, frames of several sorts, two files for one frame, or more than a million
     /// numbers missing.
     pub fn open(path: &Path) -> Result<Self, Error> {
@@ -98,7 +65,7 @@ impl Sequence {
         Some((first, last, last.abs_diff(first).saturating_sub(self.frames.len() as u64 - 1)))
     }
 
-    /// How the numbers in the files' names count steps.
+    /// Relation of the numbers in file names to steps.
     pub fn numbering(&self) -> &Numbering {
         &self.numbering
     }
@@ -108,7 +75,7 @@ impl Sequence {
         self.frames.iter().map(|frame| frame.number)
     }
 
-    /// How many frames there are; at least one.
+    /// Number of frames; at least one.
     pub fn len(&self) -> usize {
         self.frames.len()
     }
@@ -146,7 +113,8 @@ impl Sequence {
 
     /// Frames per second, where at least two of `indices` say when they take place.
     ///
-    /// Fails where their times do not go on evenly with their numbers (to 2 % of a step).
+    /// # Errors
+    /// Where their times are not proportional to their numbers (to 2 % of a step).
     pub fn rate_hz(&self, indices: &[usize]) -> Result<Option<f64>, Error> {
         let timed = |index: &usize| Some((self.frames.get(*index)?.number, self.time_s(*index)?));
         let times: Vec<(i64, f64)> = indices.iter().filter_map(timed).collect();
@@ -161,7 +129,10 @@ impl Sequence {
         Ok(Some(snapped_rate_hz(1.0 / step_s)))
     }
 
-    /// What a frame holds, from its headers.
+    /// Description of a frame, from its headers.
+    ///
+    /// # Errors
+    /// Where there is no frame `index`, or its file cannot be read.
     pub fn describe(&self, index: usize) -> Result<Description, Error> {
         let path = shown_path(self.path_of(index));
         self.with_source(index, |_, source| Ok(Description { path, grids: source.grids().to_vec() }))
@@ -170,8 +141,10 @@ impl Sequence {
     /// Reads the field and the velocity of a frame.
     ///
     /// The field is larger where it burns (a level set is negated); the velocity is in world units per unit of the
-    /// simulation's time, multiplied as the selection says, where its components stand as the selection says. Fails with the file and the reason, also
-    /// where a value in either is not finite.
+    /// simulation's time, with the scale and the placement of the selection.
+    ///
+    /// # Errors
+    /// With the file and the reason, also where a value in either is not finite.
     pub fn read(&self, index: usize, selection: &Selection) -> Result<Frame, Error> {
         let path = self.path_of(index);
         self.with_source(index, |number, source| {
@@ -187,7 +160,10 @@ impl Sequence {
         })
     }
 
-    /// Reads the field of a frame alone, larger where it burns. Fails as [`read`](Self::read) does.
+    /// Reads the field of a frame alone, larger where it burns.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
     pub fn read_field(&self, index: usize, selection: &Selection) -> Result<Grid<1>, Error> {
         let path = self.path_of(index);
         self.with_source(index, |_, source| {
@@ -197,6 +173,9 @@ impl Sequence {
     }
 
     /// Reads what the gas carries (density, smoke, temperature) and the flow of a frame; none where there is none.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
     pub fn read_carried(&self, index: usize, selection: &Selection) -> Result<Option<(Grid<1>, Velocity)>, Error> {
         let path = self.path_of(index);
         self.with_source(index, |_, source| {
@@ -247,10 +226,10 @@ impl Sequence {
     }
 }
 
-/// How near a rate must be to a usual one to be meant for it: times are written with so few digits.
+/// Relative tolerance within which a rate means a usual one: times are written with few digits.
 const SAME_RATE: f64 = 1e-6;
 
-/// The whole rate, or the one of television (n · 1000/1001), that a rate is but for rounding; else the rate itself.
+/// The whole rate, or the one of television (n · 1000/1001), that a rate equals except for rounding; else the rate itself.
 pub(super) fn snapped_rate_hz(rate_hz: f64) -> f64 {
     let usual = [1.0, 1000.0 / 1001.0].map(|part| (rate_hz / part).round() * part);
     let is_near = |usual: &f64| (usual / rate_hz - 1.0).abs() < SAME_RATE;
@@ -259,7 +238,7 @@ pub(super) fn snapped_rate_hz(rate_hz: f64) -> f64 {
     usual.into_iter().find(is_near).unwrap_or_else(rounded)
 }
 
-/// Opens a file that is one, not a device or a pipe, and tells its size.
+/// Opens a regular file, not a device or a pipe, and returns its size.
 pub(super) fn open(path: &Path) -> Result<(File, u64), Error> {
     let file = File::open(path).map_err(Error::of_system(path))?;
     let metadata = file.metadata().map_err(Error::of_system(path))?;

@@ -2,41 +2,19 @@
 
 mod dialect;
 mod table;
+mod values;
 
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use self::table::Table;
+use self::values::MOST_ROWS;
 use super::error::{Error, Fault};
 use super::npy::Header;
-use super::sequence::{open, snapped_rate_hz};
+use super::sequence::open;
 
-/// Rows of a series.
-const MOST_ROWS: usize = 10_000_000;
-
-/// How far a time may stand from its even place, in steps, for the series to have a rate.
-const MOST_UNEVEN: f64 = 0.02;
-
-/// When the values of a series take place.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Timing {
-    /// At consecutive frames from this number on.
-    Frames(i64),
-    /// At these times in seconds, ascending.
-    Times(Vec<f64>),
-}
-
-/// A series of numbers.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Series {
-    /// When the values take place.
-    pub timing: Timing,
-    /// The values, all finite; at least one.
-    pub values: Vec<f64>,
-    /// Values per second where there are times and they are even (to 2 % of a step).
-    pub rate_hz: Option<f64>,
-}
+pub use self::values::{Series, Timing};
 
 impl Series {
     /// Reads a `.npy` array of one axis, or else a table: columns `flux` and `frame` or `time_s` under a header in any
@@ -46,6 +24,7 @@ impl Series {
     /// with `#` are comments, but for one that names the columns. A line of units may stand before or behind the names, as
     /// in what FDS writes, or units in brackets beside them; times in milliseconds or minutes become seconds.
     ///
+    /// # Errors
     /// Fails with the line where a row has no finite number in its place, where frames do not count up by one, where
     /// times do not ascend, and beyond 10 million rows.
     pub fn read(path: &Path) -> Result<Self, Error> {
@@ -78,14 +57,4 @@ fn array(file: File, size: u64) -> Result<Series, Fault> {
         return Err(Fault::Damaged("it holds no values".into()));
     }
     Ok(Series { timing: Timing::Frames(0), values, rate_hz: None })
-}
-
-/// Values per second where all times are near their even places.
-fn rate_hz(times: &[f64]) -> Option<f64> {
-    let ([first, ..], [.., last]) = (times, times) else { return None };
-    let steps = times.len() as f64 - 1.0;
-    let step = (last - first) / steps;
-    let is_even =
-        times.iter().enumerate().all(|(i, time)| (time - first - i as f64 * step).abs() <= MOST_UNEVEN * step);
-    (steps > 0.0 && step.is_finite() && step > 0.0 && is_even).then(|| snapped_rate_hz(1.0 / step))
 }

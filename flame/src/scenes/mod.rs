@@ -62,7 +62,7 @@ impl Scene {
         }
     }
 
-    /// What burns in it, in a few words.
+    /// One-line description.
     pub fn summary(self) -> &'static str {
         match self {
             Self::Candle => "A small flame blown by a turbulent wind",
@@ -90,7 +90,7 @@ impl Scene {
         Self::ALL.into_iter().find(|scene| scene.name() == name)
     }
 
-    /// Seconds that are simulated before the first that is kept, unless told otherwise: a flame that is always there
+    /// Seconds that are simulated before the first that is kept, by default: a flame that is always there
     /// should not begin with its lighting.
     pub fn default_pre_roll_s(self) -> f64 {
         match self {
@@ -100,13 +100,13 @@ impl Scene {
     }
 }
 
-/// How a scene is to be played.
+/// Options of a simulated scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
     /// Cells along the longest side of the box: 8-512, taken to the next multiple of 8 (below 32, of 2), in which the
     /// pressure solve is fast.
     pub resolution: usize,
-    /// Number of all that is random.
+    /// Random seed.
     pub seed: u64,
     /// Fuel and its speed, 0-4; 1 as designed.
     pub intensity: f64,
@@ -132,7 +132,7 @@ impl Options {
     }
 }
 
-/// A scene that burns.
+/// A running simulation of a scene.
 #[derive(Debug)]
 pub struct Simulation {
     scene: Scene,
@@ -145,6 +145,7 @@ pub struct Simulation {
 impl Simulation {
     /// The scene before its first step.
     ///
+    /// # Errors
     /// Fails where an option is out of range.
     pub fn new(scene: Scene, options: Options) -> Result<Self, Error> {
         options.validate()?;
@@ -158,7 +159,7 @@ impl Simulation {
         self.scene
     }
 
-    /// How it is played.
+    /// Its options.
     pub fn options(&self) -> &Options {
         &self.options
     }
@@ -181,17 +182,23 @@ impl Simulation {
         self.solver.step(1.0 / STEP_RATE_HZ, &surroundings)
     }
 
-    /// What acts on the gas now.
+    /// Forcing of the gas at the present step.
     pub fn surroundings(&self) -> Surroundings {
         self.script.at(self.steps as f64 / STEP_RATE_HZ, &self.options)
     }
 
     /// Front and flow after the last step; its number is that of the steps taken.
+    ///
+    /// # Errors
+    /// As [`Solver::frame`].
     pub fn frame(&self) -> Result<Frame, Error> {
         self.solver.frame(i64::try_from(self.steps).unwrap_or(i64::MAX))
     }
 
     /// As [`frame`](Self::frame), with the flow near the front alone: all that its flux needs, and sooner at hand.
+    ///
+    /// # Errors
+    /// As [`Solver::frame`].
     pub fn front_frame(&self) -> Result<Frame, Error> {
         self.solver.front_frame(i64::try_from(self.steps).unwrap_or(i64::MAX))
     }
@@ -202,6 +209,9 @@ impl Simulation {
     }
 
     /// Writes all that the next step depends on.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn save(&self, mut to: impl std::io::Write) -> std::io::Result<()> {
         to.write_all(&self.steps.to_le_bytes())?;
         self.solver.save(to)
@@ -209,6 +219,7 @@ impl Simulation {
 
     /// Takes over what the same scene, with the same options, has saved.
     ///
+    /// # Errors
     /// Fails where the bytes end early or are of another run; then the scene is before its first step.
     pub fn load(&mut self, mut from: impl std::io::Read) -> Result<(), Error> {
         let mut word = [0; 8];

@@ -1,4 +1,4 @@
-//! What each scene is made of, and how it moves.
+//! Set-up of each scene: box, gas, emitters, and how they move.
 //!
 //! Lengths are those of the papers where they tell them (a dragon 1.2 m high, a box 1.5 m wide); the rest was chosen so
 //! that the pressure is fire's: bursts, with energy from 30 to 180 Hz.
@@ -9,14 +9,14 @@ use super::{Bursts, Options, Scene, Wander};
 use crate::error::Error;
 use crate::solver::{Combustion, Cooling, Domain, Emitter, Mixing, Parameters, Shape, Side, Surroundings};
 
-/// All that a simulation needs.
+/// Everything that a simulation needs.
 pub(super) struct Setup {
     pub domain: Domain,
     pub parameters: Parameters,
     pub script: Script,
 }
 
-/// What happens in a scene in the course of time.
+/// Course of a scene over time.
 #[derive(Debug)]
 pub(super) struct Script {
     scene: Scene,
@@ -152,7 +152,7 @@ fn cells(size_m: [f64; 3], resolution: usize) -> ([usize; 3], f64) {
 }
 
 impl Script {
-    /// What acts on the gas at a time.
+    /// Forcing of the gas at a time.
     pub fn at(&self, time_s: f64, options: &Options) -> Surroundings {
         let (power, wind) = (options.intensity, options.wind);
         let slow = |index: usize| self.slow[index].at(time_s);

@@ -1,4 +1,4 @@
-//! Where anything is carried at all: most of a flame's box is air, which need not be carried to be air.
+//! Active regions: most of a flame's box is ambient air, which needs no advection.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use super::parallel::planes;
 /// Cells of a segment, along z.
 pub(crate) const SEGMENT: usize = 8;
 
-/// Which segments of a box hold, or may get within a step, anything but air.
+/// Segments of a box that hold anything but ambient air, or may do so within a step.
 #[derive(Debug, Default)]
 pub(crate) struct Activity {
     rows: usize,

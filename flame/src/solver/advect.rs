@@ -7,7 +7,7 @@ use super::domain::{Domain, FaceRow, Side, at};
 use super::lattice::{LANES, Lattice, Positions};
 use super::parallel::{largest, planes, wide};
 
-/// How far the gas at every centre has come, and will go, in one step; in cells.
+/// Displacement of the gas at every centre, backwards and forwards, in one step; in cells.
 #[derive(Debug, Default)]
 pub(crate) struct Paths {
     velocity: Vec<[f32; 4]>,
@@ -15,7 +15,7 @@ pub(crate) struct Paths {
     goes: Vec<[f32; 4]>,
 }
 
-/// What need not be carried with care, or not at all.
+/// Regions that need no accurate advection, or none.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Neglect<'a> {
     /// Where it is told, all the rest holds what comes in from outside and keeps it.
@@ -79,7 +79,7 @@ fn positions(count: usize, of: impl Fn(usize) -> [f32; 3]) -> Positions {
     lanes
 }
 
-/// Where samples stand relative to the cells whose paths they take.
+/// Position of samples relative to the cells whose trajectories they share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Stand {
     /// At the centres.
@@ -222,7 +222,7 @@ impl PathRow {
     }
 }
 
-/// What comes in at the ends of the box.
+/// Inflow at the ends of the box.
 #[derive(Debug, Clone)]
 pub(crate) struct Entering<const N: usize> {
     /// Positions in cells beyond which it comes from outside.
@@ -244,7 +244,7 @@ impl<const N: usize> Entering<N> {
         }
     }
 
-    /// Which positions lie outside, where something comes in.
+    /// Positions outside the box from which gas flows in.
     #[inline(always)]
     fn comes_in(&self, positions: &Positions) -> [bool; LANES] {
         let mut outside = [false; LANES];

@@ -1,4 +1,4 @@
-//! A run that was interrupted goes on as if it had not been.
+//! Checkpoints: a run that was interrupted resumes as if it had not been.
 
 use std::io::{Read, Write};
 
@@ -10,6 +10,9 @@ const MAGIC: &[u8; 8] = b"PYROSIM2";
 
 impl Solver {
     /// Writes all that the next step depends on: some 40 bytes per cell.
+    ///
+    /// # Errors
+    /// Where `to` cannot be written.
     pub fn save(&self, mut to: impl Write) -> std::io::Result<()> {
         to.write_all(MAGIC)?;
         for number in self.fingerprint() {
@@ -26,6 +29,7 @@ impl Solver {
 
     /// Takes over a run that a solver of the same box and seed has saved.
     ///
+    /// # Errors
     /// Fails where the bytes end early or are of another run; then the gas is at rest.
     pub fn load(&mut self, mut from: impl Read) -> Result<(), Error> {
         let result = self.try_load(&mut from);
@@ -67,7 +71,7 @@ impl Solver {
         Ok(())
     }
 
-    /// What must be equal for a saved state to mean the same.
+    /// Settings that must be equal for a saved state to be valid.
     fn fingerprint(&self) -> Vec<u64> {
         let text = format!("{:?}{:?}", self.domain, self.parameters);
         // FNV-1a.

@@ -35,7 +35,7 @@ const TRACE: f32 = 1e-4;
 /// Hottest that gas can get.
 const HOTTEST: f32 = 2.0;
 
-/// How fuel burns (Chadwick & James 2011, §2.1).
+/// Combustion model (Chadwick & James 2011, §2.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Combustion {
     /// Fuel above its ignition temperature burns at a constant rate, slower where little is left.
@@ -62,7 +62,7 @@ pub enum Combustion {
     },
 }
 
-/// How gas changes of itself.
+/// Cooling and dissipation of gas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cooling {
     /// Loss of temperature per second at temperature 1; it grows with the fourth power.
@@ -71,7 +71,7 @@ pub struct Cooling {
     pub dissipation_hz: f64,
 }
 
-/// Where and when gas burns.
+/// Place and time at which gas burns.
 pub(crate) struct Fire<'a> {
     pub domain: &'a Domain,
     pub origin_m: [f64; 3],

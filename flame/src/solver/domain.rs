@@ -9,7 +9,7 @@ const CELLS: std::ops::RangeInclusive<usize> = 4..=1024;
 /// Most cells in all: what a few gigabytes of fields hold.
 const MOST_CELLS: usize = 1 << 26;
 
-/// What stands at one side of the box.
+/// Boundary condition at one side of the box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Side {
     /// Ambient pressure: gas leaves and enters as it likes.
@@ -18,7 +18,7 @@ pub enum Side {
     Wall,
     /// Gas enters (positive: along the axis) at this mean speed in m/s.
     Inflow(f64),
-    /// What leaves here comes back at the opposite side; both sides must be so.
+    /// Periodic: gas that leaves here re-enters at the opposite side, which must be periodic too.
     Periodic,
 }
 
@@ -34,6 +34,7 @@ pub struct Domain {
 impl Domain {
     /// A box of `shape` cells (4-1024 along each axis), with the lower and upper side of each axis.
     ///
+    /// # Errors
     /// Fails where a number is out of range, or where one side alone of an axis is periodic.
     pub fn new(shape: [usize; 3], voxel_size_m: f64, sides: [[Side; 2]; 3]) -> Result<Self, Error> {
         for size in shape {
@@ -72,7 +73,7 @@ impl Domain {
         [0.5 * h * (1.0 - nx), 0.5 * h * (1.0 - ny), 0.5 * h]
     }
 
-    /// How the cells lie in the world.
+    /// Transform from cells to the world.
     pub(crate) fn transform(&self) -> Result<Transform, Error> {
         Transform::uniform(self.voxel_size_m, self.origin_m())
     }
@@ -128,7 +129,7 @@ impl Domain {
 pub(crate) struct FaceRow {
     before: usize,
     after: usize,
-    /// Where the faces lie across the row itself: how many cells it has, and whether it closes.
+    /// Faces across the row itself: number of cells, and whether the row is closed.
     along: Option<(usize, bool)>,
 }
 
@@ -159,7 +160,7 @@ fn beside(face: usize, size: usize, periodic: bool) -> (usize, usize) {
     (before, after)
 }
 
-/// Where element (i, j, k) stands in an array of `shape`.
+/// Offset of element (i, j, k) in an array of `shape`.
 #[inline(always)]
 pub(crate) fn at(shape: [usize; 3], i: usize, j: usize, k: usize) -> usize {
     (i * shape[1] + j) * shape[2] + k

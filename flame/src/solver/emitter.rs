@@ -1,4 +1,4 @@
-//! Where gas, fuel and heat come from.
+//! Emitters: sources of gas, fuel and heat.
 
 /// Shape of an emitter, about its centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,11 +57,11 @@ pub struct Emitter {
     pub centre_m: [f64; 3],
     /// Velocity of the gas within it, in m/s.
     pub velocity_m_s: [f64; 3],
-    /// How fast the gas within it takes that velocity on, in 1/s.
+    /// Rate at which gas inside it approaches that velocity, in 1/s.
     pub drag_hz: f64,
     /// Fuel within it, 0-1; in a blue core, gas flows out while this is above a half.
     pub fuel: f64,
-    /// How much the fuel varies from place to place and time to time, 0-1.
+    /// Variation of the fuel in space and time, 0-1.
     pub flicker: f64,
     /// Least temperature within it, 0-1.
     pub temperature: f64,
@@ -70,7 +70,7 @@ pub struct Emitter {
 }
 
 impl Emitter {
-    /// How much of the cell at a place is covered, 0-1.
+    /// Covered share of the cell at a place, 0-1.
     pub fn cover(&self, place_m: [f64; 3], voxel_size_m: f64) -> f64 {
         let relative = std::array::from_fn(|axis| place_m[axis] - self.centre_m[axis]);
         (0.5 - self.shape.distance_m(relative) / voxel_size_m).clamp(0.0, 1.0)

@@ -1,14 +1,14 @@
-//! What accelerates the gas: buoyancy, vorticity confinement, turbulence.
+//! Forces on the gas: buoyancy, vorticity confinement, turbulence.
 
 use rayon::prelude::*;
 
 use super::parallel::{planes, rows, wide};
 
-use super::Parameters;
 use super::activity::{Activity, SEGMENT};
 use super::combustion::{Combustion, SMOKE, TEMPERATURE};
 use super::domain::{Domain, at};
 use super::lattice::Lattice;
+use super::parameters::Parameters;
 use super::turbulence::Turbulence;
 
 /// Room for the vorticity.
@@ -18,7 +18,7 @@ pub(crate) struct Forces {
     vorticity: Vec<[f32; 4]>,
 }
 
-/// What the forces depend on, at the cells' centres.
+/// Fields that the forces depend on, at the cells' centres.
 pub(crate) struct Gas<'a> {
     pub velocity: &'a [[f32; 4]],
     pub scalars: &'a [[f32; 4]],

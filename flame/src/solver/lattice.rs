@@ -2,7 +2,7 @@
 
 use super::domain::{Domain, at};
 
-/// Where an array's samples stand, and what its axes do at their ends.
+/// Positions of an array's samples, and the boundary conditions of its axes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lattice {
     pub shape: [usize; 3],

@@ -14,7 +14,7 @@ const WAVES: usize = 24;
 /// Most nodes along an axis; a wider box has coarser ones.
 const MOST_NODES: usize = 40;
 
-/// How unevenly gas is mixed.
+/// Fluctuation of the mixing rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mixing {
     /// Standard deviation of the burn rate's logarithm, 0-3; 0: mixed evenly.
@@ -43,11 +43,11 @@ pub(crate) struct MixingField {
     counts: [usize; 3],
     waves: Vec<Waves>,
     values: Vec<f32>,
-    /// What makes the mean rate 1, beside the rate everywhere.
+    /// Factor that makes the mean rate 1.
     offset: f32,
 }
 
-/// What one node is made of.
+/// Noise of one node.
 #[derive(Debug)]
 struct Waves {
     frequency_hz: [f64; WAVES],
@@ -86,7 +86,7 @@ impl MixingField {
         self.offset = (boost.clamp(1e-3, 1e3).ln() - 0.5 * spread * spread) as f32;
     }
 
-    /// How many times faster than on average gas at a place in m burns.
+    /// Burn rate at a place in m, relative to the average.
     #[inline(always)]
     pub fn factor(&self, place_m: [f64; 3]) -> f32 {
         if self.values.is_empty() {

@@ -74,20 +74,20 @@ const TOLERANCE: f64 = 4e-5;
 /// to be carried with second order: those of air far from the flame.
 const NEGLIGIBLE: f32 = 2e-3;
 
-/// What acts on the box from outside during one step.
+/// Forcing of the box from outside during one step.
 #[derive(Debug, Clone, Default)]
 pub struct Surroundings {
-    /// What burns.
+    /// The emitters.
     pub emitters: Vec<Emitter>,
     /// Speed that all inflows have beyond their mean, in m/s.
     pub gust_m_s: f64,
     /// Random part of the inflows, rms in m/s.
     pub unrest_m_s: f64,
-    /// How much faster than usual gas mixes and burns, as a part of the usual; -1 to 100.
+    /// Increase of the mixing and burn rate relative to the usual one; -1 to 100.
     pub mixing_boost: f64,
 }
 
-/// What a step did.
+/// Results of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// Largest speed of any component in m/s.
@@ -135,6 +135,7 @@ struct Scratch {
 impl Solver {
     /// Gas at rest, nothing burning. `seed` numbers all that is random.
     ///
+    /// # Errors
     /// Fails where a parameter is out of range.
     pub fn new(domain: Domain, parameters: Parameters, seed: u64) -> Result<Self, Error> {
         parameters.validate()?;
@@ -261,6 +262,9 @@ impl Solver {
     }
 
     /// The front and the flow, as files and the flux have them: at the cells' centres.
+    ///
+    /// # Errors
+    /// Where the cells' transform is unusable.
     pub fn frame(&self, number: i64) -> Result<Frame, Error> {
         let (front, velocity) = self.centred();
         let transform = self.domain.transform()?;
@@ -273,6 +277,9 @@ impl Solver {
     }
 
     /// As [`frame`](Self::frame), with the flow near the front alone: all that its flux needs, and sooner at hand.
+    ///
+    /// # Errors
+    /// As [`frame`](Self::frame).
     pub fn front_frame(&self, number: i64) -> Result<Frame, Error> {
         near_front::frame(&self.domain, &self.velocity, &self.front, number)
     }
@@ -285,12 +292,12 @@ impl Solver {
         (self.front.iter().map(|value| [*value]).collect(), velocity)
     }
 
-    /// Where the cells lie: the box stands on z = 0, its axis at x = y = 0.
+    /// Position of the cells: the box's bottom is z = 0, its axis x = y = 0.
     pub fn origin_m(&self) -> [f64; 3] {
         self.domain.origin_m()
     }
 
-    /// What surrounds the box.
+    /// State of the gas around the box.
     fn ambient(&self) -> [f32; 4] {
         match self.parameters.combustion {
             // Far from the front.
@@ -376,7 +383,7 @@ impl Solver {
         }
     }
 
-    /// What walls and inflows prescribe.
+    /// Velocities prescribed by walls and inflows.
     fn blow_in(&mut self, surroundings: &Surroundings) {
         let h = self.domain.voxel_size_m();
         let eddies = self.parameters.turbulence_scale_m;

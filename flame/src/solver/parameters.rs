@@ -1,15 +1,15 @@
-//! What the gas is like.
+//! Properties of the gas.
 
 use super::combustion::{Combustion, Cooling};
 use super::mixing::Mixing;
 use crate::error::{Error, in_range};
 
-/// What the gas is like.
+/// Properties of the gas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
-    /// How it burns; none: it flows only.
+    /// Combustion; none for gas that does not burn.
     pub combustion: Option<Combustion>,
-    /// How it cools and clears.
+    /// Cooling and dissipation.
     pub cooling: Cooling,
     /// Upward acceleration at temperature 1, in m/s²; 0-1000.
     pub buoyancy_m_s2: f64,
@@ -21,11 +21,11 @@ pub struct Parameters {
     pub turbulence_m_s2: f64,
     /// Size of the largest eddies that are stirred in, in m.
     pub turbulence_scale_m: f64,
-    /// How fast they change, in 1/s.
+    /// Rate of change, in 1/s.
     pub turbulence_rate_hz: f64,
     /// Place in m of the box's first cell among the eddies that are stirred in; -1e6 to 1e6.
     pub turbulence_origin_m: [f64; 3],
-    /// How unevenly it is mixed, and so burns.
+    /// Fluctuation of mixing, and so of the burn rate.
     pub mixing: Mixing,
 }
 
@@ -46,7 +46,10 @@ impl Parameters {
         }
     }
 
-    /// Fails where a number is out of range.
+    /// Checks all values.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the first value outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         in_range("buoyancy in m/s²", self.buoyancy_m_s2, 0.0, 1000.0)?;
         in_range("vorticity confinement", self.confinement, 0.0, 100.0)?;

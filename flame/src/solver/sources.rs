@@ -1,4 +1,4 @@
-//! What emitters do to the gas.
+//! Effect of emitters on the gas.
 
 use super::combustion::{Combustion, FUEL, TEMPERATURE};
 use super::domain::at;
@@ -70,7 +70,7 @@ impl Solver {
         }
     }
 
-    /// What the emitters add to the gas's volume; no cell gains more than the grid can carry away.
+    /// Volume that the emitters add; no cell gains more than the grid can transport.
     pub(super) fn swell(&mut self, dt_s: f64, surroundings: &Surroundings) {
         for emitter in surroundings.emitters.iter().filter(|emitter| emitter.outflow_hz != 0.0) {
             for ([i, j, k], place) in self.covered(emitter) {

@@ -12,7 +12,7 @@ const WAVES: usize = 64;
 /// Highest wave number, in waves per tile.
 const HIGHEST: i32 = 7;
 
-/// How far the two copies of the tile drift in a second of the largest eddies' turnover, in tiles.
+/// Drift of the two copies of the tile per turnover of the largest eddies, in tiles.
 const DRIFTS: [[f32; 3]; 2] = [[0.37, 0.23, 0.71], [-0.29, 0.31, -0.53]];
 
 /// Velocities without divergence whose spectrum falls as Kolmogorov's (Bridson et al. 2007 and Kim et al. 2008 put the

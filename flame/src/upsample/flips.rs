@@ -136,7 +136,7 @@ fn normal_share(x: f64) -> f64 {
     if x < 0.0 { tail } else { 1.0 - tail }
 }
 
-/// What is added to the curve through the frames.
+/// Signal to add to the curve through the frames.
 pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) -> Vec<f64> {
     let substeps = upsampler.substeps();
     let unit = if upsampler.takes_field_alone() { flux_per_source(values, pairs) } else { 1.0 };

@@ -23,7 +23,7 @@ use crate::flux::Changes;
 /// Most steps that are made of one.
 const MOST_SUBSTEPS: usize = 512;
 
-/// How the steps between two frames are made.
+/// Method of making steps between two frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// Every part of the flame changes from one frame to the next at a random time.
@@ -60,6 +60,9 @@ pub struct Upsampler {
 
 impl Upsampler {
     /// `substeps` (1-512) steps of every one.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] where `substeps` is out of range.
     pub fn new(method: Method, substeps: usize, seed: u64) -> Result<Self, Error> {
         in_range("the number of steps made of one", substeps as f64, 1.0, MOST_SUBSTEPS as f64)?;
         Ok(Self { method, substeps, seed })

@@ -6,7 +6,7 @@ use crate::solver::Random;
 /// The power of the noise's pressure falls by so many dB a decade.
 const SLOPE_DB: f64 = -7.0;
 
-/// Where it begins, as a part of the frames' rate.
+/// Lowest frequency of the noise, relative to the frames' rate.
 const CORNER: f64 = 0.45;
 
 /// Poles and zeros of the filter that makes white noise fall so: an octave apart each.

@@ -1,4 +1,4 @@
-//! Where in a flame its volume comes from.
+//! Volume sources of a flame, voxel by voxel.
 //!
 //! By Gauss's theorem the flux through a closed front is the divergence of the flow summed over all that burns (Chadwick &
 //! James 2011, §3, eq. 6-8, read backwards). So a frame's flux is a sum over voxels, each with a share of its own, and what
@@ -34,6 +34,7 @@ pub struct Source {
 impl Source {
     /// A field's values as volumes per second: of a rate of heat release, or of the divergence that a solver was given.
     ///
+    /// # Errors
     /// Fails where the field is not finite everywhere, or fills all space.
     pub fn of_field(field: &Grid<1>) -> Result<Self, Error> {
         let background = f64::from(field.background()[0]);
@@ -71,6 +72,7 @@ impl Source {
 
     /// The sources inside the front at `iso`.
     ///
+    /// # Errors
     /// Fails where the field or the flow is not finite everywhere.
     pub fn of_front(frame: &Frame, iso: f64) -> Result<Self, Error> {
         if !frame.field.is_finite() {
@@ -103,12 +105,12 @@ impl Source {
         Ok(source)
     }
 
-    /// All that comes from the flame: its flux.
+    /// Sum of all sources: the flame's flux.
     pub fn total(&self) -> f64 {
         self.voxels.iter().map(|(_, given)| f64::from(*given)).sum()
     }
 
-    /// How much there is more or less in another frame, summed without regard to the sign.
+    /// Sum of the absolute differences to another frame.
     pub fn difference(&self, next: &Self) -> f64 {
         let mut sum = 0.0;
         self.join(next, |_, before, after| sum += (after - before).abs());
@@ -260,7 +262,7 @@ fn around<T>(key: [i32; 3], value: impl Fn([i32; 3]) -> T) -> Vec<T> {
         .collect()
 }
 
-/// Where a voxel stands among [`around`]'s values.
+/// Index of a voxel among [`around`]'s values.
 fn at([x, y, z]: [usize; 3]) -> usize {
     (x * REACH + y) * REACH + z
 }

@@ -1,6 +1,6 @@
 //! The box that is listened to: what flows into it, and how it moves on.
 
-use super::{Kind, Recipe};
+use super::recipe::{Kind, Recipe};
 use crate::error::Error;
 use crate::scenes::Wander;
 use crate::solver::{Domain, Emitter, Parameters, Shape, Side, Solver, Step, Surroundings};
@@ -63,6 +63,9 @@ struct Source {
 
 impl Flow {
     /// Gas at `speed_m_s` all over the box, to be moved on by `step_s` at a time.
+    ///
+    /// # Errors
+    /// Where the recipe, the speed or the step is out of range.
     pub fn new(recipe: &Recipe, speed_m_s: f64, step_s: f64) -> Result<Self, Error> {
         let voxel_size_m = recipe.voxel_size_m;
         let [nx, ny, nz] = recipe.voxels;

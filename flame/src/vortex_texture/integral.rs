@@ -12,7 +12,7 @@ const FALLOFF: f64 = 3.0;
 /// Share of the box's edge over which the integral fades in at each side.
 const TAPER: f64 = 0.25;
 
-/// Where y is measured from.
+/// Origin of y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Origin {
     /// The box's centre; the mean vorticity does not count, and the integral fades out towards the sides. Without that
@@ -101,7 +101,7 @@ fn square([x, y, z]: [f64; 3]) -> [f64; 6] {
     [x * x, y * y, z * z, x * y, y * z, z * x]
 }
 
-/// How much a voxel counts: 1 in the middle, 0 at the sides.
+/// Weight of a voxel: 1 in the middle, 0 at the sides.
 fn taper(shape: [usize; 3], voxel: [usize; 3]) -> f64 {
     let along = |axis: usize| {
         let place = (voxel[axis] as f64 + 0.5) / shape[axis] as f64;

@@ -12,9 +12,9 @@ pub const COMPONENTS: usize = pyrophone_synthesis::vortex::texture::COMPONENTS;
 /// Frequencies that are kept: all up to one, none above another, in Hz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// Where the fall begins.
+    /// Start of the transition band.
     pub pass_hz: f64,
-    /// Where nothing is left.
+    /// End of the transition band.
     pub stop_hz: f64,
 }
 

@@ -21,6 +21,7 @@ const MOST_DIVERGENCE: f64 = 1e-3;
 
 /// Moves a flow on until it is settled.
 ///
+/// # Errors
 /// Fails where it is not after all [`STRETCHES`], and where `go_on` fails.
 pub(super) fn settle(flow: &mut Flow, mut go_on: impl FnMut() -> Result<(), Error>) -> Result<(), Error> {
     let steps = PASSAGES * flow.passage_steps();
@@ -51,7 +52,7 @@ pub(super) fn settle(flow: &mut Flow, mut go_on: impl FnMut() -> Result<(), Erro
     Err(Error::Unsettled { passages: PASSAGES * STRETCHES, change, divergence })
 }
 
-/// How much two energies differ, as a part of the larger; two flows without any are alike.
+/// Difference of two energies relative to the larger; 0 if both are zero.
 fn change(one: f64, other: f64) -> f64 {
     (other - one).abs() / one.max(other).max(f64::MIN_POSITIVE)
 }

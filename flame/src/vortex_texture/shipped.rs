@@ -1,8 +1,8 @@
 //! The textures that are shipped, `presets/vortex`.
 
-use super::{Kind, Recipe};
+use super::recipe::{Kind, Recipe};
 
-/// How a texture that is shipped was made, and is made again.
+/// Recipe of a built-in texture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shipped {
     /// Its file's name, without `.vtx`.

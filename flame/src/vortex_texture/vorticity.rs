@@ -95,7 +95,7 @@ pub(super) fn places([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = [usize; 3
     (0..nx).flat_map(move |i| (0..ny).flat_map(move |j| (0..nz).map(move |k| [i, j, k])))
 }
 
-/// Where a voxel's centre lies from the box's, in m.
+/// Position of a voxel's centre relative to the box's, in m.
 pub(super) fn from_centre(shape: [usize; 3], voxel_size_m: f64, voxel: [usize; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| (voxel[axis] as f64 + 0.5 - 0.5 * shape[axis] as f64) * voxel_size_m)
 }

@@ -1,4 +1,4 @@
-//! What the tests of reading share.
+//! Helpers shared by the tests of reading.
 #![allow(dead_code)]
 
 pub mod trees;

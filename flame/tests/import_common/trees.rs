@@ -10,7 +10,7 @@ use super::vdb::{ACTIVE_MASK, Form, packed};
 /// As many numbers as the type has, then zeros.
 pub type Value = [f32; 3];
 
-/// What a tree holds.
+/// Contents of a tree.
 #[derive(Debug, Default)]
 pub struct Written {
     pub background: Value,
@@ -18,7 +18,7 @@ pub struct Written {
     pub leaves: BTreeMap<[i32; 3], Vec<Value>>,
     /// Other than the background: by the edge's logarithm and the origin.
     pub tiles: BTreeMap<(u32, [i32; 3]), Value>,
-    /// How many nodes had each flag.
+    /// Number of nodes with each flag.
     pub flags: [usize; 7],
 }
 

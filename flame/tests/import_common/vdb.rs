@@ -9,7 +9,7 @@ pub const ZIP: u32 = 1;
 pub const ACTIVE_MASK: u32 = 2;
 pub const BLOSC: u32 = 4;
 
-/// How all grids of a file are stored.
+/// Storage of all grids of a file.
 #[derive(Debug, Clone, Copy)]
 pub struct Form {
     pub version: u32,

@@ -1,4 +1,4 @@
-//! What rows of vortex-sound textures are measured by.
+//! Measures of vortex-sound textures' rows.
 #![allow(dead_code, missing_docs)]
 
 use std::f64::consts::{PI, TAU};

@@ -1,4 +1,4 @@
-//! What a CLAP plugin says about itself.
+//! Description of a CLAP plug-in: its parameters and layouts.
 
 use std::collections::HashMap;
 

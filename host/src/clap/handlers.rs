@@ -1,4 +1,4 @@
-//! What a CLAP plugin may ask of its host.
+//! Host side of CLAP: requests that a plug-in may make.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -11,8 +11,8 @@ use clack_extensions::params::{
 use clack_extensions::state::{HostState, HostStateImpl};
 use clack_host::prelude::*;
 
-use super::lock;
 use crate::Requests;
+use crate::lock::lock;
 
 /// Requests that wait to be noticed; set from any thread.
 #[derive(Default)]

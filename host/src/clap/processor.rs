@@ -12,8 +12,8 @@ use clap_sys::audio_buffer::clap_audio_buffer;
 
 use super::description::Range;
 use super::handlers::Handlers;
-use super::lock;
 use crate::buses::Buses;
+use crate::lock::lock;
 use crate::{Block, Event, HostError, Processor, Tail, Transport};
 
 pub(super) struct ClapProcessor {

@@ -64,7 +64,7 @@ pub(crate) const CHECKS: &[Check] = &[
     Check { name: "ports_are_configured_as_asked", run: ports },
 ];
 
-/// What a host notices.
+/// Calls that the plug-in made to its host.
 #[derive(Default)]
 struct Notices {
     is_activating: Cell<bool>,
@@ -568,7 +568,7 @@ type Found = (String, u32, Option<CString>, Option<CString>);
 struct Discovered {
     locations: RefCell<Vec<(u32, Option<CString>)>>,
     filetypes: Cell<usize>,
-    /// Where the presets that are told of now are.
+    /// Location of the presets that are being announced.
     at: RefCell<(u32, Option<CString>)>,
     presets: RefCell<Vec<Found>>,
     plugins: Cell<usize>,

@@ -1,4 +1,4 @@
-//! What a VST3 plugin says about itself.
+//! Description of a VST3 plug-in: its parameters and layouts.
 
 use std::collections::HashMap;
 use std::ffi::CStr;
@@ -89,7 +89,7 @@ fn read_groups(controller: &ComPtr<IEditController>) -> HashMap<i32, String> {
     groups
 }
 
-/// The arrangement that stands for a number of channels; nice-plug looks at the number only.
+/// The arrangement for a number of channels; nice-plug looks at the number only.
 pub(super) const fn arrangement(channels: u32) -> SpeakerArrangement {
     match channels {
         0 => SpeakerArr::kEmpty,

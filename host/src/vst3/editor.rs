@@ -131,7 +131,7 @@ struct Timer {
     due: Instant,
 }
 
-/// What a view may ask of the window around it, on the main thread only.
+/// Frame around a view, for the requests that it may make; on the main thread only.
 #[derive(Default)]
 struct Frame {
     wanted_size: Cell<Option<(u32, u32)>>,

@@ -1,4 +1,4 @@
-//! What a VST3 plugin may ask of its host.
+//! Host side of VST3: interfaces that a plug-in may call.
 
 use std::cell::{Cell, RefCell};
 use std::ffi::c_void;
@@ -15,7 +15,7 @@ use ::vst3::Steinberg::{
 };
 use ::vst3::{Class, ComPtr, ComWrapper};
 
-use super::lock;
+use crate::lock::lock;
 use crate::{Event, Requests};
 
 /// Tells the plugin who its host is.
@@ -44,7 +44,7 @@ impl IHostApplicationTrait for HostApplication {
 /// Hears what the plugin wants of its host, from any thread.
 pub(super) struct Handler {
     restart_flags: AtomicI32,
-    /// What goes to the plugin with the next block.
+    /// Changes that go to the plug-in with the next block.
     pending: Arc<Mutex<Vec<Event>>>,
     active: AtomicBool,
 }

@@ -12,8 +12,8 @@ use ::vst3::Steinberg::kResultOk;
 use ::vst3::{ComPtr, ComWrapper};
 
 use super::interfaces::ParameterChanges;
-use super::lock;
 use crate::buses::Buses;
+use crate::lock::lock;
 use crate::{Block, Event, HostError, Processor, Tail, Transport};
 
 pub(super) struct Vst3Processor {

@@ -1,11 +1,12 @@
 //! AIFF and AIFF-C: the layout in `COMM`, the sound in `SSND`, in either order; numbers are big-endian.
 
 use super::chunk::{Chunk, Kind, UNKNOWN_SIZE, chunks};
-use super::{Described, Sound, check_layout, damaged, unsupported};
+use super::described::{Described, check_layout, damaged, unsupported};
+use super::sound::Sound;
 use crate::pcm::{Coding, Pcm};
 use crate::{Error, Note};
 
-/// What the common chunk says.
+/// Contents of the common chunk.
 struct Common {
     channels: usize,
     sample_rate_hz: u32,

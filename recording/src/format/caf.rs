@@ -1,7 +1,8 @@
 //! CAF (Apple's Core Audio Format): 64-bit big-endian sizes; -1 for sound up to the end of the file.
 
 use super::chunk::{Chunk, Kind, chunks};
-use super::{Described, Sound, check_layout, damaged, unsupported};
+use super::described::{Described, check_layout, damaged, unsupported};
+use super::sound::Sound;
 use crate::pcm::{Coding, Pcm, padded};
 use crate::{Error, Note};
 

@@ -36,7 +36,7 @@ impl Chunk<'_> {
     }
 }
 
-/// How chunks follow each other.
+/// Layout of chunks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// WAV: little-endian sizes, even.

@@ -5,11 +5,13 @@ use std::borrow::Cow;
 use symphonia::core::codecs::audio::AudioCodecParameters;
 use symphonia::core::codecs::audio::well_known::CODEC_ID_FLAC;
 
-use super::{Described, Ends, Link, Sound, check_layout, damaged, tags};
+use super::described::{Described, check_layout, damaged};
+use super::sound::{Ends, Link, Sound};
+use super::tags;
 use crate::format::flac_frame::{Crc16, FrameHeader};
 use crate::{Error, Note};
 
-/// How a stream begins.
+/// First bytes of a stream.
 const MARK: &[u8; 4] = b"fLaC";
 
 /// Bytes of the one block that is needed.
@@ -18,7 +20,7 @@ const STREAM_INFO_BYTES: usize = 34;
 /// Places that look like a frame's beginning and are tried: chance makes one in many megabytes.
 const MOST_CANDIDATES: usize = 64;
 
-/// What the stream says of itself: the one block of metadata that is needed.
+/// STREAMINFO, the one block of metadata that is needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct StreamInfo {
     bytes: [u8; STREAM_INFO_BYTES],

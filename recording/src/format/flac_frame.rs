@@ -1,6 +1,6 @@
 //! Headers of FLAC frames, and both checksums.
 
-/// What a frame says of itself.
+/// Header of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct FrameHeader {
     /// None where the stream says it.

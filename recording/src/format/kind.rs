@@ -1,6 +1,7 @@
-//! Which format a file is of, by its first bytes; names of files are not believed.
+//! Recognition of a file's format by its first bytes; file names are not trusted.
 
-use super::{damaged, mpeg, unsupported, w64};
+use super::described::{damaged, unsupported};
+use super::{mpeg, w64};
 use crate::Error;
 
 /// Formats that are read.

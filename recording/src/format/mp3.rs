@@ -8,14 +8,16 @@ use std::borrow::Cow;
 use symphonia::core::codecs::audio::AudioCodecParameters;
 use symphonia::core::codecs::audio::well_known::{CODEC_ID_MP1, CODEC_ID_MP2, CODEC_ID_MP3};
 
+use super::described::{Described, check_layout, damaged};
 use super::mpeg::{self, Header, Info};
-use super::{Described, Ends, Link, Sound, check_layout, damaged, tags};
+use super::sound::{Ends, Link, Sound};
+use super::tags;
 use crate::{Error, Note};
 
-/// Frames in a row that must fit together before the stream goes on behind bytes that are none.
+/// Frames in a row that must fit together before the stream resumes after bytes that are none.
 const RESUMING_FRAMES: usize = 2;
 
-/// What stands at one place of the stream.
+/// One item of the stream.
 enum Here {
     Frame(Header),
     /// A tag, or bytes that are nothing: so many, and whether to mention them.

@@ -18,7 +18,7 @@ const BIT_RATES: [[u32; 14]; 5] = [
     [8, 16, 24, 32, 40, 48, 56, 64, 80, 96, 112, 128, 144, 160],
 ];
 
-/// What a frame says of itself.
+/// Header of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Header {
     /// 1 to 3.
@@ -98,7 +98,7 @@ impl Header {
     }
 }
 
-/// Where the first frame begins, and its header.
+/// Offset of the first frame, and its header.
 pub(super) fn first(bytes: &[u8]) -> Option<(usize, Header)> {
     (0..bytes.len().min(MOST_JUNK_BYTES)).find_map(|at| {
         let header = Header::read(&bytes[at..])?;

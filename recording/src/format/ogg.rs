@@ -5,13 +5,15 @@
 
 use std::borrow::Cow;
 
+use super::described::{Described, check_layout, damaged, unsupported};
 use super::ogg_page::{Page, pages};
-use super::vorbis::{self, Clock};
-use super::{Described, Ends, Link, Sound, check_layout, damaged, unsupported};
+use super::sound::{Ends, Link, Sound};
+use super::vorbis;
+use super::vorbis_clock::Clock;
 use crate::format::flac::StreamInfo;
 use crate::{Error, Note};
 
-/// How the first packets of codings begin that are not read.
+/// First bytes of the first packet, for codings that are not supported.
 const UNSUPPORTED: &[(&[u8], &str)] = &[
     (b"OpusHead", "Ogg with Opus coding"),
     (b"Speex   ", "Ogg with Speex coding"),
@@ -31,7 +33,7 @@ struct Stream<'a> {
     coding: Coding,
     next_page: u32,
     packets: Vec<Cow<'a, [u8]>>,
-    /// The beginning of a packet that goes on on the next page.
+    /// The start of a packet that continues on the next page.
     open: Option<Vec<u8>>,
     clock: Clock,
     has_ended: bool,

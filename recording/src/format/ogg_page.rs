@@ -1,12 +1,12 @@
 //! Pages of Ogg, and their checksums.
 
-/// How a page begins.
+/// First bytes of a page.
 const MARK: &[u8; 4] = b"OggS";
 
 /// Bytes of a page's header before its table of pieces.
 const HEADER_BYTES: usize = 27;
 
-/// Where the checksum stands.
+/// Offset of the checksum.
 const CRC_AT: std::ops::Range<usize> = 22..26;
 
 /// One page.

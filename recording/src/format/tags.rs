@@ -1,6 +1,6 @@
 //! Tags before, between and behind sound: passed over by their size, whatever they hold.
 
-/// Bytes of an ID3v1 tag, which stands at a file's end.
+/// Bytes of an ID3v1 tag, which is at a file's end.
 const ID3V1_BYTES: usize = 128;
 
 /// Bytes of an APE tag's header, and of its footer.

@@ -1,14 +1,15 @@
 //! Wave64 (Sony): WAV whose chunks have names of 16 bytes and sizes of 64 bits, which field recorders write.
 
 use super::chunk::{Chunk, UNKNOWN_SIZE};
+use super::described::{Described, damaged};
+use super::sound::Sound;
 use super::wav::Format;
-use super::{Described, Sound, damaged};
 use crate::Error;
 
-/// How a file begins.
+/// First bytes of a file.
 pub(super) const MARK: &[u8; 16] = b"riff\x2e\x91\xcf\x11\xa5\xd6\x28\xdb\x04\xc1\0\0";
 
-/// What stands behind the four letters of all other names.
+/// Rest of all other names, after their four letters.
 const NAME_END: &[u8; 12] = b"\xf3\xac\xd3\x11\x8c\xd1\0\xc0\x4f\x8e\xdb\x8a";
 
 /// Bytes of a chunk's header, which count in its size.

@@ -1,11 +1,12 @@
 //! WAV, with 32-bit sizes (RIFF) or with 64-bit ones beside them (RF64, BW64: EBU Tech 3306).
 
 use super::chunk::{Chunk, Kind, UNKNOWN_SIZE, chunks};
-use super::{Described, Sound, check_layout, damaged, unsupported};
+use super::described::{Described, check_layout, damaged, unsupported};
+use super::sound::Sound;
 use crate::pcm::{Coding, Pcm, padded};
 use crate::{Error, Note};
 
-/// What a format chunk says.
+/// Contents of a format chunk.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Format {
     channels: usize,
@@ -36,7 +37,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
     Err(damaged(name, if format.is_some() { "no data chunk" } else { "no fmt chunk" }))
 }
 
-/// The bytes of the sound, whatever way its size is told.
+/// The bytes of the sound, however its size is stated.
 fn data<'a>(
     chunk: &Chunk<'a>,
     bytes: &[u8],
@@ -95,7 +96,7 @@ impl Format {
         Ok(Self { channels, sample_rate_hz, tag, bits, sample_bytes: frame_bytes / channels })
     }
 
-    /// That nothing but the file's end ends the sound.
+    /// Note that only the file's end ends the sound.
     pub fn unknown_length(&self, data: &[u8]) -> Note {
         let frames = data.len() / (self.sample_bytes * self.channels);
         Note::UnknownLength { found_s: frames as f64 / f64::from(self.sample_rate_hz) }

@@ -2,7 +2,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::time::Duration;
 
-/// What the window tells of itself with every frame, see `editor::map` of the plugin.
+/// The window's map of its widgets, written with every frame; see `editor::map` of the plug-in.
 #[derive(Debug, Clone, Default)]
 pub struct Map {
     /// Frames since it was opened.

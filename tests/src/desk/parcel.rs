@@ -14,7 +14,7 @@ use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
 x11rb::atom_manager! {
-    /// What the two programs speak of.
+    /// Atoms of the drag-and-drop protocol.
     Words: WordsCookie {
         XdndAware,
         XdndProxy,

@@ -31,7 +31,7 @@ impl Picture {
         Self { width, height, rgb }
     }
 
-    /// How many pixels have each colour.
+    /// Number of pixels of each colour.
     pub fn colours(&self) -> HashMap<[u8; 3], usize> {
         let mut colours = HashMap::new();
         for pixel in self.rgb.as_chunks::<3>().0 {

@@ -38,7 +38,7 @@ pub struct Args {
     /// Name of a factory preset or a preset's file
     #[arg(long, value_name = "NAME|FILE", default_value = "default")]
     preset: String,
-    /// Where the input's loudness distribution comes from, instead of the preset's choice
+    /// Source of the input's loudness distribution, instead of the preset's choice
     #[arg(long, value_enum)]
     dynamic_range: Option<DynamicRange>,
     /// Learn that distribution from this file instead of a first pass over the input
@@ -160,7 +160,7 @@ fn sources(args: &Args) -> Vec<&Path> {
 fn values(args: &Args) -> Result<Values> {
     let choice = match (args.dynamic_range, &args.learn) {
         (Some(DynamicRange::Learned) | None, Some(_)) => Some(DynamicRange::Learned),
-        (Some(_), Some(_)) => bail!("--learn contradicts --dynamic-range off and running; leave one of the two out"),
+        (Some(_), Some(_)) => bail!("--learn contradicts --dynamic-range off and running; leave one of them out"),
         (choice, None) => choice,
     };
     let choice = choice.map(|choice| match choice {
@@ -239,7 +239,7 @@ fn bus(what: &str, channels: usize) -> Result<u32> {
     Ok(channels as u32)
 }
 
-/// How the bus is called that may be left away.
+/// Name of the optional bus.
 const SIDECHAIN: &str = "sidechain";
 
 /// The plugin's buses for a request; whether it has such a layout is seen when it is activated.

@@ -15,9 +15,9 @@ use pyrophone_synthesis::texture::shape::Padding;
 use super::layout;
 use crate::project;
 
-/// What to play, and how.
+/// A signal to play, and how.
 pub struct Request<'a> {
-    /// Which bundle.
+    /// Format of the bundle.
     pub format: Format,
     /// Values of all parameters at the start.
     pub values: &'a Values,
@@ -33,7 +33,7 @@ pub struct Request<'a> {
     pub learned: Option<Learned>,
     /// Cutting into blocks.
     pub block: BlockSize,
-    /// Whether the plugin is told that the host renders offline.
+    /// Whether the host renders offline.
     pub offline: bool,
     /// Whether to feed the reference's zero padding (algorithms §3) and trim it again.
     pub reference_padding: bool,
@@ -41,7 +41,7 @@ pub struct Request<'a> {
     pub output_channels: usize,
 }
 
-/// What came out.
+/// Result of playing.
 pub struct Played {
     /// As long as the input, aligned with it.
     pub channels: Vec<Vec<f32>>,

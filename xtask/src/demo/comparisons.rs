@@ -23,7 +23,7 @@ const TABLE_2: [(&str, f64, f64, f64, f64); 5] = [
     ("Burning Brick", 8.0, 5.0, 64.0, 20.0),
 ];
 
-/// The reference data, where they are at hand.
+/// The folder of the reference data; none if it is not there.
 pub fn reference_folder() -> Option<PathBuf> {
     let beside = || project::root().join("../shared/reference");
     let folder = std::env::var_os("PYROPHONE_REFERENCE").map_or_else(beside, PathBuf::from);
@@ -163,13 +163,13 @@ fn crossed(studio: &Studio, pairs: &[(&Pair, &Pair)]) -> Result<Section> {
         let burnt = flame.burn(studio, "texture-paper", &[], Some(fire))?;
         let slug = format!("{}-from-{}", flame.slug, fire.slug);
         let name = format!("{}, {}'s fire", flame.title, fire.title);
-        let note = format!("The flame of {} draws from the recording of {}.", flame.title, fire.title);
+        let note = format!("The flame of {}, with the recording of {}.", flame.title, fire.title);
         let row = studio.row(&slug, &name, &note, &burnt.sound, &flame.beside(Some(fire), None))?;
         rows.push(timed(row, &burnt));
     }
     Ok(Section {
         title: "Other recordings".into(),
-        intro: "The same flames, textured with the fires of other examples.".into(),
+        intro: "The same flames, with the recordings of other examples.".into(),
         rows,
         table: None,
     })
@@ -179,11 +179,11 @@ fn dynamic_range(studio: &Studio, pair: &Pair) -> Result<Section> {
     let variants: [(&str, &str, &[&str]); 3] = [
         (
             "1",
-            "Whole mapping. A wide range over a narrow one: neighbouring windows add up to a tonal buzz, as the paper says.",
+            "Full mapping. The flame's range is wider than the recording's: neighbouring windows add up to a tonal buzz, as the paper says.",
             &[],
         ),
         ("0.5", "Half of the mapping hides the buzz.", &["scaling_alpha=0.5"]),
-        ("off", "No mapping: the recording's own loudness, where it happens to match.", &["dynamic_range=off"]),
+        ("off", "No mapping: the recording's own loudness at each match.", &["dynamic_range=off"]),
     ];
     let mut rows = vec![];
     for (name, note, settings) in variants {
@@ -194,7 +194,7 @@ fn dynamic_range(studio: &Studio, pair: &Pair) -> Result<Section> {
     }
     Ok(Section {
         title: format!("Dynamic range mapping: {}", pair.title),
-        intro: "How far the loudness of what is found in the recording is mapped onto the flame's (§5.3).".into(),
+        intro: "How far the recording's loudness is mapped onto the flame's (§5.3).".into(),
         rows,
         table: None,
     })

@@ -6,7 +6,7 @@ use pyrophone_flame::scenes::{Options, Scene};
 
 use crate::simulated::{self, RESOLUTION};
 
-/// What burns: it has blasts and pauses, and so shows what follows a flame.
+/// The scene: its blasts and pauses show how well a result follows the flame.
 pub const SCENE: Scene = Scene::Dragon;
 
 /// Length of the demo's signal in seconds.

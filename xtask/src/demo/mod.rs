@@ -33,44 +33,52 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
-/// What each factory preset is to its listener.
+/// Name, title and description of each factory preset.
 const PRESETS: [(&str, &str, &str); 9] = [
     (
         "extend",
         "Extension",
-        "The flame's own lows; above 180 Hz noise whose level and slope continue them. Needs no recording.",
+        "The flame's own low end and, above 180 Hz, noise that continues its level and slope. Needs no recording.",
     ),
     (
         "texture",
         "Texture",
-        "Pieces of the recording, chosen so that they move with the flame. Gated, fit for live use.",
+        "Pieces of the recording, chosen so that they move with the flame. Gated, adapted for live use.",
     ),
     (
         "default",
         "Companded texture",
-        "The preset that a new instance starts with: matched without slow loudness, the flame's put back, over its own lows.",
+        "The preset of a new instance: texture matched without slow loudness, then given the flame's loudness, over the flame's own low end.",
     ),
     (
         "texture-paper",
         "Texture, as published",
-        "Exact search, the input's loudness learned in a first pass, no gate: in silence the recording's quietest moment repeats.",
+        "Exact search, the input's loudness learned in a first pass, no gate: during silence the recording's quietest moment repeats.",
     ),
     (
         "flame",
-        "A flame of its own",
-        "Over silence: the plugin burns without any input, here a simulated campfire. Scene, intensity and wind are parameters.",
+        "Built-in flame",
+        "From a silent input: the plug-in simulates its own flame, here a campfire. Scene, intensity and wind are parameters.",
     ),
     (
         "campfire",
         "Campfire",
-        "Over silence: the same campfire with vortex sound of the hot gas above it, which follows the simulated motion.",
+        "From a silent input: the same campfire with vortex sound of the hot gas above it, which follows the simulated motion.",
     ),
-    ("flamethrower", "Flamethrower", "Over silence: a long jet, its roar vortex sound of the simulated motion."),
-    ("explosion", "Explosion", "Over silence: bursts, then rising gas, as loud as a microphone takes."),
-    ("swinging-torch", "Swinging torch", "Over silence: a torch that is swung, its whoosh vortex sound of the motion."),
+    (
+        "flamethrower",
+        "Flamethrower",
+        "From a silent input: a long jet; its roar is vortex sound that follows the simulated motion.",
+    ),
+    ("explosion", "Explosion", "From a silent input: bursts, then rising gas, limited as by a microphone."),
+    (
+        "swinging-torch",
+        "Swinging torch",
+        "From a silent input: a swung torch; its whoosh is vortex sound that follows the motion.",
+    ),
 ];
 
-/// Makes the page and says where it is.
+/// Writes the page and prints its path.
 pub fn run(args: &Args) -> Result<()> {
     let folder = args.output.clone().unwrap_or_else(|| project::target_dir().join("demo"));
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
@@ -79,7 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut sections = vec![engines(&studio, args, &heard, &training)?, systems(&studio, &heard, &training)?];
     match comparisons::reference_folder() {
         Some(reference) => sections.extend(comparisons::sections(&studio, &reference)?),
-        None => eprintln!("no reference data (PYROPHONE_REFERENCE), so the page has no comparisons with the paper"),
+        None => eprintln!("no reference data (PYROPHONE_REFERENCE): the page has no comparisons with the paper"),
     }
     let path = studio.folder().join("index.html");
     std::fs::write(&path, page::render(&sections)).with_context(|| path.display().to_string())?;
@@ -96,7 +104,7 @@ fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Resul
         studio.row(
             "input",
             "Input",
-            &format!("{} Most of it lies below 180 Hz: small speakers do not play it.", flame.note),
+            &format!("{} Most of it lies below 180 Hz, where small loudspeakers play nothing.", flame.note),
             &flame.sound,
             &Beside::Input,
         )?,
@@ -126,8 +134,8 @@ fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Resul
         rows.push(row);
     }
     let intro = if is_generated {
-        "<b class=generated>Generated</b> What is marked so was not recorded anywhere: this project simulates a flame and computes a \
-         crackling fire, so that there is something to hear on any machine. Give your own with \
+        "<b class=generated>Generated</b> Sounds with this mark are not recordings: the demo simulates a flame and synthesises a \
+         crackling fire, so that there is something to hear on any machine. To use your own, run \
          <code>cargo xtask demo --input flame.wav --training fire.wav</code>."
     } else {
         "Your sounds, bounced through the CLAP plugin with each factory preset."
@@ -135,7 +143,7 @@ fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Resul
     Ok(Section { title: "One flame, every engine".into(), intro: intro.into(), rows, table: None })
 }
 
-/// A sound, and what the page says of it.
+/// A sound and its description on the page.
 struct Source {
     path: PathBuf,
     note: String,
@@ -165,25 +173,25 @@ const SYSTEMS: [(&str, &str, &str, [&str; 4]); 4] = [
     (
         "system-extension",
         "Spectral bandwidth extension",
-        "Chadwick & James 2011, §4: the flame's lows, and noise that continues their spectrum.",
+        "Chadwick & James 2011, §4: the flame's low end, and noise that continues its spectrum.",
         ["0", "0", "off", "off"],
     ),
     (
         "system-texture",
-        "Synchronized texture",
+        "Synchronised texture",
         "Chadwick & James 2011, §5, matched without slow loudness: a recording that moves with the flame.",
         ["off", "off", "0", "off"],
     ),
     (
         "system-vortex",
         "Vortex sound",
-        "Dobashi, Yamamoto & Nishita 2004: what turbulent hot gas radiates, as fast as the flame's loudness tells.",
+        "Dobashi, Yamamoto & Nishita 2004: what turbulent hot gas radiates; the flame's loudness sets its speed.",
         ["off", "off", "off", "0"],
     ),
     (
         "system-together",
         "All together",
-        "Texture over the flame's lows, extension for air, vortex sound for the whoosh between them.",
+        "Texture over the flame's low end, extension for air, vortex sound for the whoosh in between.",
         ["off", "-9", "0", "0"],
     ),
 ];
@@ -208,11 +216,11 @@ fn systems(studio: &Studio, flame: &Source, fire: &Source) -> Result<Section> {
         row.facts.push(burnt.speed());
         rows.push(row);
     }
-    let intro = "Each system alone, on the input above, and all of them as layers of one plugin.";
+    let intro = "Each system alone, with the input above, and all of them as layers of one instance.";
     Ok(Section { title: "Three systems, side by side".into(), intro: intro.into(), rows, table: None })
 }
 
-/// A file that the user gave, or one that is generated; with what the page says of it.
+/// The user's file, or a generated one, with its description on the page.
 fn source(
     studio: &Studio,
     given: Option<&Path>,

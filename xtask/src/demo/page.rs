@@ -1,6 +1,6 @@
 //! The page: one file of HTML, with sounds and pictures beside it.
 
-/// A heading with what stands under it.
+/// A section of the page: a heading, sounds, a table.
 pub struct Section {
     /// The heading.
     pub title: String,
@@ -14,11 +14,11 @@ pub struct Section {
 
 /// One sound.
 pub struct Row {
-    /// What its files' names begin with.
+    /// Prefix of its files' names.
     pub slug: String,
     /// Its name.
     pub name: String,
-    /// What it is, HTML.
+    /// Its description, HTML.
     pub note: String,
     /// Whether it is an input or a recording, not a result.
     pub is_source: bool,
@@ -35,10 +35,10 @@ pub fn render(sections: &[Section]) -> String {
         "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>\
          <title>Pyrophone</title>\n<style>{STYLE}</style>\n\
          <header><h1>Pyrophone</h1><p>Full-band fire from a low-frequency flame. Every result on this page was bounced through the \
-         built CLAP plugin {version} in a headless host, its latency compensated.</p><nav>{links}</nav></header>\n\
+         CLAP plug-in, version {version}, in a headless host, with its latency compensated.</p><nav>{links}</nav></header>\n\
          <main>{body}</main>\n\
-         <footer>Players use 16-bit copies, brought to a peak of −1 dB by the gain that is stated; spectra show the levels of the 32-bit \
-         originals. Real time: seconds of sound per second of playing, on one core. Spectrograms: 0 dB is each sound's own loudest. Click into one to play from there.</footer>\n\
+         <footer>Players use 16-bit copies, brought to a peak of −1 dB by the gain stated; spectra show the levels of the 32-bit \
+         originals. Real time: seconds of sound per second of computing, on one core. Spectrograms: 0 dB is each sound's own maximum; click to play from there.</footer>\n\
          <script>{SCRIPT}</script>\n",
         version = env!("CARGO_PKG_VERSION"),
     )
@@ -73,7 +73,7 @@ fn row(row: &Row) -> String {
     format!(
         "<article class='{class}'><div class=about><h3>{name}</h3><p>{note}</p>\
          <audio controls preload=none src='{slug}.wav'></audio>\
-         <p class=facts>{} · <a href='{slug}.float.wav' download title='32-bit float, as it came out'>original</a></p></div>\
+         <p class=facts>{} · <a href='{slug}.float.wav' download title='32-bit float, unmodified'>original</a></p></div>\
          <div class=time><img loading=lazy src='{slug}.spectrogram.png' alt='Spectrogram of {name}'><i></i></div>\
          <img class=spectrum loading=lazy src='{slug}.spectrum.png' alt='Spectrum of {name}'></article>\n",
         facts.join(" · "),

@@ -44,7 +44,7 @@ const HEAT: [(f32, [f32; 3]); 7] = [
 
 /// A curve of a spectrum plot.
 pub struct Curve<'a> {
-    /// What it is, for the legend.
+    /// Label in the legend.
     pub name: &'a str,
     /// The sound's spectrum.
     pub spectrum: &'a Spectrum,
@@ -132,7 +132,7 @@ pub fn spectrum(path: &Path, curves: &[Curve<'_>], alpha: Option<f64>) -> Result
 
 type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
-/// Where frequencies and levels lie in the picture of a spectrum.
+/// Ranges of frequency and level in the picture of a spectrum.
 struct Frame {
     /// Level in dB per Hz of the upper edge.
     highest_db: f64,

@@ -36,13 +36,13 @@ impl Sound {
     }
 }
 
-/// What a sound's spectrum is drawn over.
+/// Signals drawn behind a sound's spectrum.
 pub enum Beside<'a> {
     /// Nothing: it is an input.
     Input,
     /// Nothing: it is a recording.
     Training,
-    /// What it was made of.
+    /// Input and recording of a result.
     Result {
         /// The flame signal.
         input: &'a Sound,
@@ -65,7 +65,7 @@ pub struct Job<'a> {
     pub output_channels: usize,
 }
 
-/// What came of it.
+/// Result of a job.
 pub struct Burnt {
     /// The result.
     pub sound: Sound,
@@ -78,14 +78,14 @@ pub struct Burnt {
 }
 
 impl Burnt {
-    /// How many seconds of sound were played in a second.
+    /// Speed: seconds of sound per second of computing.
     pub fn speed(&self) -> String {
         let factor = self.seconds / self.playing.as_secs_f64().max(1e-6);
         format!("{factor:.0} × real time")
     }
 }
 
-/// Where the page's files go.
+/// Folder of the page's files.
 pub struct Studio {
     folder: PathBuf,
 }

@@ -97,7 +97,7 @@ fn row(name: &str, cells: &str, found: Option<&Character>, cost: &str) -> String
     )
 }
 
-/// What finer cells changed, in dB.
+/// Change in dB with finer cells.
 fn changes(coarse: &Character, fine: &Character) -> String {
     let [a, b, c]: [f64; 3] = std::array::from_fn(|band| fine.levels_db[band] - coarse.levels_db[band]);
     format!("| | change | {a:+.1} | {b:+.1} | {c:+.1} | | | | | |")

@@ -14,14 +14,14 @@ pub struct Scored {
     pub training: String,
     /// The dynamics mode.
     pub mode: &'static str,
-    /// What the scoring program told.
+    /// Scores from the scoring program.
     pub figures: Value,
 }
 
 /// A figure of the table.
 struct Column {
     title: &'static str,
-    /// Where the scoring program tells it.
+    /// Key in the scoring program's output.
     path: &'static str,
     /// Range allowed on straight pairs and on all.
     straight: [f64; 2],
@@ -36,7 +36,7 @@ const fn least(low: f64) -> [f64; 2] {
     [low, f64::INFINITY]
 }
 
-/// The columns, with the bars of the companded mode.
+/// The columns, with the targets of the companded mode.
 const COLUMNS: [Column; 10] = [
     column("texture", "texture_distance.overall_fixed", ANY, ANY),
     column("spectrum, dB", "log_spectral_distance.db", most(2.0), ANY),
@@ -71,7 +71,7 @@ impl Scored {
     }
 }
 
-/// A Markdown table for each mode, and what misses its bar. A figure that does is bold.
+/// A Markdown table for each mode, and the scores that miss their targets, which are bold.
 pub fn report(scored: &[Scored]) -> String {
     let mut text = String::new();
     let mut missed = Vec::new();
@@ -108,8 +108,8 @@ pub fn report(scored: &[Scored]) -> String {
         }
     }
     let _ = match missed.as_slice() {
-        [] => writeln!(text, "\nEvery figure of the companded mode is within its bar."),
-        missed => writeln!(text, "\nBeyond their bars: {}.", missed.join("; ")),
+        [] => writeln!(text, "\nEvery score of the companded mode meets its target."),
+        missed => writeln!(text, "\nShort of their targets: {}.", missed.join("; ")),
     };
     text
 }
@@ -142,8 +142,8 @@ mod tests {
             }),
         };
         let report_of = |texture, sync| report(&[scored("companded", texture, sync), scored("paper", 1.3, 0.1)]);
-        assert!(report_of(1.2, 0.9).contains("Every figure"));
-        assert!(report_of(1.5, 0.9).contains("Beyond their bars: dragon on dragon: texture 1.500."));
+        assert!(report_of(1.2, 0.9).contains("Every score"));
+        assert!(report_of(1.5, 0.9).contains("Short of their targets: dragon on dragon: texture 1.500."));
         assert!(report_of(1.35, 0.9).contains("texture 1.350"), "no nearer than the paper");
         assert!(report_of(1.2, 0.5).contains("| **0.50** |"));
     }

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use super::Header;
+use super::header::Header;
 use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Transform, slot};
 use crate::import::budget::Budget;
 use crate::import::error::{Fault, damaged};
@@ -26,7 +26,7 @@ pub fn components(shape: &[usize]) -> usize {
     }
 }
 
-/// Reads an array as a field whose first voxel stands at index (0, 0, 0); zero outside. `reader` stands behind the
+/// Reads an array as a field whose first voxel is at index (0, 0, 0); zero outside. `reader` is just after the
 /// header.
 pub(in crate::import) fn grid<const N: usize>(
     header: &Header,

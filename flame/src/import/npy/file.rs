@@ -4,18 +4,19 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use super::{Header, components, grid};
+use super::array::{components, grid};
+use super::header::Header;
 use crate::grid::{Grid, Transform};
 use crate::import::budget::{Budget, check_file_size};
-use crate::import::description::{GridInfo, Source, check_components};
 use crate::import::error::Fault;
+use crate::import::model::{GridInfo, Source, check_components};
 
-/// The `.npy` files of one frame. Their voxels have edges of 1, the first one stands at 0.
+/// The `.npy` files of one frame. Their voxels have edges of 1, the first one is at 0.
 #[derive(Debug)]
 pub struct Npy {
     files: Vec<PathBuf>,
     infos: Vec<GridInfo>,
-    /// Why a file cannot be read; told only when it is asked for.
+    /// Headers, or the reason for which a file cannot be read; reported only if that file is used.
     headers: Vec<Result<Header, Fault>>,
     transform: Transform,
     budget: Budget,
@@ -23,6 +24,9 @@ pub struct Npy {
 
 impl Npy {
     /// Reads the headers of files, each given with the name of its field.
+    ///
+    /// # Errors
+    /// Where the voxels' transform is unusable. A file that cannot be read is an error only when it is used.
     pub fn open(fields: &[(String, PathBuf)]) -> Result<Self, Fault> {
         let transform = Transform::uniform(1.0, [0.0; 3])?;
         let (mut files, mut infos, mut headers, mut all_bytes) = (vec![], vec![], vec![], 0u64);
@@ -36,7 +40,7 @@ impl Npy {
             infos.push(GridInfo {
                 name: name.clone(),
                 kind: known.map_or_else(|| "unreadable".into(), Header::kind),
-                // What cannot be read is found by its name, so that the reason is told.
+                // What cannot be read is found by its name, so that the reason is reported.
                 components: known.map_or(1, |header| components(&header.shape)),
                 voxel_edges: Some(transform.voxel_edges()),
                 ..GridInfo::default()

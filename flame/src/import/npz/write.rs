@@ -5,14 +5,14 @@ use std::io::{Seek, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
-use super::{ORIGIN, TIME, VOXEL_SIZE};
+use super::arrays::{ORIGIN, TIME, VOXEL_SIZE};
 use crate::import::error::Fault;
 use crate::import::npy::header_bytes;
 
 /// Members of more bytes need the wide fields of zip64.
 const MOST_NARROW_BYTES: u64 = u32::MAX as u64 - (1 << 16);
 
-/// Strength of the compression, 0 to 9: what zip programs take unless told otherwise.
+/// Compression level, 0 to 9: the default of zip programs.
 const LEVEL: i64 = 6;
 
 /// One step of a simulation on a box of voxels.
@@ -26,7 +26,7 @@ pub struct DenseFrame<'a> {
     pub velocity: &'a [[f32; 3]],
     /// The voxels' edge in world units.
     pub voxel_size: f64,
-    /// Where the first voxel's centre stands.
+    /// Centre of the first voxel in world units.
     pub origin: [f64; 3],
     /// When the step takes place, in seconds.
     pub time_s: Option<f64>,
@@ -35,6 +35,7 @@ pub struct DenseFrame<'a> {
 /// Writes a frame: arrays `flame` (x, y, z) and `velocity` (x, y, z, 3) of float32, `voxel_size`, `origin` and, where
 /// it is known, `time_s` of float64. Equal frames give equal bytes.
 ///
+/// # Errors
 /// Fails where an array does not have as many values as the shape says, and where `out` fails.
 pub fn write_frame(out: impl Write + Seek, frame: &DenseFrame) -> Result<(), Fault> {
     let [x, y, z] = frame.shape;

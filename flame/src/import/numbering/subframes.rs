@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::listing::Format;
 use super::{MOST_SUBFRAMES, Name, Number};
+use crate::import::format::Format;
 
 /// The stems whose last two numbers are a frame and its fraction.
 ///

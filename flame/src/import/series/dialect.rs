@@ -1,6 +1,6 @@
-//! How a table is written: what parts its columns, what a number looks like, where units stand.
+//! Dialects of tables: separators, number formats, units.
 
-/// What parts the columns of a row.
+/// Separator of a row's columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Delimiter {
     Comma,

@@ -4,7 +4,7 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 
 use super::dialect::{Delimiter, is_numeric, name_and_unit, seconds};
-use super::{MOST_ROWS, Series, Timing, rate_hz};
+use super::values::{MOST_ROWS, Series, Timing, rate_hz};
 use crate::import::error::{Error, shown, shown_path};
 
 /// Bytes of a line.
@@ -19,7 +19,7 @@ const TIME_NAMES: [&str; 5] = ["time_s", "time", "t", "seconds", "time_ms"];
 /// Columns that hold the flux, or what is as good.
 const FLUX_NAMES: [&str; 4] = ["flux", "heat_release", "heat_release_rate", "hrr"];
 
-/// Which columns are used, by their places.
+/// Indices of the columns that are used.
 #[derive(Clone, Copy)]
 struct Columns {
     flux: usize,

@@ -44,7 +44,7 @@ impl<'a> Cursor<'a> {
         self.at
     }
 
-    /// How many bytes follow.
+    /// Number of bytes left.
     pub fn left(&self) -> usize {
         self.bytes.len().saturating_sub(self.at)
     }

@@ -1,4 +1,4 @@
-//! What stands before a grid's tree: its descriptor, its metadata, its transform.
+//! Header of a grid: its descriptor, metadata and transform.
 
 use super::cursor::Cursor;
 use super::values::{ACTIVE_MASK, BLOSC, FLAGGED_VERSION, ZIP};
@@ -14,13 +14,13 @@ const UNIQUE_MARK: char = '\u{1e}';
 /// First version whose frustum's box is of doubles.
 const DOUBLE_BOX_VERSION: u32 = 221;
 
-/// How a grid is announced.
+/// Descriptor of a grid.
 pub(super) struct Descriptor {
     pub unique_name: String,
     pub tree: String,
     /// The unique name of the grid whose tree this one shares; empty where it has its own.
     pub parent: String,
-    /// Where the body, the leaves' values and the next descriptor begin; without meaning in a file without offsets.
+    /// Offsets of the body, the leaves' values and the next descriptor; meaningless in a file without offsets.
     pub positions: [i64; 3],
 }
 
@@ -55,12 +55,12 @@ impl Descriptor {
     }
 }
 
-/// What a grid says of itself.
+/// Metadata of a grid.
 #[derive(Debug, Clone)]
 pub(super) struct Header {
     pub compression: u32,
     pub metadata: Metadata,
-    /// How its indices lie in the world, or why that is of no use.
+    /// Transform from indices to the world, or the reason for which it is unusable.
     pub transform: Result<Transform, Fault>,
 }
 
@@ -83,7 +83,7 @@ pub(super) struct Metadata {
     pub half: bool,
     pub class: String,
     pub in_voxels: bool,
-    /// Blender says how many voxels its domain has, and nobody else does.
+    /// Only Blender's files state how many voxels the domain has.
     pub is_blender: bool,
 }
 

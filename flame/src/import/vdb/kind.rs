@@ -2,7 +2,7 @@
 
 use half::f16;
 
-/// How one number is stored.
+/// Storage of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Number {
     Half,
@@ -95,7 +95,7 @@ impl Number {
         }
     }
 
-    /// What the format calls the negative of a value.
+    /// Negative of a value, as the format defines it.
     pub fn negative(self, value: f32) -> f32 {
         if self == Self::Bool { 1.0 - value } else { -value }
     }

@@ -22,8 +22,8 @@ use self::kind::Kind;
 use self::tree::{Nothing, Tree};
 use self::values::{FLAGGED_VERSION, Layout, ZIP};
 use super::budget::{Budget, check_file_size};
-use super::description::{GridInfo, Source, check_components};
 use super::error::{Fault, damaged, shown};
+use super::model::{GridInfo, Source, check_components};
 use crate::grid::Grid;
 
 const MAGIC: [u8; 8] = [0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0];
@@ -44,7 +44,7 @@ pub struct Vdb<'a> {
     budget: Budget,
 }
 
-/// Where and how a grid is stored.
+/// Location and layout of a stored grid.
 #[derive(Debug, Clone)]
 struct Body {
     header: Result<Header, Fault>,
@@ -59,6 +59,7 @@ struct Body {
 impl<'a> Vdb<'a> {
     /// Reads the headers of all grids.
     ///
+    /// # Errors
     /// Fails where the file itself makes no sense; what is wrong with a single grid only shows when that grid is read,
     /// unless the file has no offsets to pass over it.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
@@ -151,7 +152,7 @@ impl Index {
         Self { version, compression, has_offsets, unique, parents: vec![], bodies: vec![], infos: vec![], budget }
     }
 
-    /// Reads one descriptor and the header of its body, and goes on to the next.
+    /// Reads one descriptor and the header of its body, and moves to the next.
     fn grid(&mut self, cursor: &mut Cursor) -> Result<(), Fault> {
         let descriptor = Descriptor::read(cursor)?;
         if self.unique.insert(descriptor.unique_name.clone(), self.bodies.len()).is_some() {

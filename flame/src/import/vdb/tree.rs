@@ -53,7 +53,7 @@ impl Branch {
     }
 }
 
-/// Where a tree's values go.
+/// Receiver of a tree's values.
 pub(super) trait Sink {
     /// Whether values are wanted at all, or only the tree's end.
     const WANTED: bool;
@@ -104,7 +104,7 @@ pub(super) struct Tree<'a, 'b> {
 }
 
 impl<'a, 'b> Tree<'a, 'b> {
-    /// `cursor` stands at the topology.
+    /// A tree whose topology starts at `cursor`.
     pub fn open(mut cursor: Cursor<'a>, layout: Layout, budget: &'b mut Budget) -> Result<Self, Fault> {
         let buffers = cursor.i32()?;
         if buffers != 1 {
@@ -120,7 +120,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         &self.background
     }
 
-    /// Reads the tree to its end and tells where that is.
+    /// Reads the tree to its end, and returns the offset of that.
     pub fn read<S: Sink>(mut self, sink: &mut S) -> Result<usize, Fault> {
         self.root(sink)?;
         self.leaf_values(sink)?;

@@ -24,7 +24,7 @@ const VALUE_OR_BACKGROUND: u8 = 4;
 const TWO_VALUES: u8 = 5;
 const ALL_STORED: u8 = 6;
 
-/// How a tree's values are stored.
+/// Storage of a tree's values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub version: u32,
@@ -146,10 +146,10 @@ fn chunk<'a>(cursor: &mut Cursor<'a>, expected: usize) -> Result<(&'a [u8], bool
     Ok((cursor.take(length)?, size > 0))
 }
 
-/// What the slots hold that are not active, where those are not stored.
+/// Values of inactive slots that are not stored.
 struct Inactive<'a> {
     flag: u8,
-    /// Where the selection's bit is off, and where it is on.
+    /// Value where the selection's bit is off, and where it is on.
     values: [Vec<f32>; 2],
     selection: &'a [u8],
 }
@@ -188,7 +188,7 @@ pub(super) fn bit(mask: &[u8], index: usize) -> bool {
     mask.get(index >> 3).is_some_and(|byte| byte >> (index & 7) & 1 == 1)
 }
 
-/// How many bits of a mask are on.
+/// Number of bits that are on in a mask.
 pub(super) fn ones(mask: &[u8]) -> usize {
     mask.iter().map(|byte| byte.count_ones() as usize).sum()
 }

@@ -6,7 +6,7 @@ use crate::solver::parallel::{elements, planes, wide};
 
 use crate::solver::domain::at;
 
-/// What the pressure does beyond one end of an axis.
+/// Boundary condition of the pressure at one end of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ends {
     /// Zero on the face.
@@ -112,7 +112,7 @@ impl Level {
         self.chebyshev(right, solution, step, image, 1..steps, lowest);
     }
 
-    /// What a cell's two neighbours along an axis add to the operator's diagonal.
+    /// Contribution of a cell's two neighbours along an axis to the operator's diagonal.
     fn own(&self, axis: usize, position: usize) -> f32 {
         let one = |upper: bool| {
             neighbour(position, self.shape[axis], upper, self.ends[axis]).map_or_else(|extra| extra, |_| 1.0)

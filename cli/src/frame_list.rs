@@ -51,12 +51,12 @@ fn range(text: &str) -> Result<Range, String> {
         Some((range, every)) => (range, every.trim().parse().ok().filter(|every| *every > 0)),
         None => (text, Some(1)),
     };
-    let every = every.ok_or_else(|| format!("'{text}x...' needs a whole number above 0 behind its x, as in 1-8x2"))?;
+    let every = every.ok_or_else(|| format!("'{text}x...' needs a whole number above 0 after its x, as in 1-8x2"))?;
     // The first minus parts the numbers unless it stands before the first one.
     let parting = text.trim().char_indices().skip(1).find(|(_, c)| *c == '-');
     let text = text.trim();
     let (first, last) = parting.map_or((text, text), |(at, _)| (&text[..at], &text[at + 1..]));
-    let number = |text: &str| text.trim().parse::<i64>().map_err(|_| format!("'{text}' is not a frame's number"));
+    let number = |text: &str| text.trim().parse::<i64>().map_err(|_| format!("'{text}' is not a frame number"));
     match (number(first)?, number(last)?) {
         (first, last) if first <= last => Ok(Range { first, last, every }),
         _ => Err("the first frame must not come after the last".into()),

@@ -1,0 +1,32 @@
+//! Formats of frames, by the ends of their files' names.
+
+use std::path::Path;
+
+/// Formats of frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Format {
+    Vdb,
+    Npz,
+    Npy,
+}
+
+impl Format {
+    /// By the end of a file's name.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "vdb" => Some(Self::Vdb),
+            "npz" => Some(Self::Npz),
+            "npy" => Some(Self::Npy),
+            _ => None,
+        }
+    }
+
+    /// Extension of such files, with its dot.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vdb => ".vdb",
+            Self::Npz => ".npz",
+            Self::Npy => ".npy",
+        }
+    }
+}

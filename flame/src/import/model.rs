@@ -1,0 +1,146 @@
+//! The types that all readers of simulations share. Readers know these and nothing of one another.
+
+use std::path::Path;
+
+use super::error::{Fault, shown};
+use super::vocabulary;
+use crate::grid::Grid;
+
+/// At most so many grids are listed in a message.
+const MOST_LISTED: usize = 24;
+
+/// Assumed position of the velocity's components in their voxels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PlacementChoice {
+    /// At the centre, whatever the file says.
+    #[default]
+    Collocated,
+    /// On the lower faces, whatever the file says.
+    Staggered,
+    /// On the lower faces where the file calls the grid staggered, else at the centre.
+    FromFile,
+}
+
+/// Names of the grids to read from a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// The burning field. `flame` means any of the usual names; another name only itself.
+    pub field: String,
+    /// The velocity, one grid or three. `velocity` means any of the usual names; another name only itself.
+    pub velocity: String,
+    /// Position of its components.
+    pub placement: PlacementChoice,
+    /// Factor that turns the file's numbers into world units per second.
+    pub velocity_scale: f64,
+}
+
+impl Default for Selection {
+    fn default() -> Self {
+        Self {
+            field: "flame".into(),
+            velocity: "velocity".into(),
+            placement: PlacementChoice::default(),
+            velocity_scale: 1.0,
+        }
+    }
+}
+
+/// A grid's description, from its header.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct GridInfo {
+    /// Its name.
+    pub name: String,
+    /// The type of its values, as its format names it: `float`, `vec3s`; `<f4 (20, 20, 40)`.
+    pub kind: String,
+    /// Numbers per voxel where it can be read (1 or 3), else 0.
+    pub components: usize,
+    /// Its declared class: `level set`, `fog volume`, `staggered`, `unknown`; empty if undeclared.
+    pub class: String,
+    /// Its vectors count voxels, not world units.
+    pub in_voxels: bool,
+    /// Blender (Mantaflow) wrote it: vectors are in cells per unit of its own time.
+    pub is_blender: bool,
+    /// The voxel's edges in world units, where they make sense.
+    pub voxel_edges: Option<[f64; 3]>,
+}
+
+impl GridInfo {
+    fn has_class(&self, class: &str) -> bool {
+        self.class.trim().eq_ignore_ascii_case(class)
+    }
+
+    /// A signed distance, negative inside. Read as a field it is negated, so that it too is larger where it burns; the
+    /// front stands at 0.
+    pub fn is_level_set(&self) -> bool {
+        self.has_class("level set") || (vocabulary::is_distance(&self.name) && !self.has_class("fog volume"))
+    }
+
+    /// Whether its components are on the voxels' faces.
+    pub fn is_staggered(&self) -> bool {
+        self.has_class("staggered")
+    }
+
+    /// Whether this is a quantity with a unit (temperature, fuel), whose value at the front only the user knows.
+    pub fn is_unit_dependent(&self) -> bool {
+        vocabulary::is_unit_dependent(&self.name)
+    }
+}
+
+/// The grids that answer to a [`Selection`], as indices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Selected {
+    /// The burning field.
+    pub field: usize,
+    /// The velocity: one grid of vectors three times, or the grids of x, y and z.
+    pub velocity: [usize; 3],
+}
+
+impl Selected {
+    /// Whether the velocity comes as a grid per component.
+    pub fn is_split(&self) -> bool {
+        self.velocity[0] != self.velocity[1]
+    }
+}
+
+/// A file (or a few files of one frame) whose grids can be read one by one.
+pub trait Source {
+    /// The grids, in the file's order.
+    fn grids(&self) -> &[GridInfo];
+
+    /// Reads a grid of single numbers. Values are as stored: not negated, not checked to be finite.
+    fn scalar(&mut self, index: usize) -> Result<Grid<1>, Fault>;
+
+    /// Reads a grid of vectors. Values are as stored: not checked to be finite.
+    fn vectors(&mut self, index: usize) -> Result<Grid<3>, Fault>;
+
+    /// When the frame takes place, in seconds, where the file says so.
+    fn time_s(&self) -> Option<f64> {
+        None
+    }
+
+    /// The file a grid is in, where each has its own.
+    fn path_of(&self, index: usize) -> Option<&Path> {
+        let _ = index;
+        None
+    }
+}
+
+/// Fails where there is no grid `index` of `components` numbers a voxel.
+pub(super) fn check_components(grids: &[GridInfo], index: usize, components: usize) -> Result<&GridInfo, Fault> {
+    let wanted = || format!("grid {index} of {components} numbers per voxel");
+    let fault = || Fault::NoGrid { wanted: wanted(), there: listed(grids) };
+    grids.get(index).filter(|info| info.components == components).ok_or_else(fault)
+}
+
+/// Names and types, for a message.
+pub(super) fn listed(grids: &[GridInfo]) -> String {
+    if grids.is_empty() {
+        return "no grids".into();
+    }
+    let named = |grid: &GridInfo| format!("{} ({})", shown(&grid.name), shown(&grid.kind));
+    let first: Vec<String> = grids.iter().take(MOST_LISTED).map(named).collect();
+    match grids.len().saturating_sub(MOST_LISTED) {
+        0 => first.join(", "),
+        more => format!("{} and {more} more", first.join(", ")),
+    }
+}

@@ -1,0 +1,36 @@
+//! A sound as its file holds it, before anything is decoded.
+
+use std::borrow::Cow;
+
+use symphonia::core::codecs::audio::AudioCodecParameters;
+
+use super::vorbis_clock::Clock;
+use crate::pcm::Pcm;
+
+/// A sound not yet decoded.
+#[derive(Debug)]
+pub(crate) enum Sound<'a> {
+    Pcm(Pcm<'a>),
+    Packets(Vec<Link<'a>>),
+}
+
+/// Packets that one decoder decodes one after the other. A file of several has been joined from as many.
+#[derive(Debug)]
+pub(crate) struct Link<'a> {
+    pub parameters: AudioCodecParameters,
+    pub packets: Vec<Cow<'a, [u8]>>,
+    pub ends: Ends,
+    /// Samples per channel that must come out, where the format counts them exactly.
+    pub declared_samples: Option<u64>,
+}
+
+/// Samples of a link that are not sound.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Ends {
+    /// Samples at its start that belong to the coder.
+    pub skip_start: u64,
+    /// Samples at its end that belong to the coder.
+    pub skip_end: u64,
+    /// The coder's own clock, which says the same in its way.
+    pub clock: Option<Clock>,
+}

@@ -1,0 +1,267 @@
+//! No circle of imports inside a crate: whoever reads a module finds everything it builds on below it.
+//!
+//! What counts as an import is a `use` of another module of the same crate, as it is written. Re-exports (`pub use`) and
+//! names that are taken from the crate's front (`use crate::Error`) do not count: a front only hands on. Tests may import
+//! what they like.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Circles that are still open, by crate. This list may only shrink: a circle that is not here fails the test, and so does
+/// one that is here and is gone.
+const OPEN: &[(&str, &[&str])] = &[
+    ("synthesis", &["chain", "chain::voice"]),
+    ("synthesis", &["companding::calibrate", "texture::dictionary", "texture::engine"]),
+    ("synthesis", &["crackle", "crackle::event", "crackle::grain", "crackle::schedule"]),
+    (
+        "synthesis",
+        &[
+            "texture::search",
+            "texture::search::axes",
+            "texture::search::codes",
+            "texture::search::lanes",
+            "texture::search::shells",
+            "texture::search::tree",
+        ],
+    ),
+    ("synthesis", &["vortex", "vortex::field", "vortex::hop", "vortex::live", "vortex::motion", "vortex::moving"]),
+    ("plugin", &["audio", "audio::audition", "loader::link", "probe"]),
+    (
+        "plugin",
+        &[
+            "editor",
+            "editor::controls",
+            "editor::frame",
+            "editor::hand",
+            "editor::header",
+            "editor::listen",
+            "editor::monitor",
+            "editor::plots::spectrum",
+            "editor::presets",
+            "editor::recording",
+            "editor::widgets::knob",
+            "loader",
+            "loader::learner",
+            "loader::mailbox",
+            "loader::source",
+            "loader::tape",
+            "loader::worker",
+            "parameters",
+        ],
+    ),
+    (
+        "plugin",
+        &[
+            "entry::clap::events",
+            "entry::clap::extras",
+            "entry::clap::params",
+            "entry::clap::plugin",
+            "entry::clap::ports",
+            "entry::clap::saving",
+        ],
+    ),
+];
+
+/// A module's path within its crate, without the crate: `["texture", "search"]`. The root is empty.
+type Module = Vec<String>;
+
+/// Modules, and which others each of them imports.
+type Imports = BTreeMap<Module, BTreeSet<Module>>;
+
+/// The project's folder.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Folders of the workspace's crates, from its manifest.
+fn crates() -> Vec<String> {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).expect("the workspace's manifest");
+    let members = manifest.lines().find_map(|line| line.strip_prefix("members = [")).expect("its members, on one line");
+    members.split('"').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+/// All Rust files below a folder.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("a crate's folder").map(|entry| entry.expect("an entry").path());
+    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
+    let is_rust = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "rs");
+    files.into_iter().filter(is_rust).chain(folders.iter().flat_map(|folder| sources(folder))).collect()
+}
+
+/// The module that a file holds.
+fn module_of(file: &Path, source_folder: &Path) -> Module {
+    let path = file.strip_prefix(source_folder).expect("a file of this folder").with_extension("");
+    let mut module: Module = path.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    module.pop_if(|last| ["lib", "main", "mod"].contains(&last.as_str()));
+    module
+}
+
+/// The private `use` statements of a file outside its tests, without `use` and `;`.
+fn uses(source: &str) -> Vec<String> {
+    let code = source.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+    let mut statements = vec![];
+    let mut lines = code.lines();
+    while let Some(line) = lines.next() {
+        let Some(rest) = line.trim_start().strip_prefix("use ") else { continue };
+        let mut statement = rest.to_owned();
+        while !statement.contains(';') {
+            let Some(next) = lines.next() else { break };
+            statement.push_str(next.trim());
+        }
+        statements.extend(statement.split(';').next().map(str::to_owned));
+    }
+    statements
+}
+
+/// The single paths of a tree: `a::{b, c::{d, e}}` are `a::b`, `a::c::d`, `a::c::e`.
+fn paths(tree: &str) -> Vec<String> {
+    let Some((before, inner)) = tree.split_once('{') else {
+        let path = tree.split(" as ").next().unwrap_or_default().trim();
+        return if path.is_empty() { vec![] } else { vec![path.to_owned()] };
+    };
+    let inner = inner.trim_end().strip_suffix('}').unwrap_or(inner);
+    let (mut depth, mut begin, mut branches) = (0, 0, vec![]);
+    for (at, letter) in inner.char_indices() {
+        match letter {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                branches.push(&inner[begin..at]);
+                begin = at + 1;
+            }
+            _ => {}
+        }
+    }
+    branches.push(&inner[begin..]);
+    branches.into_iter().flat_map(paths).map(|path| format!("{}{path}", before.trim())).collect()
+}
+
+/// The module that a path in `own` leads to; none where it is of another crate, of the root, or `own` itself.
+fn target(path: &str, own: &Module, modules: &BTreeSet<Module>) -> Option<Module> {
+    let mut full = own.clone();
+    let mut parts = path.split("::").peekable();
+    match *parts.peek()? {
+        "crate" => full.clear(),
+        "self" => {}
+        "super" => {
+            full.pop();
+        }
+        child => {
+            full.push(child.to_owned());
+            // A name without `crate`, `self` or `super` is a child module's, or of another crate.
+            modules.contains(&full).then_some(())?;
+        }
+    }
+    parts.next();
+    for part in parts {
+        match part {
+            "super" => drop(full.pop()),
+            "self" => {}
+            name => full.push(name.to_owned()),
+        }
+    }
+    while !modules.contains(&full) {
+        full.pop()?;
+    }
+    (!full.is_empty() && full != *own).then_some(full)
+}
+
+/// Imports of each module of a crate.
+fn imports(source_folder: &Path) -> Imports {
+    let files = sources(source_folder);
+    let modules: BTreeSet<Module> = files.iter().map(|file| module_of(file, source_folder)).collect();
+    let of_file = |file: &PathBuf| {
+        let own = module_of(file, source_folder);
+        let source = std::fs::read_to_string(file).expect("a source file");
+        let found = uses(&source).iter().flat_map(|tree| paths(tree)).collect::<Vec<_>>();
+        let found = found.iter().filter_map(|path| target(path, &own, &modules)).collect();
+        (own, found)
+    };
+    files.iter().map(of_file).filter(|(own, _)| !own.is_empty()).collect()
+}
+
+/// All modules reached from one by imports; itself only by way of a circle.
+fn reached<'a>(from: &'a Module, imports: &'a Imports) -> BTreeSet<&'a Module> {
+    let (mut found, mut waiting) = (BTreeSet::new(), vec![from]);
+    while let Some(module) = waiting.pop() {
+        waiting.extend(imports.get(module).into_iter().flatten().filter(|next| found.insert(*next)));
+    }
+    found
+}
+
+/// Sets of modules each of which reaches all others of its set.
+fn circles(imports: &Imports) -> BTreeSet<BTreeSet<&Module>> {
+    let all: BTreeMap<&Module, BTreeSet<&Module>> =
+        imports.keys().map(|module| (module, reached(module, imports))).collect();
+    let meets = |module: &Module, other: &Module| all[module].contains(other) && all[other].contains(module);
+    let in_circle = |module: &&&Module| all[**module].contains(**module);
+    all.keys()
+        .filter(in_circle)
+        .map(|module| all.keys().copied().filter(|other| meets(module, other)).collect())
+        .collect()
+}
+
+/// A circle and the imports that make it one, for messages.
+fn shown(crate_folder: &str, circle: &BTreeSet<&Module>, imports: &Imports) -> String {
+    let arrows = circle.iter().flat_map(|from| {
+        let within = imports[*from].iter().filter(|to| circle.contains(to));
+        within.map(move |to| format!("  {} -> {}", from.join("::"), to.join("::")))
+    });
+    std::iter::once(crate_folder.to_owned()).chain(arrows).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn circles_of_imports_are_those_still_open() {
+    let mut open: BTreeSet<(String, BTreeSet<String>)> = OPEN
+        .iter()
+        .map(|(folder, modules)| ((*folder).to_owned(), modules.iter().map(|module| (*module).to_owned()).collect()))
+        .collect();
+    assert_eq!(open.len(), OPEN.len(), "a circle is listed twice");
+    let mut new = vec![];
+    for folder in crates() {
+        let source_folder = root().join(&folder).join("src");
+        let imports = imports(&source_folder);
+        assert!(imports.len() > 2 || folder == "settings", "{folder} has hardly a module: is this its folder?");
+        for circle in circles(&imports) {
+            let text = shown(&folder, &circle, &imports);
+            println!("{text}");
+            let names = circle.iter().map(|module| module.join("::")).collect();
+            if !open.remove(&(folder.clone(), names)) {
+                new.push(text);
+            }
+        }
+    }
+    assert!(
+        new.is_empty(),
+        "new circles of imports; move what both sides need into a module of its own:\n{}",
+        new.join("\n")
+    );
+    assert!(open.is_empty(), "these circles are gone, or smaller; take them off the list `OPEN`:\n{open:#?}");
+}
+
+#[test]
+fn a_circle_is_found_through_every_kind_of_path() {
+    let module = |path: &str| path.split("::").map(str::to_owned).collect::<Module>();
+    let modules: BTreeSet<Module> = ["a", "a::b", "a::c", "d"].into_iter().map(module).chain([vec![]]).collect();
+    let found = |own: &str, source: &str| -> BTreeSet<String> {
+        let targets = uses(source).into_iter().flat_map(|tree| paths(&tree)).collect::<Vec<_>>();
+        targets.iter().filter_map(|path| target(path, &module(own), &modules)).map(|to| to.join("::")).collect()
+    };
+    assert_eq!(found("a", "use b::Thing;\nuse self::c::{Other, self};"), ["a::b", "a::c"].map(str::to_owned).into());
+    assert_eq!(
+        found("a::b", "    use super::{Thing,\n        c::{X as Y, Z}};"),
+        ["a", "a::c"].map(str::to_owned).into()
+    );
+    assert_eq!(
+        found("d", "use crate::a::b::{\n    Thing,\n};\nuse std::path::Path;"),
+        ["a::b"].map(str::to_owned).into()
+    );
+    assert_eq!(
+        found("d", "pub use crate::a::Thing;\nuse crate::Error;\n#[cfg(test)]\nmod tests {\n    use crate::a::X;\n}"),
+        BTreeSet::new()
+    );
+    let mut imports = Imports::from([(module("a"), [module("d")].into()), (module("d"), BTreeSet::new())]);
+    assert_eq!(circles(&imports).len(), 0);
+    imports.insert(module("d"), [module("a")].into());
+    assert_eq!(circles(&imports).len(), 1);
+}
