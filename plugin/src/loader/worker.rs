@@ -16,7 +16,7 @@ use pyrophone_settings::session::{self, Session};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::Chain;
 use pyrophone_synthesis::texture::Dictionary;
-use pyrophone_training::{DictionaryKey, Stage, Store, build};
+use pyrophone_training::{DictionaryKey, IMPULSIVE, Stage, Store, build};
 
 use super::Engine;
 use super::cache::DICTIONARIES;
@@ -548,7 +548,11 @@ impl Worker {
             self.dictionary_is_sent = match (&self.dictionary, self.recording.as_ref().map(fitting)) {
                 (Some((key, dictionary)), Some(fitting)) if *key == fitting => {
                     let amplitudes = shown_amplitudes(dictionary.distribution());
-                    self.status.update(|view| view.amplitudes[0] = amplitudes);
+                    let warning = dictionary.is_impulsive().then(|| IMPULSIVE.to_owned());
+                    self.status.update(|view| {
+                        view.amplitudes[0] = amplitudes;
+                        view.notice = warning.or_else(|| view.notice.take());
+                    });
                     self.link.send(Update::Dictionary(Some(dictionary.clone())))
                 }
                 (None, _) => {
