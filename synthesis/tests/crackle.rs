@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use effect::{Event, STEREO, channels, play};
 use pyrophone_synthesis::chain::{Chain, Channels};
-use pyrophone_synthesis::controls::{Controls, CrackleControls, MixControls};
+use pyrophone_synthesis::controls::{Controls, CrackleControls, Fuel, MixControls};
 use pyrophone_synthesis::crackle::{Crackle, Crackles, Sources, split};
 use pyrophone_synthesis::noise::White;
 use pyrophone_synthesis::structure::Dynamics;
@@ -269,6 +269,7 @@ fn bad_loudness_and_bad_controls_stay_finite_and_silence_is_silent() {
     let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300];
     for value in bad {
         let controls = CrackleControls {
+            fuel: Fuel::Off,
             density: value,
             sharpness: value,
             spread: value,

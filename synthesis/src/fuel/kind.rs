@@ -51,15 +51,15 @@ const NEUTRAL: [Tone; 2] = [Tone { hump_hz: 5000.0, level_db: 0.0 }, Tone { hump
 
 /// Seasoned wood: sharp snaps, some of them loud; little steam.
 const DRY_WOOD: Properties = Properties {
-    bursts: Bursts { per_second: 6.0, size: 2.2, gap_s: 0.012 },
+    bursts: Bursts { per_second: 10.0, size: 1.6, gap_s: 0.012 },
     rupture: Rupture {
-        median_db: -30.0,
+        median_db: -27.0,
         deviation_db: 10.0,
-        click_s: [0.0003, 0.0025],
-        click_hz: [2500.0, 9000.0],
-        ring_hz: [500.0, 2200.0],
-        ring_s: [0.0025, 0.009],
-        ring_db: -6.0,
+        click_s: [0.0002, 0.0018],
+        click_hz: [3000.0, 11_000.0],
+        ring_hz: [900.0, 3500.0],
+        ring_s: [0.0015, 0.006],
+        ring_db: -8.0,
     },
     hiss: Tone { hump_hz: 5000.0, level_db: 0.0 },
     body: Tone { hump_hz: 160.0, level_db: 0.0 },
@@ -67,9 +67,9 @@ const DRY_WOOD: Properties = Properties {
 
 /// Green wood: pops of larger, duller pieces in longer bursts; steam whistles out of it.
 const WET_WOOD: Properties = Properties {
-    bursts: Bursts { per_second: 2.5, size: 4.0, gap_s: 0.025 },
+    bursts: Bursts { per_second: 4.0, size: 2.5, gap_s: 0.025 },
     rupture: Rupture {
-        median_db: -30.0,
+        median_db: -25.0,
         deviation_db: 10.0,
         click_s: [0.0006, 0.005],
         click_hz: [2000.0, 6000.0],
@@ -85,7 +85,7 @@ const WET_WOOD: Properties = Properties {
 const GRASS: Properties = Properties {
     bursts: Bursts { per_second: 18.0, size: 2.5, gap_s: 0.006 },
     rupture: Rupture {
-        median_db: -38.0,
+        median_db: -32.0,
         deviation_db: 8.0,
         click_s: [0.0002, 0.0008],
         click_hz: [6000.0, 15_000.0],
@@ -99,9 +99,9 @@ const GRASS: Properties = Properties {
 
 /// Paper: crinkling of thin sheets, in long bursts as they curl.
 const PAPER: Properties = Properties {
-    bursts: Bursts { per_second: 5.0, size: 5.0, gap_s: 0.009 },
+    bursts: Bursts { per_second: 8.0, size: 3.0, gap_s: 0.009 },
     rupture: Rupture {
-        median_db: -36.0,
+        median_db: -32.0,
         deviation_db: 9.0,
         click_s: [0.0002, 0.0012],
         click_hz: [3000.0, 12_000.0],
@@ -117,7 +117,7 @@ const PAPER: Properties = Properties {
 const COAL: Properties = Properties {
     bursts: Bursts { per_second: 1.2, size: 2.2, gap_s: 0.020 },
     rupture: Rupture {
-        median_db: -34.0,
+        median_db: -29.0,
         deviation_db: 8.0,
         click_s: [0.0002, 0.0009],
         click_hz: [4000.0, 12_000.0],

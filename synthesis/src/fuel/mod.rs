@@ -29,9 +29,9 @@
 //! **Hiss.** Steam leaves pores as small jets, whose noise has a broad hump at a Strouhal number of about 0.2 (Lighthill
 //! 1952, "On sound generated aerodynamically", Proc. R. Soc. A 211, 564): 50 m/s through 2 mm give 5 kHz.
 //!
-//! **Body.** The roar of turbulent flames has a hump at some 100-300 Hz and falls above with frequency to the power of
-//! -2.5 (Clavin & Siggia 1991, "Turbulent premixed flames and sound generation", Combust. Sci. Technol. 78, 147; the exponent
-//! of Chadwick & James 2011, §4).
+//! **Body.** The roar of turbulent flames has a hump at some 100-300 Hz and falls above with frequency to a power of
+//! -2.5 (Clavin & Siggia 1991, "Turbulent premixed flames and sound generation", Combust. Sci. Technol. 78, 147) to -3.5
+//! (Chadwick & James 2011, §4).
 //!
 //! The division into lapping, crackling and hissing is Farnell's ("Designing Sound", MIT Press 2010, chapter 34). The
 //! properties of the fuels are this project's choice within these sources.

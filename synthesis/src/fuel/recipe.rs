@@ -44,10 +44,11 @@ const HISS: Recipe = Recipe {
     stream: 0x4846_0000,
 };
 
-/// Power falls by f^-2.5, so that an octave's amplitude falls by f^-0.75.
+/// Power falls by f^-3.5, at the steep end of what flames have, as the beds of recorded wood fires do; an octave's amplitude
+/// by f^-1.25 then.
 const BODY: Recipe = Recipe {
     octaves_hz: &[55.0, 110.0, 220.0, 440.0, 880.0, 1760.0],
-    slopes: [1.0, -0.75],
+    slopes: [1.0, -1.25],
     common: 0.6,
     flutter_hz: [4.0, 11.0],
     flutter_nepers: 0.6,

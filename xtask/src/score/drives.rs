@@ -18,8 +18,6 @@ pub struct Drive {
     pub sound: Recording,
     /// Settings that it needs beyond the preset's.
     pub settings: &'static [&'static str],
-    /// Whether the output should equal the recording statistically.
-    pub is_steady: bool,
 }
 
 /// Rate in Hz and length in seconds of what is made here.
@@ -37,11 +35,11 @@ const SPEECH: &str = "The fire was lit at noon. By evening the whole hill was bu
 pub fn drives(reference: &Path, folder: &Path) -> Result<Vec<Drive>> {
     let mut all = vec![steady(folder)?];
     for (name, path) in sounds(&reference.join("signals"))? {
-        all.push(Drive { name, sound: load(&path, None)?, settings: &[], is_steady: false });
+        all.push(Drive { name, sound: load(&path, None)?, settings: &[] });
     }
     for (name, made) in [("speech", speech(folder)), ("drums", drums(folder))] {
         match made {
-            Ok(sound) => all.push(Drive { name: name.to_owned(), sound, settings: ENVELOPE, is_steady: false }),
+            Ok(sound) => all.push(Drive { name: name.to_owned(), sound, settings: ENVELOPE }),
             Err(error) => eprintln!("  left out: {name} ({error:#})"),
         }
     }
@@ -72,7 +70,7 @@ fn steady(folder: &Path) -> Result<Drive> {
     rumble.iter_mut().for_each(|x| *x *= RUMBLE_RMS / rms);
     let path = folder.join("drive-steady.wav");
     write_wav_f32(&path, &[rumble.iter().map(|x| *x as f32).collect()], RATE_HZ)?;
-    Ok(Drive { name: "steady".to_owned(), sound: load(&path, None)?, settings: &[], is_steady: true })
+    Ok(Drive { name: "steady".to_owned(), sound: load(&path, None)?, settings: &[] })
 }
 
 fn speech(folder: &Path) -> Result<Recording> {

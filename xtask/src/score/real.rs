@@ -62,6 +62,10 @@ pub fn report(place: &Place<'_>) -> Result<String> {
     let titles: Vec<&str> = COLUMNS.iter().map(|column| column.title).collect();
     let mut text = format!("\n### Real recordings\n\n| drive on recording | {} |\n", titles.join(" | "));
     let _ = writeln!(text, "|---|{}", "---|".repeat(COLUMNS.len()));
+    let recordings: Vec<(String, PathBuf)> = recordings
+        .into_iter()
+        .map(|(name, path)| Ok((name.clone(), as_wav(place, &name, &path)?)))
+        .collect::<Result<_>>()?;
     for drive in &drives {
         for (recording, path) in &recordings {
             let draws: Vec<Value> =
@@ -76,6 +80,14 @@ pub fn report(place: &Place<'_>) -> Result<String> {
     }
     let _ = writeln!(text, "\nMeans of three draws, ± half their range; with crackles, output / recording.");
     Ok(text)
+}
+
+/// A recording as a WAV file: the scoring program reads no other.
+fn as_wav(place: &Place<'_>, name: &str, path: &Path) -> Result<PathBuf> {
+    let sound = load(path, None)?;
+    let wav = place.folder.join(format!("recording-{name}.wav"));
+    write_wav_f32(&wav, &sound.channels, sound.sample_rate_hz)?;
+    Ok(wav)
 }
 
 /// One draw, scored by both programs.
