@@ -13,9 +13,11 @@ use pyrophone_settings::automation::Event;
 use pyrophone_settings::table::{DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, learn};
+use pyrophone_synthesis::controls::Fuel;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::Distribution;
 use pyrophone_synthesis::vortex::{Simulator, SpeedField};
+use pyrophone_training::IMPULSIVE;
 
 use self::play::{BLOCK_SAMPLES, Score, play};
 use self::source::Source;
@@ -57,6 +59,9 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
         let recording = input::load(path, work)?;
         check_region(args.training_region, &recording, path)?;
         let dictionary = training::dictionary(&recording, path, &cut, rate_hz, &structure, work)?;
+        if dictionary.is_impulsive() && !values.controls().texture.scaling_auto {
+            note(&format!("{}: {IMPULSIVE}", path.display()));
+        }
         drop(chain.swap_dictionary(Some(dictionary)));
     }
     simulate_gas(&mut chain)?;
@@ -158,6 +163,9 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
         return Ok(());
     }
     if values.structure().dynamics == Dynamics::Companded {
+        if values.controls().crackle.fuel != Fuel::Off {
+            return Ok(());
+        }
         note("there is no --training, so spectral extension stands in for texture");
         return Ok(());
     }

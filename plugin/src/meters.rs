@@ -38,6 +38,12 @@ pub struct Meters {
     pub texture: Peak,
     /// Vortex layer.
     pub vortex: Peak,
+    /// Crackle layer.
+    pub crackle: Peak,
+    /// Hiss layer.
+    pub hiss: Peak,
+    /// Body layer.
+    pub body: Peak,
     /// Output.
     pub output: Peak,
     cancels: AtomicBool,
@@ -57,6 +63,9 @@ impl Meters {
             (&self.extension, measured.extension),
             (&self.texture, measured.texture),
             (&self.vortex, measured.vortex),
+            (&self.crackle, measured.crackle),
+            (&self.hiss, measured.hiss),
+            (&self.body, measured.body),
             (&self.output, measured.output),
         ];
         for (peak, magnitude) in peaks {

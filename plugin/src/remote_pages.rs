@@ -9,7 +9,7 @@ use crate::parameters::{EffectParams, Slot};
 type Page = (&'static str, [&'static str; 8]);
 
 /// From what is turned most to what is set once.
-pub const PAGES: [Page; 4] = [
+pub const PAGES: [Page; 5] = [
     (
         "Fire",
         [
@@ -62,6 +62,19 @@ pub const PAGES: [Page; 4] = [
             "vortex_elevation",
         ],
     ),
+    (
+        "Fuel",
+        [
+            "fuel",
+            "crackle_level",
+            "crackle_density",
+            "crackle_sharpness",
+            "hiss_level",
+            "hiss_tone",
+            "body_level",
+            "body_tone",
+        ],
+    ),
 ];
 
 /// Tells the framework of the pages.
@@ -95,6 +108,6 @@ mod tests {
         }
         ids.sort_unstable();
         ids.dedup();
-        assert_eq!(ids.len(), 32);
+        assert_eq!(ids.len(), 40);
     }
 }

@@ -114,9 +114,12 @@ fn bad_values_are_brought_into_range_or_dropped() {
     let kept: Vec<&str> = state.params.keys().map(String::as_str).collect();
     let known = [
         "alpha",
+        "body_level",
         "ceiling",
         "cutoff",
         "dynamics_mode",
+        "fuel",
+        "hiss_level",
         "levels",
         "loudness",
         "low_level",
@@ -147,6 +150,23 @@ fn a_state_from_before_the_companded_mode_keeps_the_papers() {
     assert_eq!(params.values().structure().dynamics, Dynamics::Companded, "a fresh instance's");
     apply(&params, &state);
     assert_eq!(params.values().structure().dynamics, Dynamics::Paper);
+}
+
+#[test]
+fn a_state_from_before_fuels_turns_them_off() {
+    let params = params();
+    let mut values = Values::default();
+    for (id, text) in [("fuel", "coal"), ("hiss_level", "-6"), ("body_level", "0")] {
+        values.set_text(id, text).unwrap();
+    }
+    let on: PluginState = serde_json::from_str(&plugin_state(&values, &Session::default())).unwrap();
+    apply(&params, &on);
+    assert_eq!(params.values(), values);
+    let mut earlier = on;
+    earlier.params.retain(|id, _| !["fuel", "hiss_level", "body_level"].contains(&id.as_str()));
+    sanitize(&mut earlier);
+    apply(&params, &earlier);
+    assert_eq!(params.values(), Values::default());
 }
 
 #[test]

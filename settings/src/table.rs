@@ -72,6 +72,14 @@ pub enum Id {
     CrackleSeed,
     Ceiling,
     Loudness,
+    Fuel,
+    HissLevel,
+    BodyLevel,
+    HissTone,
+    HissFlutter,
+    BodyTone,
+    BodyFlutter,
+    FuelFollow,
 }
 
 /// Names of the values of `dynamic_range`.
@@ -87,6 +95,8 @@ pub const FLAME_SCENES: &[&str] = pyrophone_synthesis::drive::SCENES;
 
 /// Names of the values of `vortex_texture`.
 pub const VORTEX_TEXTURES: &[&str] = pyrophone_synthesis::vortex::TEXTURES;
+/// Names of the values of `fuel`.
+pub const FUELS: &[&str] = pyrophone_synthesis::controls::Fuel::NAMES;
 /// Names of the values of `vortex_flow`.
 pub const VORTEX_FLOWS: &[&str] = &["envelope", "field", "live"];
 
@@ -663,6 +673,78 @@ pub const PARAMETERS: &[Parameter] = &[
         None,
         "Companded mode: loudness that every recording is brought to; off leaves it as loud as it was recorded.",
     ),
+    control(
+        "fuel",
+        "Fuel",
+        "Fuel",
+        "",
+        Kind::Choice { names: FUELS, default: 0 },
+        None,
+        "Companded mode: fuel whose crackle is made where no recording crackles; it also sets the tone of hiss and body.",
+    ),
+    control(
+        "hiss_level",
+        "Hiss level",
+        "Levels",
+        "dB",
+        level(-72.0),
+        None,
+        "Companded mode: level of the hiss of steam and small jets of gas, made without a recording.",
+    ),
+    control(
+        "body_level",
+        "Body level",
+        "Levels",
+        "dB",
+        level(-72.0),
+        None,
+        "Companded mode: level of the roar of the flames, made without a recording.",
+    ),
+    control(
+        "hiss_tone",
+        "Hiss tone",
+        "Fuel",
+        "",
+        float(-1.0, 1.0, 0.0, 1.0, 3),
+        None,
+        "Pitch of the hiss in octaves around the fuel's own: -1 is dark, 1 bright.",
+    ),
+    control(
+        "hiss_flutter",
+        "Hiss flutter",
+        "Fuel",
+        "",
+        float(0.0, 1.0, 0.5, 1.0, 3),
+        None,
+        "Unevenness of the hiss: 0 is steady, 1 comes in spurts.",
+    ),
+    control(
+        "body_tone",
+        "Body tone",
+        "Fuel",
+        "",
+        float(-1.0, 1.0, 0.0, 1.0, 3),
+        None,
+        "Pitch of the body in octaves around the fuel's own: -1 is a large fire, 1 a small one.",
+    ),
+    control(
+        "body_flutter",
+        "Body flutter",
+        "Fuel",
+        "",
+        float(0.0, 1.0, 0.5, 1.0, 3),
+        None,
+        "Unevenness of the body: 0 is steady, 1 flaps.",
+    ),
+    control(
+        "fuel_follow",
+        "Fuel follow",
+        "Fuel",
+        "",
+        float(0.0, 2.0, 1.0, 1.0, 3),
+        None,
+        "How far hiss and body become louder as the input does: 0 leaves them even.",
+    ),
 ];
 
 /// Number of parameters.
@@ -676,7 +758,8 @@ impl Id {
 }
 
 /// Groups in the order in which hosts show them.
-const HOST_GROUPS: [&str; 8] = ["Levels", "Drive", "Flame", "Texture", "Crackle", "Extension", "Vortex", "Structure"];
+const HOST_GROUPS: [&str; 9] =
+    ["Levels", "Drive", "Flame", "Texture", "Crackle", "Fuel", "Extension", "Vortex", "Structure"];
 
 /// Places in the table in the order in which hosts show the parameters: by group, bypass first, within a group as in
 /// the table.

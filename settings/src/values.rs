@@ -3,7 +3,7 @@
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::{
     CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
-    FlameControls, Flow, MixControls, Quality, TextureControls, VortexControls,
+    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, TextureControls, VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::vortex::shipped::OUTPUT_PER_PA;
@@ -127,6 +127,7 @@ impl Values {
             },
             vortex: self.vortex(),
             crackle: CrackleControls {
+                fuel: self.fuel(),
                 density: self.get(Id::CrackleDensity),
                 sharpness: self.get(Id::CrackleSharpness),
                 spread: self.get(Id::CrackleSpread),
@@ -134,12 +135,23 @@ impl Values {
                 seed: self.get(Id::CrackleSeed) as u32,
                 ..CrackleControls::default()
             },
+            fuel: FuelControls {
+                fuel: self.fuel(),
+                hiss_tone: self.get(Id::HissTone),
+                hiss_flutter: self.get(Id::HissFlutter),
+                body_tone: self.get(Id::BodyTone),
+                body_flutter: self.get(Id::BodyFlutter),
+                follow: self.get(Id::FuelFollow),
+                seed: self.get(Id::CrackleSeed) as u32,
+            },
             mix: MixControls {
                 low: self.factor(Id::LowLevel),
                 extension: self.factor(Id::ExtensionLevel),
                 texture: self.factor(Id::TextureLevel),
                 vortex: self.factor(Id::VortexLevel),
                 crackle: self.factor(Id::CrackleLevel),
+                hiss: self.factor(Id::HissLevel),
+                body: self.factor(Id::BodyLevel),
                 width: self.get(Id::TextureWidth),
                 output: self.factor(Id::OutputLevel),
                 loudness_lufs: {
@@ -150,6 +162,10 @@ impl Values {
                 bypass: on(Id::Bypass),
             },
         }
+    }
+
+    fn fuel(&self) -> Fuel {
+        Fuel::at(self.get(Id::Fuel) as usize)
     }
 
     fn vortex(&self) -> VortexControls {

@@ -8,7 +8,8 @@ use pyrophone_settings::{Kind, PARAMETERS, Parameter};
 const BEGIN: &str = "<!-- parameters -->\n";
 const END: &str = "<!-- end of parameters -->";
 /// As the window has them.
-const GROUPS: [&str; 8] = ["Drive", "Levels", "Extension", "Texture", "Crackle", "Flame", "Vortex", "Structure"];
+const GROUPS: [&str; 9] =
+    ["Drive", "Levels", "Extension", "Texture", "Crackle", "Fuel", "Flame", "Vortex", "Structure"];
 
 fn range(parameter: &Parameter) -> String {
     match parameter.kind {

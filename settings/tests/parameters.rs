@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use pyrophone_settings::{COUNT, Error, Id, Kind, PARAMETERS, Parameter, Values, index_of};
-use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Quality, VortexControls};
+use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Fuel, Quality, VortexControls};
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::{Controls, Structure};
 
@@ -91,6 +91,14 @@ fn every_id_is_at_its_place() {
         (Id::CrackleSeed, "crackle_seed"),
         (Id::Ceiling, "ceiling"),
         (Id::Loudness, "loudness"),
+        (Id::Fuel, "fuel"),
+        (Id::HissLevel, "hiss_level"),
+        (Id::BodyLevel, "body_level"),
+        (Id::HissTone, "hiss_tone"),
+        (Id::HissFlutter, "hiss_flutter"),
+        (Id::BodyTone, "body_tone"),
+        (Id::BodyFlutter, "body_flutter"),
+        (Id::FuelFollow, "fuel_follow"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {
@@ -184,6 +192,10 @@ fn choices_reach_the_engines() {
     for (text, dynamics) in [("paper", Dynamics::Paper), ("companded", Dynamics::Companded)] {
         values.set_text("dynamics_mode", text).unwrap();
         assert_eq!(values.structure().dynamics, dynamics);
+    }
+    for (name, fuel) in Fuel::NAMES.iter().zip(Fuel::ALL) {
+        values.set_text("fuel", name).unwrap();
+        assert_eq!((values.controls().crackle.fuel, values.controls().fuel.fuel), (fuel, fuel));
     }
     values.set_text("gate", "off").unwrap();
     assert_eq!(values.controls().texture.gate, 0.0);

@@ -16,6 +16,8 @@ pub struct Controls {
     pub vortex: VortexControls,
     /// Crackle.
     pub crackle: CrackleControls,
+    /// Hiss and body of a fuel.
+    pub fuel: FuelControls,
     /// Levels of the layers.
     pub mix: MixControls,
 }
@@ -288,10 +290,80 @@ impl Default for VortexControls {
     }
 }
 
+/// Fuel whose crackle, hiss and body are made without a recording ([`crate::fuel`]).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fuel {
+    /// None: nothing crackles but a recording.
+    #[default]
+    Off,
+    /// Seasoned wood.
+    DryWood,
+    /// Green or damp wood.
+    WetWood,
+    /// Dry grass and leaves.
+    Grass,
+    /// Paper and cardboard.
+    Paper,
+    /// Coal and embers.
+    Coal,
+}
+
+impl Fuel {
+    /// Names in the order of [`ALL`](Self::ALL), to which new ones are only ever appended.
+    pub const NAMES: &'static [&'static str] = &["off", "dry wood", "wet wood", "grass", "paper", "coal"];
+    /// All of them, in the order of their declaration.
+    pub const ALL: [Self; 6] = [Self::Off, Self::DryWood, Self::WetWood, Self::Grass, Self::Paper, Self::Coal];
+
+    /// The fuel at a place in [`NAMES`](Self::NAMES); `Off` beyond its end.
+    pub fn at(place: usize) -> Self {
+        Self::ALL.get(place).copied().unwrap_or_default()
+    }
+
+    /// Place among the fuels that burn; none for `Off`.
+    pub fn place(self) -> Option<usize> {
+        (self as usize).checked_sub(1)
+    }
+}
+
+/// Controls of the noise of [`crate::fuel`]. Values out of range are clamped; what is not a number is taken as the lowest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FuelControls {
+    /// Fuel that decides tone and level.
+    pub fuel: Fuel,
+    /// Tone of the hiss around the fuel's own: -1 = an octave lower, 1 = an octave higher.
+    pub hiss_tone: f64,
+    /// Unevenness of the hiss, 0-1: 0 = steady, 1 = in spurts.
+    pub hiss_flutter: f64,
+    /// Tone of the body around the fuel's own: -1 = an octave lower, 1 = an octave higher.
+    pub body_tone: f64,
+    /// Unevenness of the body, 0-1: 0 = steady, 1 = flapping.
+    pub body_flutter: f64,
+    /// Degree to which both follow the drive's loudness: 0 = not at all, 1 = as fire does, 2 = twice as far in dB.
+    pub follow: f64,
+    /// Noise seed.
+    pub seed: u32,
+}
+
+impl Default for FuelControls {
+    fn default() -> Self {
+        Self {
+            fuel: Fuel::Off,
+            hiss_tone: 0.0,
+            hiss_flutter: 0.5,
+            body_tone: 0.0,
+            body_flutter: 0.5,
+            follow: 1.0,
+            seed: 42,
+        }
+    }
+}
+
 /// Controls of [`crate::crackle`]. What lies out of its range is taken at its end, what is not a number at the lowest
 /// value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrackleControls {
+    /// Fuel that crackles where no recording does.
+    pub fuel: Fuel,
     /// Crackles relative to the recording's, 0-4.
     pub density: f64,
     /// -1 = dull, 0 = as recorded, 1 = bright and short.
@@ -309,7 +381,15 @@ pub struct CrackleControls {
 
 impl Default for CrackleControls {
     fn default() -> Self {
-        Self { density: 1.0, sharpness: 0.0, spread: 1.0, follow: 1.0, seed: 42, highest_peak: f64::INFINITY }
+        Self {
+            fuel: Fuel::Off,
+            density: 1.0,
+            sharpness: 0.0,
+            spread: 1.0,
+            follow: 1.0,
+            seed: 42,
+            highest_peak: f64::INFINITY,
+        }
     }
 }
 
@@ -326,11 +406,16 @@ pub struct MixControls {
     pub vortex: f64,
     /// Factor on crackle.
     pub crackle: f64,
-    /// Stereo width of texture and crackle: 0 = mono, 1 = as recorded.
+    /// Factor on a fuel's hiss.
+    pub hiss: f64,
+    /// Factor on a fuel's body.
+    pub body: f64,
+    /// Stereo width of texture, crackle, hiss and body: 0 = mono, 1 = as recorded.
     pub width: f64,
     /// Factor on the sum.
     pub output: f64,
-    /// Loudness in LUFS that the recording is brought to in texture and crackle, in the companded mode; none leaves it as it is.
+    /// Loudness in LUFS that the recording is brought to in texture and crackle, and a fuel in crackle, hiss and body, in the
+    /// companded mode; none leaves both as they are.
     pub loudness_lufs: Option<f64>,
     /// Whether what exceeds -1 dBFS is bent so that nothing exceeds full scale.
     pub ceiling: bool,
@@ -346,6 +431,8 @@ impl Default for MixControls {
             texture: 1.0,
             vortex: 0.0,
             crackle: 1.0,
+            hiss: 0.0,
+            body: 0.0,
             width: 1.0,
             output: 1.0,
             loudness_lufs: None,

@@ -10,6 +10,7 @@
 //! | [`vortex`] | the whoosh of turbulent flow | Dobashi, Yamamoto & Nishita 2004 |
 //! | [`companding`] | texture in a world without slow loudness, the drive's put back | this project |
 //! | [`crackle`] | the recording's crackles, split off and played as the drive burns | this project |
+//! | [`fuel`] | crackle, hiss and body of a fuel, without a recording | this project |
 //! | [`mix`] | layer levels, width, output level | |
 //! | [`chain`] | all of these, aligned, with transport and automation: the whole effect | |
 //!
@@ -30,6 +31,7 @@ pub mod error;
 pub mod extend;
 pub mod fft;
 mod filter;
+pub mod fuel;
 mod loudness;
 pub mod mix;
 pub mod noise;

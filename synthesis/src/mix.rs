@@ -24,6 +24,10 @@ pub struct Layers<'a> {
     pub vortex: &'a [Vec<f64>],
     /// Crackle, by channel.
     pub crackle: &'a [Vec<f64>],
+    /// A fuel's hiss, by channel.
+    pub hiss: &'a [Vec<f64>],
+    /// A fuel's body, by channel.
+    pub body: &'a [Vec<f64>],
     /// The input, by channel of the output, delayed likewise; silent where there is none.
     pub dry: &'a [Vec<f32>],
 }
@@ -41,6 +45,10 @@ pub struct Peaks {
     pub vortex: f64,
     /// Crackle layer.
     pub crackle: f64,
+    /// Hiss layer.
+    pub hiss: f64,
+    /// Body layer.
+    pub body: f64,
     /// Output.
     pub output: f64,
 }
@@ -58,6 +66,8 @@ pub struct Mix {
     texture: Smoothed,
     vortex: Smoothed,
     crackle: Smoothed,
+    hiss: Smoothed,
+    body: Smoothed,
     width: Smoothed,
     output: Smoothed,
     bypass: Smoothed,
@@ -78,6 +88,8 @@ impl Mix {
             texture: smoothed,
             vortex: smoothed,
             crackle: smoothed,
+            hiss: smoothed,
+            body: smoothed,
             width: smoothed,
             output: smoothed,
             bypass: smoothed,
@@ -121,6 +133,8 @@ impl Mix {
         self.texture.value = controls.texture;
         self.vortex.value = controls.vortex;
         self.crackle.value = controls.crackle;
+        self.hiss.value = controls.hiss;
+        self.body.value = controls.body;
         self.width.value = controls.width;
         self.output.value = controls.output;
         self.bypass.value = f64::from(u8::from(controls.bypass));
@@ -140,6 +154,7 @@ impl Mix {
         let texture_level = self.texture.next(controls.texture);
         let vortex_level = self.vortex.next(controls.vortex);
         let crackle_level = self.crackle.next(controls.crackle);
+        let [hiss_level, body_level] = [self.hiss.next(controls.hiss), self.body.next(controls.body)];
         let width = self.width.next(controls.width);
         let output_level = self.output.next(controls.output);
         let bypass = self.bypass.next(f64::from(u8::from(controls.bypass)));
@@ -166,13 +181,17 @@ impl Mix {
             let crackle = narrow(layers.crackle, channel) * crackle_level;
             let extension = layers.extension[channel][i] * extension_level;
             let vortex = layers.vortex[channel][i] * vortex_level;
-            *wet = (low + extension + texture + vortex + crackle) * output_level;
+            let [hiss, body] = [(layers.hiss, hiss_level), (layers.body, body_level)]
+                .map(|(layer, level)| if level == 0.0 { 0.0 } else { narrow(layer, channel) * level });
+            *wet = (low + extension + texture + vortex + crackle + hiss + body) * output_level;
             // A comparison with what is no number would leave it out.
             loudest = if wet.is_nan() { f64::NAN } else { wet.abs().max(loudest) };
             peaks.extension = peaks.extension.max(extension.abs());
             peaks.texture = peaks.texture.max(texture.abs());
             peaks.vortex = peaks.vortex.max(vortex.abs());
             peaks.crackle = peaks.crackle.max(crackle.abs());
+            peaks.hiss = peaks.hiss.max(hiss.abs());
+            peaks.body = peaks.body.max(body.abs());
         }
         // All channels alike, so that the image stays.
         let held = if controls.ceiling { ceiling::gain(loudest) } else { 1.0 };
@@ -220,6 +239,8 @@ mod tests {
                         texture: &silent,
                         vortex: &silent,
                         crackle: &silent,
+                        hiss: &silent,
+                        body: &silent,
                         dry: &dry,
                     };
                     let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(|x| &mut x[start..stop]).collect();
@@ -243,8 +264,16 @@ mod tests {
         let (low, silent, dry) = layers_of_ones(100);
         let mut mix = Mix::new(10, 48_000.0, Layout::Stereo);
         let mut outputs = [vec![0.0f32; 100], vec![0.0f32; 100]];
-        let layers =
-            Layers { low: &low, extension: &silent, texture: &silent, vortex: &silent, crackle: &silent, dry: &dry };
+        let layers = Layers {
+            low: &low,
+            extension: &silent,
+            texture: &silent,
+            vortex: &silent,
+            crackle: &silent,
+            hiss: &silent,
+            body: &silent,
+            dry: &dry,
+        };
         let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
         mix.process(&layers, &MixControls { bypass: true, ..MixControls::default() }, &mut outs);
         assert_eq!(outputs[0], dry[0]);

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use effect::{Event, STEREO, channels, play};
 use pyrophone_synthesis::chain::{Chain, Channels};
-use pyrophone_synthesis::controls::{Controls, CrackleControls, MixControls};
-use pyrophone_synthesis::crackle::{Crackle, Crackles, split};
+use pyrophone_synthesis::controls::{Controls, CrackleControls, Fuel, MixControls};
+use pyrophone_synthesis::crackle::{Crackle, Crackles, Sources, split};
 use pyrophone_synthesis::noise::White;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Shape};
@@ -65,7 +65,7 @@ fn layer(
     let mut start = 0;
     while start < loudness.len() {
         let end = loudness.len().min(start + next_block());
-        crackle.process(&loudness[start..end], controls, Some(crackles), &mut [&mut out[start..end]]);
+        crackle.process(&loudness[start..end], controls, &Sources::of_recording(crackles), &mut [&mut out[start..end]]);
         start = end;
     }
     out
@@ -207,7 +207,7 @@ fn reset_is_as_fresh_and_another_seed_another_order() {
     for position in [777, 5] {
         used.reset(position);
         for (loudness, out) in loudness.chunks(BLOCK).zip(out.chunks_mut(BLOCK)) {
-            used.process(loudness, &controls, Some(&crackles), &mut [out]);
+            used.process(loudness, &controls, &Sources::of_recording(&crackles), &mut [out]);
         }
     }
     assert!(out == fresh);
@@ -269,6 +269,7 @@ fn bad_loudness_and_bad_controls_stay_finite_and_silence_is_silent() {
     let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300];
     for value in bad {
         let controls = CrackleControls {
+            fuel: Fuel::Off,
             density: value,
             sharpness: value,
             spread: value,
@@ -403,7 +404,7 @@ fn nothing_is_allocated_while_crackles_play() {
             if block % 100 == 0 {
                 crackle.reset(i64::from(block) * 1000);
             }
-            crackle.process(&loudness, &controls, Some(&crackles), &mut [&mut left, &mut right]);
+            crackle.process(&loudness, &controls, &Sources::of_recording(&crackles), &mut [&mut left, &mut right]);
         }
         crackle.forget();
     });

@@ -50,6 +50,9 @@ enum Command {
     /// Simulate anew the flames that burn in the plugin without any input; see `drives --help`
     #[command(disable_help_flag = true)]
     Drives(Forwarded),
+    /// Write a blind listening test as one HTML file; see `listen --help`
+    #[command(disable_help_flag = true)]
+    Listen(Forwarded),
     /// Score results against their recordings and write docs/sound.md; see `score --help`
     #[command(disable_help_flag = true)]
     Score(Forwarded),
@@ -106,6 +109,7 @@ fn run(command: Command) -> Result<ExitCode> {
             with_bundles("demo", &forwarded)
         }
         Command::Drives(forwarded) => cargo::sound("drives", &forwarded.arguments),
+        Command::Listen(forwarded) => with_bundles("listen", &forwarded),
         Command::Score(forwarded) => with_bundles("score", &forwarded),
         Command::Vortex(forwarded) => cargo::sound("vortex", &forwarded.arguments),
         Command::Test => test::run(),

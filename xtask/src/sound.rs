@@ -3,6 +3,7 @@
 mod bounce;
 mod demo;
 mod drives;
+mod listen;
 mod project;
 mod scenes;
 mod score;
@@ -28,6 +29,8 @@ enum Command {
     Demo(demo::Args),
     /// Simulate the flames that burn in the plugin without any input
     Drives(drives::Args),
+    /// Write a blind listening test as one HTML file
+    Listen(listen::Args),
     /// Print how the scenes sound at several resolutions
     Scenes(scenes::Args),
     /// Score results against their recordings
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         Command::Bounce(args) => bounce::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Drives(args) => drives::run(&args),
+        Command::Listen(args) => listen::run(&args),
         Command::Scenes(args) => scenes::run(&args),
         Command::Score(args) => score::run(&args),
         Command::Vortex(args) => vortex::run(&args),

@@ -25,7 +25,7 @@ impl Page {
     /// Its groups, with a word on what they do.
     fn groups(self) -> &'static [Group] {
         // Which parameter is where does not change: it is not looked up with every frame.
-        static PLAY: LazyLock<[Group; 6]> = LazyLock::new(|| {
+        static PLAY: LazyLock<[Group; 7]> = LazyLock::new(|| {
             [
                 Group::new("Drive", "what goes in"),
                 Group::new("Levels", "what is heard"),
@@ -33,6 +33,7 @@ impl Page {
                 Group::new("Flame", "what burns where nothing goes in (drive flame)"),
                 Group::new("Texture", "fire from the recording"),
                 Group::new("Crackle", "the recording's crackles, split off the texture"),
+                Group::new("Fuel", "crackle, hiss and roar without a recording"),
             ]
         });
         static VORTEX: LazyLock<[Group; 3]> = LazyLock::new(|| {

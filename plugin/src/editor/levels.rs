@@ -12,10 +12,11 @@ const TOP_DB: f32 = 6.0;
 /// How fast a meter falls, in dB per second.
 const FALL_DB_PER_S: f64 = 40.0;
 
-const NAMES: [&str; 7] = ["in", "drive", "low", "ext", "tex", "vtx", "out"];
+const NAMES: [&str; 10] = ["in", "drive", "low", "ext", "tex", "vtx", "crk", "hiss", "body", "out"];
 /// The first of the layers, and their names in full.
 const FIRST_LAYER: usize = 2;
-const LAYER_NAMES: [&str; LAYERS] = ["the low layer", "extension", "texture", "vortex sound"];
+const LAYER_NAMES: [&str; LAYERS] =
+    ["the low layer", "extension", "texture", "vortex sound", "crackle", "hiss", "body"];
 /// Height of a button below a meter, in points.
 const BUTTON: f32 = 15.0;
 
@@ -74,6 +75,7 @@ impl Levels {
         let fall_db = ((now_s - self.last_s).clamp(0.0, 1.0) * FALL_DB_PER_S) as f32;
         self.last_s = now_s;
         let fire = [&meters.low, &meters.extension, &meters.texture, &meters.vortex];
+        let fire = fire.into_iter().chain([&meters.crackle, &meters.hiss, &meters.body]);
         let peaks = [&meters.input, &meters.drive].into_iter().chain(fire).chain([&meters.output]);
         let painter = ui.painter();
         let silenced = self.silenced();

@@ -16,7 +16,7 @@ use pyrophone_settings::session::{self, Session};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain;
 use pyrophone_synthesis::texture::Dictionary;
-use pyrophone_training::{DictionaryKey, Stage, Store, build};
+use pyrophone_training::{DictionaryKey, IMPULSIVE, Stage, Store, build};
 
 use super::Engine;
 use super::cache::DICTIONARIES;
@@ -563,7 +563,11 @@ impl Worker {
 
     fn send_dictionary(&mut self, dictionary: Arc<Dictionary>) {
         let amplitudes = shown_amplitudes(dictionary.distribution());
-        self.status.update(|view| view.amplitudes[0] = amplitudes);
+        let warning = dictionary.is_impulsive().then(|| IMPULSIVE.to_owned());
+        self.status.update(|view| {
+            view.amplitudes[0] = amplitudes;
+            view.notice = warning.or_else(|| view.notice.take());
+        });
         self.dictionary_is_sent = self.link.send(Update::Dictionary(Some(dictionary)));
     }
 

@@ -15,6 +15,7 @@ use std::sync::Arc;
 use crate::companding::loudnesses;
 use crate::error::in_range;
 use crate::extend;
+use crate::fuel;
 use crate::mix::{Layers, Mix};
 use crate::structure::Dynamics;
 use crate::texture::{Dictionary, Distribution, Extent, Match, Shape, offline};
@@ -74,6 +75,10 @@ pub struct Meters {
     pub vortex: f32,
     /// Crackle layer, after its level.
     pub crackle: f32,
+    /// Hiss layer, after its level.
+    pub hiss: f32,
+    /// Body layer, after its level.
+    pub body: f32,
     /// Output.
     pub output: f32,
     /// How far texture maps amplitudes now: scalingAlpha, less what a buzz takes where that is asked for.
@@ -318,12 +323,15 @@ impl Chain {
         }
     }
 
-    /// `controls` with the levels that bring the recording to the loudness asked for, and keep crackles below the ceiling.
+    /// `controls` with the levels that bring recording and fuel to the loudness asked for, and keep crackles below the ceiling.
     fn levelled(&self, controls: &Controls) -> Controls {
         let mut levelled = *controls;
-        let gain = self.voices[0].gain_to(controls.mix.loudness_lufs);
-        levelled.mix.texture *= gain;
-        levelled.mix.crackle *= gain;
+        let target_lufs = controls.mix.loudness_lufs;
+        let fuel_gain = fuel::gain_to(target_lufs);
+        levelled.mix.texture *= self.voices[0].gain_to(target_lufs);
+        levelled.mix.crackle *= self.voices[0].crackle_gain_to(target_lufs).unwrap_or(fuel_gain);
+        levelled.mix.hiss *= fuel_gain;
+        levelled.mix.body *= fuel_gain;
         if controls.mix.ceiling {
             levelled.crackle.highest_peak = HIGHEST_PEAK / (levelled.mix.crackle * levelled.mix.output).max(1e-9);
         }
@@ -450,6 +458,8 @@ impl Chain {
             texture: &heard.texture,
             vortex: &heard.vortex,
             crackle: &heard.crackle,
+            hiss: &heard.hiss,
+            body: &heard.body,
             dry: &self.dry,
         };
         let mut outputs: [&mut [f32]; MAX_CHANNELS] = Default::default();
@@ -462,6 +472,8 @@ impl Chain {
         self.meters.texture = self.meters.texture.max(peaks.texture as f32);
         self.meters.vortex = self.meters.vortex.max(peaks.vortex as f32);
         self.meters.crackle = self.meters.crackle.max(peaks.crackle as f32);
+        self.meters.hiss = self.meters.hiss.max(peaks.hiss as f32);
+        self.meters.body = self.meters.body.max(peaks.body as f32);
         self.meters.output = self.meters.output.max(peaks.output as f32);
         self.silent_samples = if peaks.output == 0.0 { self.silent_samples.saturating_add(samples) } else { 0 };
     }

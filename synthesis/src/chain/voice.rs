@@ -6,10 +6,11 @@ use super::delay::Delay;
 use super::vortex_layer::VortexLayer;
 use super::{CHUNK, Channels, Trace};
 use crate::companding::Companding;
-use crate::controls::{CrackleControls, DriveMode, TextureControls};
-use crate::crackle::Crackle;
+use crate::controls::{CrackleControls, DriveMode, Fuel, TextureControls};
+use crate::crackle::{Crackle, Crackles, Sources};
 use crate::drive::Drive;
 use crate::extend::Extend;
+use crate::fuel::{self, FuelNoise, NoiseLevels};
 use crate::smoothed::Smoothed;
 use crate::structure::Dynamics;
 use crate::texture::{Dictionary, Distribution, Shape, Texture};
@@ -28,21 +29,34 @@ pub struct VoiceLayers {
     pub vortex: Vec<Vec<f64>>,
     /// Crackle by channel.
     pub crackle: Vec<Vec<f64>>,
+    /// A fuel's hiss by channel.
+    pub hiss: Vec<Vec<f64>>,
+    /// A fuel's body by channel.
+    pub body: Vec<Vec<f64>>,
 }
 
 impl VoiceLayers {
     fn new(channels: usize) -> Self {
         let channel = || vec![0.0; CHUNK];
         let all = || (0..channels).map(|_| channel()).collect();
-        Self { low: channel(), extension: all(), texture: all(), vortex: all(), crackle: all() }
+        Self {
+            low: channel(),
+            extension: all(),
+            texture: all(),
+            vortex: all(),
+            crackle: all(),
+            hiss: all(),
+            body: all(),
+        }
     }
 
     /// Replaces these layers by `other` at the part that `ramp` tells for every sample, 0-1.
     pub fn fade_to(&mut self, other: &Self, samples: usize, ramp: impl Fn(usize) -> f64) {
         let channels = self.extension.iter_mut().chain(&mut self.texture).chain(&mut self.vortex);
-        let channels = channels.chain(&mut self.crackle).chain([&mut self.low]);
+        let channels = channels.chain(&mut self.crackle).chain(&mut self.hiss).chain(&mut self.body);
+        let channels = channels.chain([&mut self.low]);
         let others = other.extension.iter().chain(&other.texture).chain(&other.vortex);
-        let others = others.chain(&other.crackle).chain([&other.low]);
+        let others = others.chain(&other.crackle).chain(&other.hiss).chain(&other.body).chain([&other.low]);
         for (mine, theirs) in channels.zip(others) {
             for i in 0..samples {
                 let part = ramp(i);
@@ -67,6 +81,9 @@ const STAND_IN_LEVEL: f64 = 0.25;
 struct Companded {
     companding: Companding,
     crackle: Crackle,
+    /// Crackles of the fuels that burn.
+    fuels: Arc<[Crackles]>,
+    fuel_noise: FuelNoise,
     flat: Vec<f64>,
     loudness: Vec<f64>,
     /// Share of spectral extension in the texture layer: 1 as long as there is no recording.
@@ -104,6 +121,8 @@ impl Voice {
         let companded = (structure.dynamics == Dynamics::Companded).then(|| Companded {
             companding: Companding::new(sample_rate_hz, outputs, wait, latency, CHUNK),
             crackle: Crackle::new(sample_rate_hz, outputs, latency, CHUNK),
+            fuels: fuel::bank(sample_rate_hz),
+            fuel_noise: FuelNoise::new(sample_rate_hz, outputs, latency),
             flat: vec![0.0; CHUNK],
             loudness: vec![0.0; CHUNK],
             stand_in: Smoothed::new(STAND_IN_S, sample_rate_hz),
@@ -162,6 +181,7 @@ impl Voice {
         if let Some(companded) = &mut self.companded {
             companded.companding.reset(position);
             companded.crackle.reset(position);
+            companded.fuel_noise.reset(position);
             companded.is_fresh = true;
         }
         self.vortex.reset(position);
@@ -195,6 +215,11 @@ impl Voice {
         self.texture.profile().map_or(1.0, |profile| profile.gain_to(target_lufs))
     }
 
+    /// The same for crackles that are the recording's; none where they are a fuel's.
+    pub fn crackle_gain_to(&self, target_lufs: Option<f64>) -> Option<f64> {
+        self.texture.crackles().map(|_| self.gain_to(target_lufs))
+    }
+
     /// The drive's samples of the last chunk.
     pub fn drive_block(&self, samples: usize) -> &[f64] {
         &self.drive_block[..samples]
@@ -224,7 +249,7 @@ impl Voice {
 
     /// Processes one chunk of up to [`CHUNK`] samples into `layers`.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &Controls, samples: usize) {
-        let stands_in = self.stands_in();
+        let stands_in = self.stands_in() && controls.crackle.fuel == Fuel::Off;
         let drive = &mut self.drive_block[..samples];
         self.drive.process(main, sidechain, &controls.drive, drive);
 
@@ -260,6 +285,7 @@ impl Voice {
                 with_blocks(&mut self.layers.crackle, samples, |outputs| {
                     companded.crackle(&controls.crackle, &self.texture, outputs);
                 });
+                companded.fuel_noise(controls, [&mut self.layers.hiss, &mut self.layers.body], samples);
             }
         }
 
@@ -284,7 +310,7 @@ impl Voice {
 }
 
 impl Companded {
-    /// Lets spectral extension stand in for texture, so that an instance without a recording burns too.
+    /// Lets spectral extension stand in for texture, so that an instance without a recording and without a fuel burns too.
     fn stand_in(&mut self, stands_in: bool, layers: &mut VoiceLayers, samples: usize) {
         let share = f64::from(u8::from(stands_in));
         if std::mem::take(&mut self.is_fresh) {
@@ -309,7 +335,19 @@ impl Companded {
     /// One chunk of crackle, behind the same chunk of texture.
     fn crackle(&mut self, controls: &CrackleControls, texture: &Texture, outputs: &mut [&mut [f64]]) {
         let samples = outputs.first().map_or(0, |output| output.len());
-        self.crackle.process(self.companding.heard(samples), controls, texture.crackles(), outputs);
+        let sources = Sources { recording: texture.crackles(), fuels: &self.fuels };
+        self.crackle.process(self.companding.heard(samples), controls, &sources, outputs);
+    }
+
+    /// One chunk of a fuel's hiss and body, behind the same chunk of texture.
+    fn fuel_noise(&mut self, controls: &Controls, [hiss, body]: [&mut [Vec<f64>]; 2], samples: usize) {
+        let levels = NoiseLevels { hiss: controls.mix.hiss, body: controls.mix.body };
+        let loudness = self.companding.heard(samples);
+        with_blocks(hiss, samples, |hiss| {
+            with_blocks(body, samples, |body| {
+                self.fuel_noise.process(loudness, &controls.fuel, levels, hiss, body);
+            });
+        });
     }
 
     /// One chunk of texture in a world without slow loudness.

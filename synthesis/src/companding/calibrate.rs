@@ -1,4 +1,4 @@
-//! The level and the equaliser of a recording, found by a trial run with a drive that is like flames.
+//! The level, the equalisers and the stereo image of a recording, found by a trial run with a drive that is like flames.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -7,13 +7,14 @@ use rayon::prelude::*;
 
 use super::bands::{Power, distance_db, typical_third_octaves_db};
 use super::equalizer::{Equalizer, LIMIT_DB, design};
+use super::image::{Levels, side_of, side_taps};
 use super::level::NOMINAL;
 use super::{Companding, MATCH_FUTURE_S};
 use crate::Error;
 use crate::controls::{CompandingControls, DynamicRange, TextureControls};
 use crate::filter::{Section, section_gain};
 use crate::noise::White;
-use crate::texture::dictionary::{Dictionary, Progress};
+use crate::texture::dictionary::{Dictionary, Progress, mean_of};
 use crate::texture::engine::Texture;
 
 /// Length of a trial in seconds. The first finds the equaliser, the second tells whether it helps.
@@ -29,23 +30,28 @@ const STREAM: u32 = 0x464C_414D;
 /// Samples processed at once.
 const BLOCK: usize = 1024;
 
-/// Completes a companded `dictionary` whose recording's mean of channels is `recording`. Fails only when
-/// `progress` calls it off.
-pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progress<'_>) -> Result<Dictionary, Error> {
+/// Completes a companded `dictionary` of a recording's `channels`. Fails only when `progress` calls it off.
+pub fn calibrate(
+    mut dictionary: Dictionary,
+    channels: &[Vec<f64>],
+    progress: Progress<'_>,
+) -> Result<Dictionary, Error> {
     let rate_hz = dictionary.sample_rate_hz();
-    let goal = Power::of(recording, rate_hz);
+    let recording = mean_of(channels);
+    let goal = Power::of(&recording, rate_hz);
     let is_crackling = dictionary.crackles().is_some();
     // What is left of crackles, and of takes that differ, would raise a mean: a bed is as it mostly is.
     let levels_db = |signal: &[f64]| match is_crackling {
         true => typical_third_octaves_db(signal, rate_hz),
         false => Power::of(signal, rate_hz).third_octaves_db(rate_hz),
     };
-    let goal_db = levels_db(recording);
+    let goal_db = levels_db(&recording);
     let shared = Arc::new(dictionary);
     let trials: Vec<Trial> =
         SEEDS.par_iter().map(|seed| trial(&shared, *seed, progress)).collect::<Result<_, Error>>()?;
     let swell = trials.last().map_or(1.0, |trial| trial.swell);
-    let mut trials: Vec<Vec<f64>> = trials.into_iter().map(|trial| trial.output).collect();
+    let heard: Vec<Vec<Vec<f64>>> = trials.into_iter().map(|trial| trial.channels).collect();
+    let mut trials: Vec<Vec<f64>> = heard.iter().map(|channels| mean_of(channels)).collect();
     // The engine of each trial has given its reference back.
     let Some(inner) = Arc::into_inner(shared) else { return Err(Error::Cancelled) };
     dictionary = inner;
@@ -59,6 +65,13 @@ pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progre
     let gains: Vec<f64> =
         goal_db.iter().zip(&found_db).map(|(a, b)| (a - b - mean).clamp(-LIMIT_DB, LIMIT_DB)).collect();
     let taps = design(&gains, rate_hz);
+    let side_levels = |channels: &[Vec<f64>], mean_db: &[f64]| {
+        side_of(channels).map(|side| Levels { mean_db: mean_db.to_vec(), side_db: levels_db(&side) })
+    };
+    let side_taps = match (side_levels(channels, &goal_db), side_levels(&heard[0], &found_db)) {
+        (Some(goal), Some(found)) => side_taps(&goal, &found, rate_hz),
+        _ => Vec::new(),
+    };
     let plain = trials.pop().unwrap_or_default();
     let mut equalized = plain.clone();
     let mut equalizer = Equalizer::new(rate_hz, 1);
@@ -68,11 +81,11 @@ pub fn calibrate(mut dictionary: Dictionary, recording: &[f64], progress: Progre
     let helps = distance(&equalized) < distance(&plain);
     let (heard, taps) = if helps { (equalized, taps) } else { (plain, Vec::new()) };
     let level = match is_crackling {
-        true => typical_level(recording, &heard, swell, rate_hz),
-        false => rms(recording) / rms(&heard),
+        true => typical_level(&recording, &heard, swell, rate_hz),
+        false => rms(&recording) / rms(&heard),
     };
     let level = if level.is_finite() { level } else { 1.0 };
-    profile.set_calibration(level, taps);
+    profile.set_calibration(level, taps, side_taps);
     if let Some(crackles) = dictionary.crackles_mut() {
         let bed: Vec<f64> = heard.iter().map(|sample| sample * level / swell).collect();
         crackles.calibrate(&bed, rate_hz);
@@ -89,7 +102,7 @@ fn typical_level(recording: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> 
 
 /// What came of a trial.
 struct Trial {
-    output: Vec<f64>,
+    channels: Vec<Vec<f64>>,
     /// The median of the factor that the drive's loudness had.
     swell: f64,
 }
@@ -98,11 +111,13 @@ struct Trial {
 fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Result<Trial, Error> {
     let rate_hz = dictionary.sample_rate_hz();
     let drive = flame(rate_hz, seed);
-    let mut texture = Texture::new(dictionary.shape(), 1, rate_hz)?;
+    // Of more than two channels no image is matched.
+    let outputs = if dictionary.channels() == 2 { 2 } else { 1 };
+    let mut texture = Texture::new(dictionary.shape(), outputs, rate_hz)?;
     texture.swap_dictionary(Some(Arc::clone(dictionary)));
     let wait = (MATCH_FUTURE_S * rate_hz) as usize;
     let latency = wait + texture.latency_samples();
-    let mut companding = Companding::new(rate_hz, 1, wait, latency, BLOCK);
+    let mut companding = Companding::new(rate_hz, outputs, wait, latency, BLOCK);
     let controls = TextureControls {
         scaling_alpha: 0.0,
         dynamic_range: DynamicRange::Off,
@@ -111,24 +126,26 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
         ..TextureControls::default()
     };
     texture.reset(0);
-    let mut output = vec![0.0; drive.len()];
+    let mut channels = vec![vec![0.0; drive.len()]; outputs];
     let (mut flat, mut loudness) = (vec![0.0; BLOCK], vec![0.0; BLOCK]);
     let mut swells = Vec::with_capacity(drive.len() / BLOCK + 1);
-    for (number, (drive, output)) in drive.chunks(BLOCK).zip(output.chunks_mut(BLOCK)).enumerate() {
-        let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
+    for (number, drive) in drive.chunks(BLOCK).enumerate() {
+        let samples = drive.len();
+        let (flat, loudness) = (&mut flat[..samples], &mut loudness[..samples]);
         companding.flatten(drive, &controls, dictionary.profile(), flat, loudness);
-        texture.process(flat, Some(loudness), &controls, &mut [&mut *output]);
-        let samples = output.len();
-        companding.expand(dictionary.profile(), &mut [output]);
+        let mut blocks: Vec<&mut [f64]> =
+            channels.iter_mut().map(|channel| &mut channel[number * BLOCK..][..samples]).collect();
+        texture.process(flat, Some(loudness), &controls, &mut blocks);
+        companding.expand(dictionary.profile(), &mut blocks);
         swells.extend(companding.heard(samples).first().filter(|heard| **heard > 0.0));
         if !progress((number * BLOCK) as f32 / (TRIAL_S * rate_hz) as f32) {
             return Err(Error::Cancelled);
         }
     }
-    let output = output.split_off(latency.min(output.len()));
+    channels.iter_mut().for_each(|channel| drop(channel.drain(..latency.min(channel.len()))));
     swells.sort_by(f64::total_cmp);
     let median = swells.get(swells.len() / 2).copied().unwrap_or(1.0);
-    Ok(Trial { output, swell: median.powf(controls.companding.dynamics) })
+    Ok(Trial { channels, swell: median.powf(controls.companding.dynamics) })
 }
 
 /// Noise with the spectrum of a flame's pressure, which swells as flames do, at the nominal level.

@@ -21,12 +21,14 @@
 //! | [`calibrate`] | its level and equaliser, found by a trial run |
 //! | [`bands`] | spectra in third octaves |
 //! | [`equalizer`] | towards the recording's spectrum |
+//! | `image` | towards the recording's stereo image |
 //! | [`low_end`] | the drive's own low end |
 
 pub mod bands;
 pub mod calibrate;
 pub mod equalizer;
 pub mod frames;
+mod image;
 mod learn;
 pub mod level;
 pub mod low_end;
@@ -43,6 +45,7 @@ use crate::texture::Distribution;
 use crate::timeline::Timeline;
 use equalizer::Equalizer;
 use frames::{Kernel, Track, frame_samples};
+use image::Image;
 pub use learn::loudnesses;
 use level::{NOMINAL, RunningLevel};
 use low_end::LowEnd;
@@ -112,6 +115,8 @@ pub struct Companding {
     drive_block: Vec<f64>,
     timeline: Timeline<TextureControls>,
     equalizer: Equalizer,
+    /// Of two channels alone.
+    image: Option<Image>,
     /// Takes out what windows that change leave above a recording that is cut there.
     band_limit: Equalizer,
     low_end: LowEnd,
@@ -181,6 +186,7 @@ impl Companding {
             drive_block: vec![0.0; block],
             timeline: Timeline::new(latency_samples + 1, TextureControls::default()),
             equalizer: Equalizer::new(sample_rate_hz, channels),
+            image: (channels == 2).then(|| Image::new(sample_rate_hz, block)),
             band_limit: Equalizer::new(sample_rate_hz, channels),
             low_end: LowEnd::new(sample_rate_hz, channels),
             noise: White::new(UNDERTONE_SEED, UNDERTONE_STREAM),
@@ -215,6 +221,7 @@ impl Companding {
         self.drive.reset();
         self.timeline.reset(TextureControls::default());
         self.equalizer.reset();
+        self.image.iter_mut().for_each(Image::reset);
         self.band_limit.reset();
         self.low_end.reset();
         self.now = 0;
@@ -224,7 +231,8 @@ impl Companding {
 
     /// Samples for which it goes on after texture has fallen silent.
     pub fn tail_samples(&self) -> usize {
-        self.kernels[1].span() * self.frame_samples + 2 * self.equalizer.tail_samples()
+        let filters = 2 * self.equalizer.tail_samples() + self.image.as_ref().map_or(0, Image::tail_samples);
+        self.kernels[1].span() * self.frame_samples + filters
     }
 
     /// Takes the distribution of the drive's loudness, learned beforehand.
@@ -291,6 +299,7 @@ impl Companding {
         let mut drive = std::mem::take(&mut self.drive_block);
         self.drive.process(&mut drive[..samples]);
         let taps = profile.map_or(&[] as &[f64], |profile| &profile.taps);
+        let side_taps = profile.map_or(&[] as &[f64], |profile| &profile.side_taps);
         let mut start = 0;
         while start < samples {
             let (controls, end) = self.run(start, samples, self.latency_samples);
@@ -306,6 +315,9 @@ impl Companding {
             self.band_limit.process(limit_taps, 1.0, channels, start..end);
             let spectrum_match = within(controls.companding.spectrum_match, 0.0, 1.0);
             self.equalizer.process(taps, spectrum_match, channels, start..end);
+            if let Some(image) = &mut self.image {
+                image.process(side_taps, channels, start..end);
+            }
             self.low_end.aim(controls.companding.low_end_hz);
             for (i, drive) in drive.iter().enumerate().take(end).skip(start) {
                 self.low_end.process(*drive, channels, i);

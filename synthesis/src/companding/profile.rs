@@ -40,6 +40,8 @@ pub struct Profile {
     lufs: Option<f64>,
     /// Taps of the equaliser towards its spectrum; empty where that would not bring it nearer.
     pub(super) taps: Vec<f64>,
+    /// Taps that bring the difference of two channels to its level in the recording; empty where there is none.
+    pub(super) side_taps: Vec<f64>,
     /// Taps of the low-pass where the recording has one; else empty.
     pub(super) limit_taps: Vec<f64>,
 }
@@ -66,6 +68,7 @@ impl Profile {
             level: 1.0,
             lufs: None,
             taps: Vec::new(),
+            side_taps: Vec::new(),
             limit_taps: power.band_limit_hz().map_or_else(Vec::new, |hz| design_low_pass(hz, sample_rate_hz)),
         };
         for channel in channels.iter_mut() {
@@ -96,9 +99,10 @@ impl Profile {
     }
 
     /// Takes what a [calibration](super::calibrate) has found.
-    pub(super) fn set_calibration(&mut self, level: f64, taps: Vec<f64>) {
+    pub(super) fn set_calibration(&mut self, level: f64, taps: Vec<f64>, side_taps: Vec<f64>) {
         self.level = level;
         self.taps = taps;
+        self.side_taps = side_taps;
     }
 
     /// The factor that gives the sound around `sample` of the dictionary's arrays as much of its own
@@ -117,7 +121,8 @@ impl Profile {
 
     /// Bytes held, about.
     pub(crate) fn bytes(&self) -> usize {
-        (self.relative.len() + self.below.len() + self.taps.len() + self.limit_taps.len()) * size_of::<f64>()
+        let taps = self.taps.len() + self.side_taps.len() + self.limit_taps.len();
+        (self.relative.len() + self.below.len() + taps) * size_of::<f64>()
     }
 
     fn relative_at(&self, sample: f64) -> f64 {

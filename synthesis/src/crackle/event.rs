@@ -1,4 +1,4 @@
-//! A recording's crackles, ready to be played.
+//! Crackles of a recording or of a fuel, ready to be played.
 
 use bitcode::{Decode, Encode};
 
@@ -56,6 +56,38 @@ pub struct Summary {
     pub decay_s: f64,
 }
 
+/// Greatest deviation of a crackle each time that it is played, to both sides.
+#[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
+pub(crate) struct Variation {
+    /// Level in dB.
+    pub level_db: f64,
+    /// Playback rate, as a part of 1.
+    pub rate: f64,
+    /// Spectral tilt in dB.
+    pub tilt_db: f64,
+    /// Balance of two channels in dB.
+    pub balance_db: f64,
+}
+
+impl Variation {
+    /// Of recorded crackles: enough that none is heard twice, too little to change their kind.
+    pub const RECORDED: Self = Self { level_db: 1.5, rate: MOST_RATE, tilt_db: 1.0, balance_db: 1.5 };
+}
+
+/// Largest variation of the rate of a recorded crackle; a shorter one may vary further.
+pub(super) const MOST_RATE: f64 = 0.03;
+
+/// A crackle that was made, not recorded.
+#[derive(Debug, Clone)]
+pub(crate) struct Made {
+    /// Its first sample in the time that all of them take.
+    pub onset: usize,
+    /// Height over the softest in dB.
+    pub over_softest_db: f64,
+    /// Its wave, in one channel; not silent.
+    pub wave: Vec<f64>,
+}
+
 /// All crackles of a recording in order, and the runs that its time is cut into.
 #[derive(Debug, Clone, Encode, Decode)]
 pub struct Crackles {
@@ -73,6 +105,7 @@ pub struct Crackles {
     loud_per_s: f64,
     /// Part of the runs that are played at density 1.
     share: f64,
+    variation: Variation,
     summary: Summary,
 }
 
@@ -92,24 +125,44 @@ impl Crackles {
     /// Cuts the crackles `found` out of `waves`, what stood out of the bed by channel.
     pub(super) fn new(found: &[Found], waves: &[Vec<f64>], sample_rate_hz: f64) -> Self {
         let samples = waves.first().map_or(0, Vec::len);
-        let mut all = Self {
-            events: Vec::with_capacity(found.len()),
-            waves: Vec::new(),
-            channels: waves.len(),
-            run_samples: 1,
-            runs: Vec::new(),
-            median_peak: 0.0,
-            loud_per_s: loud(found) as f64 * sample_rate_hz / samples.max(1) as f64,
-            share: 1.0,
-            summary: Summary { per_second: 0.0, over_bed_db: 0.0, gap_variation: 0.0, centroid_hz: 0.0, decay_s: 0.0 },
-        };
+        let mut all = Self::empty(waves.len(), Variation::RECORDED);
+        all.loud_per_s = loud(found) as f64 * sample_rate_hz / samples.max(1) as f64;
         for crackle in found {
             all.cut(crackle, waves, sample_rate_hz);
         }
-        all.arrange(samples, sample_rate_hz);
-        all.summary = all.summarise(samples as f64 / sample_rate_hz, sample_rate_hz);
-        all.median_peak = median(all.events.iter().map(|event| event.peak));
+        all.finish(samples, sample_rate_hz);
         all
+    }
+
+    /// Takes crackles that were made, in order of their onsets, which lie below `samples`.
+    pub(crate) fn made(made: Vec<Made>, samples: usize, variation: Variation, sample_rate_hz: f64) -> Self {
+        let mut all = Self::empty(1, variation);
+        for Made { onset, over_softest_db, wave } in made {
+            all.push(onset, over_softest_db, &[wave], sample_rate_hz);
+        }
+        all.finish(samples, sample_rate_hz);
+        all
+    }
+
+    fn empty(channels: usize, variation: Variation) -> Self {
+        Self {
+            events: Vec::new(),
+            waves: Vec::new(),
+            channels,
+            run_samples: 1,
+            runs: Vec::new(),
+            median_peak: 0.0,
+            loud_per_s: 0.0,
+            share: 1.0,
+            variation,
+            summary: Summary { per_second: 0.0, over_bed_db: 0.0, gap_variation: 0.0, centroid_hz: 0.0, decay_s: 0.0 },
+        }
+    }
+
+    fn finish(&mut self, samples: usize, sample_rate_hz: f64) {
+        self.arrange(samples, sample_rate_hz);
+        self.summary = self.summarise(samples as f64 / sample_rate_hz, sample_rate_hz);
+        self.median_peak = median(self.events.iter().map(|event| event.peak));
     }
 
     /// Finds what part of the crackles gives as many loud ones over `bed`, what texture makes of the recording's at a steady
@@ -132,6 +185,11 @@ impl Crackles {
         self.share
     }
 
+    /// Greatest deviation of a crackle each time that it is played.
+    pub(super) fn variation(&self) -> Variation {
+        self.variation
+    }
+
     fn cut(&mut self, crackle: &Found, waves: &[Vec<f64>], sample_rate_hz: f64) {
         let fade = (FADE_S * sample_rate_hz).max(1.0);
         let len = crackle.end - crackle.start;
@@ -140,21 +198,26 @@ impl Crackles {
             .iter()
             .map(|wave| wave[crackle.start..crackle.end].iter().enumerate().map(|(i, x)| weight(i) * x).collect())
             .collect();
+        self.push(crackle.start, crackle.over_bed_db, &parts, sample_rate_hz);
+    }
+
+    /// Adds a crackle whose wave is `parts`, by channel, unless that is silent.
+    fn push(&mut self, onset: usize, over_bed_db: f64, parts: &[Vec<f64>], sample_rate_hz: f64) {
         let peak = parts.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
         if peak <= 0.0 {
             return;
         }
         let first = self.waves.len();
-        for part in &parts {
+        for part in parts {
             self.waves.extend(coefficients(part).iter().map(|x| *x as f32));
         }
         self.events.push(Event {
-            onset: crackle.start,
-            len,
+            onset,
+            len: parts.first().map_or(0, Vec::len),
             peak,
-            over_bed_db: crackle.over_bed_db,
-            centroid_hz: centroid_hz(&parts, sample_rate_hz),
-            decay_s: decay_s(&parts, sample_rate_hz),
+            over_bed_db,
+            centroid_hz: centroid_hz(parts, sample_rate_hz),
+            decay_s: decay_s(parts, sample_rate_hz),
             first,
         });
     }

@@ -1,6 +1,7 @@
 //! One crackle while it is played.
 
 use super::event::{Crackles, Event, PADDING};
+use super::source::{Source, Sources};
 
 /// Most channels of any bus.
 pub(super) const MOST_CHANNELS: usize = 10;
@@ -13,7 +14,8 @@ const TILT_HZ: f64 = 4000.0;
 /// How a crackle is to be played.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Play {
-    /// Place of the event.
+    /// Where its wave is, and the place of its event there.
+    pub source: Source,
     pub event: usize,
     /// Part of a sample by which it comes late.
     pub late: f64,
@@ -56,8 +58,9 @@ impl Grain {
     }
 
     /// Adds the next samples to `sums`, by channel of the output.
-    pub fn add(&mut self, crackles: &Crackles, tilt_step: f64, sums: &mut [&mut [i64]]) {
-        let Some(event) = crackles.events().get(self.play.event) else {
+    pub fn add(&mut self, sources: &Sources<'_>, tilt_step: f64, sums: &mut [&mut [i64]]) {
+        let crackles = sources.crackles(self.play.source);
+        let Some((crackles, event)) = crackles.and_then(|all| Some((all, all.events().get(self.play.event)?))) else {
             self.is_on = false;
             return;
         };

@@ -24,6 +24,7 @@
 //! | `background`, `stft` | the spectrum of what is between them |
 //! | `split` | takes a recording apart |
 //! | `event` | crackles ready to be played, and their figures |
+//! | `source` | what crackles: a recording, or a fuel ([`crate::fuel`]) where it has no crackles |
 //! | `schedule` | which is due when |
 //! | `grain` | one while it is played |
 
@@ -32,10 +33,14 @@ mod detect;
 mod event;
 mod grain;
 mod schedule;
+mod source;
 mod split;
 mod stft;
 
 pub use event::{Crackles, Event, Summary};
+pub(crate) use event::{Made, Variation};
+pub use source::Sources;
+pub(crate) use split::is_impulsive;
 pub use split::{Split, split};
 
 use crate::controls::CrackleControls;
@@ -43,6 +48,7 @@ use crate::error::within;
 use crate::timeline::Timeline;
 use grain::{Grain, MOST_CHANNELS, Play, tilt_step, value_of};
 use schedule::{Due, STREAMS, Schedule};
+use source::Source;
 
 /// Exponents of the drive's loudness in the density and in the level of crackles, where they follow it wholly.
 const DENSITY_EXPONENT: f64 = 1.0;
@@ -51,11 +57,6 @@ const LEVEL_EXPONENT: f64 = 0.5;
 const MEAN_EXPONENT: f64 = 0.77;
 /// Most crackles that sound at once; at 100 a second, 3 do.
 const GRAINS: usize = 64;
-/// How far crackles are varied: level in dB, rate, tilt in dB to each side, balance in dB.
-const LEVEL_DB: f64 = 1.5;
-const RATE: f64 = 0.03;
-const TILT_DB: f64 = 1.0;
-const BALANCE_DB: f64 = 1.5;
 /// Tilt in dB of sharpness 1, and the part of a crackle's decay in which it then falls by 1/e.
 const SHARP_DB: f64 = 6.0;
 const SHARP_DECAY: f64 = 1.0;
@@ -66,6 +67,9 @@ const PRIOR_S: f64 = 0.5;
 const LOUDEST: f64 = 30.0;
 const LEAST_MEAN: f64 = 1e-3;
 
+/// Longest time in seconds for which a crackle sounds, however slowly it is played.
+pub(crate) const LONGEST_S: f64 = detect::LONGEST_S * (1.0 + event::MOST_RATE) / (1.0 - event::MOST_RATE);
+
 /// The crackle layer.
 #[derive(Debug)]
 pub struct Crackle {
@@ -74,7 +78,8 @@ pub struct Crackle {
     latency_samples: i64,
     timeline: Timeline<CrackleControls>,
     schedule: Option<Schedule>,
-    seed: u32,
+    /// Seed and source of the schedule.
+    playing: (u32, Source),
     grains: Vec<Grain>,
     sums: Vec<Vec<i64>>,
     /// Sum of the drive's loudness so far and of what it counts, in samples, which forget by the factor `keep`.
@@ -94,7 +99,7 @@ impl Crackle {
             latency_samples: latency_samples as i64,
             timeline: Timeline::new(latency_samples + 1, CrackleControls::default()),
             schedule: None,
-            seed: 0,
+            playing: Default::default(),
             grains: vec![Grain::default(); GRAINS],
             sums: vec![vec![0; block]; channels.min(MOST_CHANNELS)],
             heard: [PRIOR_S * sample_rate_hz; 2],
@@ -111,7 +116,7 @@ impl Crackle {
 
     /// Samples for which it may sound after the drive has fallen silent.
     pub fn tail_samples(&self) -> usize {
-        (detect::LONGEST_S * (1.0 + RATE) / (1.0 - RATE) * self.sample_rate_hz).ceil() as usize
+        (LONGEST_S * self.sample_rate_hz).ceil() as usize
     }
 
     /// Back to silence; the next sample of the drive stands at `position` on the host's timeline.
@@ -135,7 +140,7 @@ impl Crackle {
         &mut self,
         loudness: &[f64],
         controls: &CrackleControls,
-        crackles: Option<&Crackles>,
+        sources: &Sources<'_>,
         outputs: &mut [&mut [f64]],
     ) {
         let samples = loudness.len();
@@ -144,9 +149,8 @@ impl Crackle {
         }
         self.timeline.push(*controls, samples);
         outputs.iter_mut().for_each(|output| output.fill(0.0));
-        if let Some(crackles) = crackles.filter(|crackles| !crackles.events().is_empty()) {
-            self.sums.iter_mut().for_each(|sums| sums[..samples].fill(0));
-            self.play(loudness, crackles);
+        self.sums.iter_mut().for_each(|sums| sums[..samples].fill(0));
+        if self.play(loudness, sources) {
             for (output, sums) in outputs.iter_mut().zip(&self.sums) {
                 output.iter_mut().zip(sums).for_each(|(out, sum)| *out = value_of(*sum));
             }
@@ -155,14 +159,36 @@ impl Crackle {
         self.now += samples as u64;
     }
 
-    fn play(&mut self, loudness: &[f64], crackles: &Crackles) {
+    /// Plays one block; answers whether anything can sound in it.
+    fn play(&mut self, loudness: &[f64], sources: &Sources<'_>) -> bool {
         let mut start = 0;
+        let mut sounds = false;
         while start < loudness.len() {
             let entered = (self.now + start as u64).saturating_sub(self.latency_samples as u64);
             let (controls, end) = self.timeline.run_at(entered);
             let until = (end.saturating_sub(entered)).min((loudness.len() - start) as u64) as usize;
-            self.play_run(start, start + until.max(1), &controls, loudness, crackles);
-            start += until.max(1);
+            let end = start + until.max(1);
+            if let Some((source, crackles)) = sources.choose(controls.fuel) {
+                self.follow(start, &controls, source, crackles);
+                self.play_run(start, end, &controls, loudness, (source, crackles), sources);
+                sounds = true;
+            } else if self.grains.iter().any(Grain::is_on) {
+                // A fuel that was switched off: what has begun ends by itself.
+                self.add_grains(start, end, sources);
+                sounds = true;
+            }
+            start = end;
+        }
+        sounds
+    }
+
+    /// Begins a schedule at sample `start` of a block where the seed or the source is another one.
+    fn follow(&mut self, start: usize, controls: &CrackleControls, source: Source, crackles: &Crackles) {
+        let playing = (controls.seed, source);
+        if self.schedule.is_none() || self.playing != playing {
+            let position = self.position.wrapping_add(start as i64);
+            self.schedule = Some(Schedule::new(controls.seed, crackles, position));
+            self.playing = playing;
         }
     }
 
@@ -173,25 +199,21 @@ impl Crackle {
         end: usize,
         controls: &CrackleControls,
         loudness: &[f64],
-        crackles: &Crackles,
+        playing: (Source, &Crackles),
+        sources: &Sources<'_>,
     ) {
-        if self.schedule.is_none() || self.seed != controls.seed {
-            let position = self.position.wrapping_add(start as i64);
-            self.schedule = Some(Schedule::new(controls.seed, crackles, position));
-            self.seed = controls.seed;
-        }
         let mut at = start;
         loop {
             let position = self.position.wrapping_add(at as i64);
             let Some(schedule) = &mut self.schedule else { return };
             let wait = schedule.wait(position).clamp(0, (end - at) as i64) as usize;
             if wait == 0 && at < end {
-                if let Some(due) = schedule.take(position, crackles) {
-                    self.begin(&due, controls, loudness[at], crackles);
+                if let Some(due) = schedule.take(position, playing.1) {
+                    self.begin(&due, controls, loudness[at], playing);
                 }
                 continue;
             }
-            self.add_grains(at, at + wait, crackles);
+            self.add_grains(at, at + wait, sources);
             self.hear(&loudness[at..at + wait]);
             at += wait;
             if at >= end {
@@ -208,19 +230,19 @@ impl Crackle {
         }
     }
 
-    fn add_grains(&mut self, start: usize, end: usize, crackles: &Crackles) {
+    fn add_grains(&mut self, start: usize, end: usize, sources: &Sources<'_>) {
         for grain in self.grains.iter_mut().filter(|grain| grain.is_on()) {
             let mut sums: [&mut [i64]; MOST_CHANNELS] = Default::default();
             let channels = self.sums.len();
             for (part, sums) in sums.iter_mut().zip(&mut self.sums) {
                 *part = &mut sums[start..end];
             }
-            grain.add(crackles, self.tilt_step, &mut sums[..channels]);
+            grain.add(sources, self.tilt_step, &mut sums[..channels]);
         }
     }
 
     /// Begins a crackle, if the drive is loud enough for it.
-    fn begin(&mut self, due: &Due, controls: &CrackleControls, loudness: f64, crackles: &Crackles) {
+    fn begin(&mut self, due: &Due, controls: &CrackleControls, loudness: f64, (source, crackles): (Source, &Crackles)) {
         let [sum, count] = self.heard;
         let mean = (sum / count).max(LEAST_MEAN);
         let loudness = within(loudness, 0.0, LOUDEST) / mean;
@@ -231,23 +253,24 @@ impl Crackle {
             return;
         }
         let Some(grain) = self.grains.iter_mut().find(|grain| !grain.is_on()) else { return };
-        let event = &crackles.events()[due.event];
+        let (event, variation) = (&crackles.events()[due.event], crackles.variation());
         let [late, rate, level, tilt, balance, ..] = due.draws;
         let sharpness = within(controls.sharpness, -1.0, 1.0);
         let spread = (event.peak / crackles.median_peak()).powf(within(controls.spread, 0.0, 2.0) - 1.0);
         let followed = mean.powf(MEAN_EXPONENT * follow) * loudness.powf(LEVEL_EXPONENT * follow);
-        let gain = spread * followed * factor(LEVEL_DB * level);
+        let gain = spread * followed * factor(variation.level_db * level);
         let gain = gain.min(within(controls.highest_peak, 0.0, f64::MAX) / event.peak);
-        let tilt = factor(TILT_DB * tilt + SHARP_DB * sharpness);
+        let tilt = factor(variation.tilt_db * tilt + SHARP_DB * sharpness);
         let shortened = sharpness.max(0.0) / (SHARP_DECAY * event.decay_s * self.sample_rate_hz).max(1.0);
         *grain = Grain::start(Play {
+            source,
             event: due.event,
             late: 0.5 + 0.5 * late,
-            rate: 1.0 + RATE * rate,
+            rate: 1.0 + variation.rate * rate,
             low: gain / tilt,
             high: gain * tilt,
             decay: (-shortened).exp(),
-            sides: [factor(BALANCE_DB * balance), factor(-BALANCE_DB * balance)],
+            sides: [factor(variation.balance_db * balance), factor(-variation.balance_db * balance)],
         });
     }
 }
@@ -260,7 +283,7 @@ fn play_steadily(crackles: &Crackles, seed: u32, samples: usize, sample_rate_hz:
     layer.reset(0);
     let mut heard = vec![0.0; samples];
     for block in heard.chunks_mut(BLOCK) {
-        layer.process(&[1.0; BLOCK][..block.len()], &controls, Some(crackles), &mut [block]);
+        layer.process(&[1.0; BLOCK][..block.len()], &controls, &Sources::of_recording(crackles), &mut [block]);
     }
     heard
 }

@@ -45,6 +45,12 @@ pub fn split(channels: &[Vec<f64>], sample_rate_hz: f64) -> Split {
     Split { bed, crackles: Some(Crackles::new(&found, &waves, sample_rate_hz)) }
 }
 
+/// Whether a recording has crackles: `channels` as [`split`] takes them.
+pub(crate) fn is_impulsive(channels: &[Vec<f64>], sample_rate_hz: f64) -> bool {
+    let samples = channels.first().map_or(0, Vec::len);
+    Crackles::are_heard(&crackles(channels, sample_rate_hz), samples, sample_rate_hz)
+}
+
 /// The bed of one channel, and what stood out of it.
 fn take_apart(signal: &[f64], found: &[Found], sample_rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
     let mut stft = Stft::new(sample_rate_hz);

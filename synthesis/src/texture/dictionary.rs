@@ -15,7 +15,7 @@ use super::shape::{Padding, Shape};
 use crate::Error;
 use crate::bulk::{Bulk, bulk_fields, read_array, write_array};
 use crate::companding::{Profile, calibrate};
-use crate::crackle::{Crackles, split};
+use crate::crackle::{Crackles, is_impulsive, split};
 use crate::loudness::integrated_lufs;
 use crate::structure::Dynamics;
 
@@ -69,6 +69,8 @@ pub struct Dictionary {
     profile: Option<Profile>,
     /// What was split off it before.
     crackles: Option<Crackles>,
+    /// Whether crackles are left in it.
+    is_impulsive: bool,
 }
 
 /// The part of the work after which a companded dictionary is ready for its trial run.
@@ -84,7 +86,10 @@ impl Dictionary {
         progress: Progress<'_>,
     ) -> Result<Self, Error> {
         match dynamics {
-            Dynamics::Paper => Self::new(channels, sample_rate_hz, shape, progress),
+            Dynamics::Paper => {
+                let dictionary = Self::new(channels, sample_rate_hz, shape, progress)?;
+                Ok(Self { is_impulsive: is_impulsive(channels, sample_rate_hz), ..dictionary })
+            }
             Dynamics::Companded => Self::companded(channels, sample_rate_hz, shape, progress),
         }
     }
@@ -99,8 +104,8 @@ impl Dictionary {
     ) -> Result<Self, Error> {
         check(channels, sample_rate_hz, shape)?;
         let parts = split(channels, sample_rate_hz);
-        let bed = mean_of(&parts.bed);
-        let mut flat = parts.bed;
+        let bed = parts.bed;
+        let mut flat = bed.clone();
         let mut profile = Profile::flatten(&mut flat, sample_rate_hz);
         let mut dictionary = Self::new(&flat, sample_rate_hz, shape, &|done| progress(INDEXED * done))?;
         profile.set_first(dictionary.first);
@@ -146,6 +151,7 @@ impl Dictionary {
             first: padding.start[0],
             profile: None,
             crackles: None,
+            is_impulsive: false,
         };
         let done = std::sync::Mutex::new(0.1f32);
         let indices = (0..shape.top()).into_par_iter().map(|level| {
@@ -229,6 +235,12 @@ impl Dictionary {
     /// The crackles that were split off it, if it has any.
     pub fn crackles(&self) -> Option<&Crackles> {
         self.crackles.as_ref()
+    }
+
+    /// Whether the recording has crackles that were left in it, for the paper's dynamics: its amplitudes spread so far that
+    /// mapping them onto a drive's lets one window repeat.
+    pub fn is_impulsive(&self) -> bool {
+        self.is_impulsive
     }
 
     /// The same, to be calibrated before the dictionary is shared.

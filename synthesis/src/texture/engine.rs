@@ -334,7 +334,13 @@ impl Texture {
             self.listen(controls.scaling_auto, last);
             done = end;
         }
-        self.scaling_alpha = controls.scaling_alpha * self.buzz.share();
+        self.scaling_alpha = controls.scaling_alpha * self.share();
+    }
+
+    /// Part of scalingAlpha that is left where it is turned down by itself: none over a recording that is bound to buzz.
+    fn share(&self) -> f64 {
+        let is_impulsive = self.dictionary.as_ref().is_some_and(|dictionary| dictionary.is_impulsive());
+        if is_impulsive && self.is_listening { 0.0 } else { self.buzz.share() }
     }
 
     /// Listens for a buzz in the synthesized sample `ready`, where that is asked for.
@@ -498,7 +504,12 @@ impl Texture {
         let coarse = &mut self.query[self.shape.causal_len()..];
         let mean = coarse.iter().map(|x| x.abs()).sum::<f64>() / coarse.len() as f64;
         let recording = dictionary.distribution();
-        let scaling_alpha = controls.scaling_alpha * if controls.scaling_auto { self.buzz.share() } else { 1.0 };
+        let share = match controls.scaling_auto {
+            true if dictionary.is_impulsive() => 0.0,
+            true => self.buzz.share(),
+            false => 1.0,
+        };
+        let scaling_alpha = controls.scaling_alpha * share;
         let factor = match (controls.dynamic_range, &self.learned) {
             (DynamicRange::Learned, Some(learned)) => {
                 feature_factor(mean, scaling_alpha, |a| learned.fraction(a), recording)

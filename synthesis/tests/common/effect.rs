@@ -7,7 +7,7 @@ use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
     CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
-    FlameControls, Flow, MixControls, Quality, TextureControls, VortexControls,
+    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, TextureControls, VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
@@ -105,6 +105,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
             max_pressure_pa: 1e-3,
         },
         crackle: CrackleControls {
+            fuel: Fuel::at(random.below(6)),
             density: 4.0 * random.unit(),
             sharpness: 2.0 * random.unit() - 1.0,
             spread: 2.0 * random.unit(),
@@ -112,12 +113,23 @@ pub fn any_controls(random: &mut Random) -> Controls {
             seed: random.below(3) as u32,
             highest_peak: f64::INFINITY,
         },
+        fuel: FuelControls {
+            fuel: Fuel::at(random.below(6)),
+            hiss_tone: 2.0 * random.unit() - 1.0,
+            hiss_flutter: random.unit(),
+            body_tone: 2.0 * random.unit() - 1.0,
+            body_flutter: random.unit(),
+            follow: 2.0 * random.unit(),
+            seed: random.below(3) as u32,
+        },
         mix: MixControls {
             low: level(random),
             extension: level(random),
             texture: level(random),
             vortex: level(random),
             crackle: level(random),
+            hiss: level(random),
+            body: level(random),
             width: random.unit(),
             output: level(random),
             loudness_lufs: (random.below(2) == 0).then(|| -40.0 * random.unit()),

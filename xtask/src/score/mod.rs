@@ -1,10 +1,20 @@
 //! `cargo xtask score`: how near the results come to their recordings, in figures.
 //!
 //! Every flame signal of the reference folder is played with every recording there through the built CLAP
-//! plugin, as a host does in real time, in both dynamics modes. The folder's own program scores the
-//! results; the table goes into docs/sound.md, pictures into target/demo.
+//! plugin, as a host does in real time, in both dynamics modes; and a rumble, the flames, speech and drums with every
+//! real recording. Each is begun at three places, since one draw decides nothing. The folder's own programs score the
+//! results; the tables go into docs/sound.md, pictures into target/demo.
+//!
+//! | module | does |
+//! |---|---|
+//! | `drives` | what drives the real recordings |
+//! | `real` | the real recordings |
+//! | `python` | runs the scoring programs |
+//! | `table` | the table of the pairs |
 
+mod drives;
 mod python;
+mod real;
 mod table;
 
 use std::path::{Path, PathBuf};
@@ -14,8 +24,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use anyhow::{Context, Result, bail, ensure};
 use pyrophone_host::Format;
 use pyrophone_host::bounce::BlockSize;
-use pyrophone_recording::write_wav_f32;
+use pyrophone_recording::{Recording, write_wav_f32};
 use pyrophone_settings::Automation;
+use serde_json::Value;
 
 use crate::bounce::{Request, load, play, preset, reference as reference_to};
 use crate::demo::comparisons::reference_folder;
@@ -26,13 +37,28 @@ use table::Scored;
 /// Options of `cargo xtask score`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The scoring program [default: tools/score.py beside the reference folder]
+    /// The scoring program [default: tools/score.py beside the reference folder]; crackle.py is expected beside it
     #[arg(long, value_name = "score.py")]
     program: Option<PathBuf>,
+    /// Score only one of the two tables; docs/sound.md is then left as it is
+    #[arg(long, value_enum)]
+    only: Option<Table>,
     /// Set a parameter in both modes; may be repeated. docs/sound.md is then left as it is
     #[arg(long = "set", value_name = "id=value")]
     settings: Vec<String>,
 }
+
+/// Tables of the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Table {
+    /// The flames and recordings of the paper
+    Pairs,
+    /// Real recordings
+    Real,
+}
+
+/// Samples of the input that are left out at its start, draw by draw.
+const OFFSETS: [usize; 3] = [0, 1237, 2941];
 
 /// The presets compared: the name in the table, the preset.
 const MODES: [(&str, &str); 2] = [("companded", "default"), ("paper", "texture")];
@@ -56,6 +82,38 @@ pub fn run(args: &Args) -> Result<()> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     }
 
+    let mut report = String::new();
+    if args.only != Some(Table::Real) {
+        report += &table::report(&pairs(args, &reference, &folder, &pictures, [&python, &program])?);
+    }
+    if args.only != Some(Table::Pairs) {
+        let crackle = program.with_file_name("crackle.py");
+        ensure!(crackle.is_file(), "{} is missing; it belongs beside the scoring program", crackle.display());
+        report += &real::report(&real::Place {
+            reference: &reference,
+            folder: &folder,
+            python: &python,
+            programs: [&program, &crackle],
+            settings: &args.settings,
+        })?;
+    }
+    println!("{report}");
+    if args.settings.is_empty() && args.only.is_none() {
+        let page = project::root().join("docs/sound.md");
+        table::write_between_markers(&page, &report)?;
+        println!("{}", page.display());
+    }
+    Ok(())
+}
+
+/// Plays and scores the paper's pairs.
+fn pairs(
+    args: &Args,
+    reference: &Path,
+    folder: &Path,
+    pictures: &Path,
+    [python, program]: [&Path; 2],
+) -> Result<Vec<Scored>> {
     let (inputs, trainings) = (sounds(&reference.join("signals"))?, sounds(&reference.join("training"))?);
     for (kind, paths) in [("input", &inputs), ("recording", &trainings)] {
         for (name, path) in paths {
@@ -68,41 +126,49 @@ pub fn run(args: &Args) -> Result<()> {
         for (training, training_path) in &trainings {
             for (mode, preset_name) in MODES {
                 let values = preset(preset_name, args.settings.iter().map(String::as_str))?;
-                let main = load(input_path, None)?;
-                let played = play(&Request {
-                    format: Format::Clap,
-                    values: &values,
-                    automation: &Automation::default(),
-                    main: &main,
-                    sidechain: &[],
-                    training: Some(reference_to(training_path)?),
-                    learned: None,
-                    block: BlockSize::Fixed(BLOCK),
-                    offline: false,
-                    reference_padding: false,
-                    output_channels: 1,
-                })?;
-                let name = format!("{input}-on-{training}-{mode}");
-                let output = folder.join(format!("{name}.wav"));
-                write_wav_f32(&output, &played.channels, main.sample_rate_hz)?;
-                spectrogram(&pictures.join(format!("{name}.png")), &played.channels, main.sample_rate_hz)?;
+                let mut draws = Vec::new();
+                for offset in OFFSETS {
+                    let main = later(&load(input_path, None)?, offset);
+                    let played = play(&Request {
+                        format: Format::Clap,
+                        values: &values,
+                        automation: &Automation::default(),
+                        main: &main,
+                        sidechain: &[],
+                        training: Some(reference_to(training_path)?),
+                        learned: None,
+                        block: BlockSize::Fixed(BLOCK),
+                        offline: false,
+                        reference_padding: false,
+                        output_channels: 1,
+                    })?;
+                    let name = format!("{input}-on-{training}-{mode}");
+                    let heard = folder.join(format!("{name}-{offset}.wav"));
+                    write_wav_f32(&heard, &played.channels, main.sample_rate_hz)?;
+                    let driven = folder.join(format!("{input}-{offset}.wav"));
+                    write_wav_f32(&driven, &main.channels, main.sample_rate_hz)?;
+                    if offset == OFFSETS[0] {
+                        let picture = pictures.join(format!("{name}.png"));
+                        spectrogram(&picture, &played.channels, main.sample_rate_hz)?;
+                    }
+                    draws.push([heard, driven]);
+                }
                 eprintln!("  {input} on {training}, {mode}");
                 let (input, training) = (input.clone(), training.clone());
-                jobs.push(Job { input, training, mode, output, paths: [input_path.clone(), training_path.clone()] });
+                jobs.push(Job { input, training, mode, draws, recording: training_path.clone() });
             }
         }
     }
     ensure!(!jobs.is_empty(), "{} holds no pairs", reference.display());
-    eprintln!("scoring {} results", jobs.len());
-    let scored = score(&jobs, &python, &program)?;
-    let report = table::report(&scored);
-    println!("{report}");
-    if args.settings.is_empty() {
-        let page = project::root().join("docs/sound.md");
-        table::write_between_markers(&page, &report)?;
-        println!("{}", page.display());
-    }
-    Ok(())
+    eprintln!("scoring {} results", jobs.len() * OFFSETS.len());
+    score(&jobs, python, program)
+}
+
+/// A sound without its first samples.
+fn later(sound: &Recording, offset: usize) -> Recording {
+    let mut later = sound.clone();
+    later.channels.iter_mut().for_each(|channel| drop(channel.drain(..offset.min(channel.len()))));
+    later
 }
 
 /// One result to be scored.
@@ -110,18 +176,20 @@ struct Job {
     input: String,
     training: String,
     mode: &'static str,
-    output: PathBuf,
-    /// Files of input and recording.
-    paths: [PathBuf; 2],
+    /// Files of output and input, draw by draw.
+    draws: Vec<[PathBuf; 2]>,
+    /// File of the recording.
+    recording: PathBuf,
 }
 
-/// The WAV files of a folder by name.
-fn sounds(folder: &Path) -> Result<Vec<(String, PathBuf)>> {
+/// The WAV and FLAC files of a folder by name.
+pub fn sounds(folder: &Path) -> Result<Vec<(String, PathBuf)>> {
     let entries = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     let mut found = Vec::new();
     for entry in entries {
         let path = entry?.path();
-        if let (true, Some(stem)) = (path.extension().is_some_and(|x| x == "wav"), path.file_stem()) {
+        let is_sound = path.extension().is_some_and(|extension| extension == "wav" || extension == "flac");
+        if let (true, Some(stem)) = (is_sound, path.file_stem()) {
             found.push((stem.to_string_lossy().into_owned(), path));
         }
     }
@@ -141,7 +209,10 @@ fn score(jobs: &[Job], python: &Path, program: &Path) -> Result<Vec<Scored>> {
                     let number = next.fetch_add(1, Ordering::Relaxed);
                     jobs.get(number).map(|job| (number, job))
                 } {
-                    let figures = python::score(python, program, &job.output, &job.paths);
+                    let figures = job.draws.iter().map(|[output, input]| {
+                        python::score(python, program, output, &[input.clone(), job.recording.clone()])
+                    });
+                    let figures: Result<Vec<Value>> = figures.collect();
                     results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((number, figures));
                 }
             });
@@ -154,7 +225,7 @@ fn score(jobs: &[Job], python: &Path, program: &Path) -> Result<Vec<Scored>> {
         .zip(jobs)
         .map(|((_, figures), job)| {
             let (input, training) = (job.input.clone(), job.training.clone());
-            Ok(Scored { input, training, mode: job.mode, figures: figures? })
+            Ok(Scored { input, training, mode: job.mode, draws: figures? })
         })
         .collect()
 }

@@ -1,4 +1,4 @@
-//! The scoring program: a Python that has what it needs, and one run.
+//! The scoring programs: a Python that has what they need, and one run.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,11 +6,11 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
-/// A Python with numpy and scipy: the system's, else one in a virtual environment in the target folder, which
+/// A Python with numpy, scipy and soundfile: the system's, else one in a virtual environment in the target folder, which
 /// is made where that is possible.
 pub fn with_scipy(target_dir: &Path) -> Result<PathBuf> {
     let ready = |python: &Path| {
-        let imported = Command::new(python).args(["-c", "import numpy, scipy"]).output();
+        let imported = Command::new(python).args(["-c", "import numpy, scipy, soundfile"]).output();
         imported.is_ok_and(|imported| imported.status.success())
     };
     let system = PathBuf::from("python3");
@@ -19,28 +19,35 @@ pub fn with_scipy(target_dir: &Path) -> Result<PathBuf> {
     if let Some(python) = [&system, &own].into_iter().find(|python| ready(python)) {
         return Ok(python.clone());
     }
-    eprintln!("making a Python environment with numpy and scipy in {}", folder.display());
+    eprintln!("making a Python environment with numpy, scipy and soundfile in {}", folder.display());
     let made = Command::new(&system).args(["-m", "venv"]).arg(&folder).status();
     if !made.is_ok_and(|status| status.success()) {
-        bail!("scoring needs Python 3 with numpy and scipy: apt-get install python3-numpy python3-scipy");
+        bail!(
+            "scoring needs Python 3 with numpy, scipy and soundfile: apt-get install python3-numpy python3-scipy python3-soundfile"
+        );
     }
-    let installed = Command::new(&own).args(["-m", "pip", "install", "--quiet", "numpy", "scipy"]).status()?;
-    ensure!(installed.success() && ready(&own), "pip could not install numpy and scipy; see above");
+    let installed =
+        Command::new(&own).args(["-m", "pip", "install", "--quiet", "numpy", "scipy", "soundfile"]).status()?;
+    ensure!(installed.success() && ready(&own), "pip could not install numpy, scipy and soundfile; see above");
     Ok(own)
 }
 
 /// The figures of one result, as the program tells them.
 pub fn score(python: &Path, program: &Path, output: &Path, [input, training]: &[PathBuf; 2]) -> Result<Value> {
-    let told = Command::new(python)
-        .arg(program)
-        .args(["--json", "--output"])
-        .arg(output)
-        .arg("--training")
-        .arg(training)
-        .arg("--input")
-        .arg(input)
-        .env("OMP_NUM_THREADS", "1")
-        .output()?;
+    run(Command::new(python).arg(program).arg("--input").arg(input), program, output, training)
+}
+
+/// Crackle, level and stereo of one result beside its recording, as their program tells them.
+pub fn crackle(python: &Path, program: &Path, output: &Path, training: &Path) -> Result<Value> {
+    run(Command::new(python).arg(program), program, output, training)
+}
+
+fn run(command: &mut Command, program: &Path, output: &Path, training: &Path) -> Result<Value> {
+    command.args(["--json", "--output"]).arg(output).arg("--training").arg(training).env("OMP_NUM_THREADS", "1");
+    let told = command.output()?;
     ensure!(told.status.success(), "{}: {}", program.display(), String::from_utf8_lossy(&told.stderr));
-    serde_json::from_slice(&told.stdout).with_context(|| format!("{} told no JSON", program.display()))
+    // Python writes numbers that are none as no JSON reader takes them.
+    let text = String::from_utf8_lossy(&told.stdout).replace("NaN", "null").replace("-Infinity", "null");
+    serde_json::from_str(&text.replace("Infinity", "null"))
+        .with_context(|| format!("{} told no JSON", program.display()))
 }

@@ -14,8 +14,8 @@ pub struct Scored {
     pub training: String,
     /// The dynamics mode.
     pub mode: &'static str,
-    /// Scores from the scoring program.
-    pub figures: Value,
+    /// What the scoring program told of each draw.
+    pub draws: Vec<Value>,
 }
 
 /// A figure of the table.
@@ -58,8 +58,13 @@ const fn column(title: &'static str, path: &'static str, straight: [f64; 2], all
 const TEXTURE: [(&str, f64); 3] = [("burning_brick", 1.7), ("dragon", 1.4), ("torch", 1.8)];
 
 impl Scored {
-    fn figure(&self, column: &Column) -> Option<f64> {
-        column.path.split('.').try_fold(&self.figures, |value, key| value.get(key))?.as_f64()
+    /// The mean of all draws, and half of what they differ by.
+    fn figure(&self, column: &Column) -> Option<(f64, f64)> {
+        let of = |draw: &Value| column.path.split('.').try_fold(draw, |value, key| value.get(key))?.as_f64();
+        let figures: Vec<f64> = self.draws.iter().filter_map(of).collect();
+        let mean = figures.iter().sum::<f64>() / figures.len() as f64;
+        let [low, high] = [f64::min, f64::max].map(|pick| figures.iter().copied().reduce(pick));
+        Some((mean, 0.5 * (high? - low?)))
     }
 
     fn range(&self, column: &Column) -> [f64; 2] {
@@ -71,7 +76,7 @@ impl Scored {
     }
 }
 
-/// A Markdown table for each mode, and the scores that miss their targets, which are bold.
+/// A Markdown table for each mode with the means of all draws, and the figures that miss their targets, which are bold.
 pub fn report(scored: &[Scored]) -> String {
     let mut text = String::new();
     let mut missed = Vec::new();
@@ -84,7 +89,7 @@ pub fn report(scored: &[Scored]) -> String {
             let _ = write!(text, "| {} on {} ", result.input, result.training);
             for column in &COLUMNS {
                 let [low, high] = result.range(column);
-                let Some(figure) = result.figure(column) else {
+                let Some((figure, spread)) = result.figure(column) else {
                     let _ = write!(text, "| – ");
                     continue;
                 };
@@ -96,12 +101,13 @@ pub fn report(scored: &[Scored]) -> String {
                         .iter()
                         .find(paper)
                         .and_then(|paper| paper.figure(column))
-                        .is_none_or(|paper| figure < paper);
+                        .is_none_or(|(paper, _)| figure < paper);
+                let spread = if result.draws.len() > 1 { format!(" ±{spread:.2}") } else { String::new() };
                 if mode == "companded" && !(figure >= low && figure <= high && nearer) {
                     missed.push(format!("{} on {}: {} {figure:.3}", result.input, result.training, column.title));
-                    let _ = write!(text, "| **{figure:.2}** ");
+                    let _ = write!(text, "| **{figure:.2}**{spread} ");
                 } else {
-                    let _ = write!(text, "| {figure:.2} ");
+                    let _ = write!(text, "| {figure:.2}{spread} ");
                 }
             }
             let _ = writeln!(text, "|");
@@ -136,15 +142,20 @@ mod tests {
             input: "dragon".into(),
             training: "dragon".into(),
             mode,
-            figures: serde_json::json!({
-                "texture_distance": {"overall_fixed": texture},
-                "follow": {"envelope_sync": sync},
-            }),
+            draws: [-0.1, 0.1]
+                .map(|change| {
+                    serde_json::json!({
+                        "texture_distance": {"overall_fixed": texture + change},
+                        "follow": {"envelope_sync": sync},
+                    })
+                })
+                .to_vec(),
         };
         let report_of = |texture, sync| report(&[scored("companded", texture, sync), scored("paper", 1.3, 0.1)]);
         assert!(report_of(1.2, 0.9).contains("Every score"));
         assert!(report_of(1.5, 0.9).contains("Short of their targets: dragon on dragon: texture 1.500."));
         assert!(report_of(1.35, 0.9).contains("texture 1.350"), "no nearer than the paper");
-        assert!(report_of(1.2, 0.5).contains("| **0.50** |"));
+        assert!(report_of(1.2, 0.5).contains("| **0.50** ±0.00 |"));
+        assert!(report_of(1.2, 0.9).contains("| 1.20 ±0.10 |"));
     }
 }
