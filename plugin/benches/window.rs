@@ -176,7 +176,7 @@ fn main() {
     println!("### The window, {}×{} points, {FRAMES_HZ} frames a second\n", SIZE.x, SIZE.y);
     println!("| page | median, ms | mean, ms | of a core |\n|---|---|---|---|");
     let (mut engine, mut vertices) = (Duration::ZERO, 0);
-    for page in [Page::Play, Page::Vortex, Page::Structure] {
+    for page in Page::ALL {
         screen.window.turn_to(page);
         let (mut contents, mut triangles) = (vec![], vec![]);
         for _ in 0..COUNTED {
@@ -193,6 +193,6 @@ fn main() {
     }
     println!(
         "\n{vertices} vertices. The engines beside it: {:.1} % of a core.",
-        100.0 * engine.as_secs_f64() / (3 * COUNTED) as f64 * FRAMES_HZ
+        100.0 * engine.as_secs_f64() / (Page::ALL.len() * COUNTED) as f64 * FRAMES_HZ
     );
 }

@@ -46,8 +46,8 @@ pub enum Listen {
     Recording,
 }
 
-/// Layers, in the order of the mix: low, extension, texture, vortex.
-pub const LAYERS: usize = 4;
+/// Layers, in the order of the mix: low, extension, texture, vortex, crackle.
+pub const LAYERS: usize = 5;
 
 #[derive(Debug, Default)]
 struct Shared {
@@ -109,7 +109,7 @@ impl ProbeIn {
     /// Takes the layers out that the window wants silent; real-time safe.
     pub fn hush(&self, mix: &mut MixControls) {
         let silenced = self.shared.silenced.load(Ordering::Relaxed);
-        let layers = [&mut mix.low, &mut mix.extension, &mut mix.texture, &mut mix.vortex];
+        let layers = [&mut mix.low, &mut mix.extension, &mut mix.texture, &mut mix.vortex, &mut mix.crackle];
         for (index, level) in layers.into_iter().enumerate() {
             if silenced & (1 << index) != 0 {
                 *level = 0.0;
@@ -237,16 +237,23 @@ mod tests {
     fn layers_are_silent_while_a_window_wants_it() {
         let (audio, window) = pair();
         let heard = || {
-            let mut mix = MixControls { low: 0.1, extension: 0.2, texture: 0.3, vortex: 0.4, ..MixControls::default() };
+            let mut mix = MixControls {
+                low: 0.1,
+                extension: 0.2,
+                texture: 0.3,
+                vortex: 0.4,
+                crackle: 0.5,
+                ..MixControls::default()
+            };
             audio.hush(&mut mix);
-            [mix.low, mix.extension, mix.texture, mix.vortex]
+            [mix.low, mix.extension, mix.texture, mix.vortex, mix.crackle]
         };
-        assert_eq!(heard(), [0.1, 0.2, 0.3, 0.4]);
+        assert_eq!(heard(), [0.1, 0.2, 0.3, 0.4, 0.5]);
         window.watch(true);
-        window.silence([true, false, true, false]);
-        assert_eq!(heard(), [0.0, 0.2, 0.0, 0.4]);
+        window.silence([true, false, true, false, true]);
+        assert_eq!(heard(), [0.0, 0.2, 0.0, 0.4, 0.0]);
         window.watch(false);
-        assert_eq!(heard(), [0.1, 0.2, 0.3, 0.4], "the window has gone");
+        assert_eq!(heard(), [0.1, 0.2, 0.3, 0.4, 0.5], "the window has gone");
     }
 
     #[test]

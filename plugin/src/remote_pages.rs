@@ -9,7 +9,20 @@ use crate::parameters::{EffectParams, Slot};
 type Page = (&'static str, [&'static str; 8]);
 
 /// From what is turned most to what is set once.
-pub const PAGES: [Page; 4] = [
+pub const PAGES: [Page; 5] = [
+    (
+        "Character",
+        [
+            "macro_size",
+            "macro_fury",
+            "macro_crackle",
+            "macro_sharpness",
+            "macro_hiss",
+            "macro_whoosh",
+            "macro_tightness",
+            "macro_distance",
+        ],
+    ),
     (
         "Fire",
         [
@@ -95,6 +108,6 @@ mod tests {
         }
         ids.sort_unstable();
         ids.dedup();
-        assert_eq!(ids.len(), 32);
+        assert_eq!(ids.len(), 40);
     }
 }

@@ -23,8 +23,21 @@ const MIGRATIONS: &[fn(&mut serde_json::Value)] = &[];
 const _: () = assert!(MIGRATIONS.len() as u64 == VERSION - 1, "each version needs its way to the next");
 
 /// Parameters that a plugin's state of an earlier version does not have, and the plain values that it was saved with.
-pub const EARLIER: &[(&str, f64)] =
-    &[("dynamics_mode", 0.0), ("scaling_auto", 0.0), ("ceiling", 0.0), ("loudness", -60.0)];
+pub const EARLIER: &[(&str, f64)] = &[
+    ("dynamics_mode", 0.0),
+    ("scaling_auto", 0.0),
+    ("ceiling", 0.0),
+    ("loudness", -60.0),
+    ("macro_size", 0.0),
+    ("macro_fury", 0.0),
+    ("macro_crackle", 0.0),
+    ("macro_sharpness", 0.0),
+    ("macro_hiss", 0.0),
+    ("macro_whoosh", 0.0),
+    ("macro_tightness", 0.0),
+    ("macro_distance", 0.0),
+    ("take", 0.0),
+];
 
 /// Most quantiles a learned distribution may have.
 pub const MAX_QUANTILES: usize = 65_536;

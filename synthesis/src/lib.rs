@@ -10,6 +10,7 @@
 //! | [`vortex`] | the whoosh of turbulent flow | Dobashi, Yamamoto & Nishita 2004 |
 //! | [`companding`] | texture in a world without slow loudness, the drive's put back | this project |
 //! | [`crackle`] | the recording's crackles, split off and played as the drive burns | this project |
+//! | [`tone`] | a tilt and two shelves on the sum | |
 //! | [`mix`] | layer levels, width, output level | |
 //! | [`chain`] | all of these, aligned, with transport and automation: the whole effect | |
 //!
@@ -37,6 +38,7 @@ mod smoothed;
 pub mod structure;
 pub mod texture;
 pub mod timeline;
+pub mod tone;
 pub mod vortex;
 
 pub use controls::Controls;

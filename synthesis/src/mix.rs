@@ -4,6 +4,7 @@ use crate::ceiling;
 use crate::controls::MixControls;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
+use crate::tone::Tone;
 use crate::vortex::Layout;
 
 /// Time constant in seconds with which levels follow their controls.
@@ -59,6 +60,7 @@ pub struct Mix {
     vortex: Smoothed,
     crackle: Smoothed,
     width: Smoothed,
+    tone: Tone,
     output: Smoothed,
     bypass: Smoothed,
     /// Samples mixed since reset.
@@ -79,6 +81,7 @@ impl Mix {
             vortex: smoothed,
             crackle: smoothed,
             width: smoothed,
+            tone: Tone::new(sample_rate_hz),
             output: smoothed,
             bypass: smoothed,
             now: 0,
@@ -89,6 +92,11 @@ impl Mix {
     pub fn reset(&mut self) {
         self.controls.reset(MixControls::default());
         self.now = 0;
+    }
+
+    /// Samples for which it sounds on after the layers have fallen silent.
+    pub fn tail_samples(&self, controls: &MixControls) -> usize {
+        self.tone.tail_samples(&controls.tone)
     }
 
     /// Mixes one block into `outputs`, whose channels are as long as the layers'. `controls` belong
@@ -122,6 +130,7 @@ impl Mix {
         self.vortex.value = controls.vortex;
         self.crackle.value = controls.crackle;
         self.width.value = controls.width;
+        self.tone.reset(&controls.tone);
         self.output.value = controls.output;
         self.bypass.value = f64::from(u8::from(controls.bypass));
     }
@@ -141,6 +150,7 @@ impl Mix {
         let vortex_level = self.vortex.next(controls.vortex);
         let crackle_level = self.crackle.next(controls.crackle);
         let width = self.width.next(controls.width);
+        self.tone.step(&controls.tone);
         let output_level = self.output.next(controls.output);
         let bypass = self.bypass.next(f64::from(u8::from(controls.bypass)));
         peaks.low = peaks.low.max(low.abs());
@@ -166,7 +176,7 @@ impl Mix {
             let crackle = narrow(layers.crackle, channel) * crackle_level;
             let extension = layers.extension[channel][i] * extension_level;
             let vortex = layers.vortex[channel][i] * vortex_level;
-            *wet = (low + extension + texture + vortex + crackle) * output_level;
+            *wet = self.tone.process(channel, low + extension + texture + vortex + crackle) * output_level;
             // A comparison with what is no number would leave it out.
             loudest = if wet.is_nan() { f64::NAN } else { wet.abs().max(loudest) };
             peaks.extension = peaks.extension.max(extension.abs());

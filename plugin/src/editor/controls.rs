@@ -1,4 +1,4 @@
-//! All parameters, group by group.
+//! The window's pages, and their parameters group by group.
 
 use std::sync::LazyLock;
 
@@ -9,46 +9,75 @@ use super::hand::Hand;
 use super::theme;
 use super::widgets::{KNOB, PICK_WIDTH, choice, knob, toggle};
 
-/// A page of parameters.
+/// A page of the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Page {
-    /// What most is played with.
+    /// What is played with: flame, layers, macros, takes.
     #[default]
     Play,
-    /// Vortex sound, and the flame that may move it.
-    Vortex,
-    /// What decides sizes and latency.
-    Structure,
+    /// What every engine does, and all its parameters.
+    Engines,
+    /// Vortex sound, and where it is.
+    Space,
+    /// What decides sizes and latency, and is set once.
+    Setup,
 }
 
 impl Page {
+    /// All pages, in the order in which they are shown.
+    pub const ALL: [Self; 4] = [Self::Play, Self::Engines, Self::Space, Self::Setup];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Play => "Play",
+            Self::Engines => "Engines",
+            Self::Space => "Space",
+            Self::Setup => "Setup",
+        }
+    }
+
+    /// What is on it.
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::Play => "What is played with: flame, layers, macros, takes",
+            Self::Engines => "What every engine does, and all its parameters",
+            Self::Space => "The whoosh of moving gas, and where it is",
+            Self::Setup => "Sizes of the engines, which decide latency; and what is set once",
+        }
+    }
+
     /// Its groups, with a word on what they do.
     fn groups(self) -> &'static [Group] {
         // Which parameter is where does not change: it is not looked up with every frame.
-        static PLAY: LazyLock<[Group; 6]> = LazyLock::new(|| {
+        static ENGINES: LazyLock<[Group; 6]> = LazyLock::new(|| {
             [
                 Group::new("Drive", "what goes in"),
                 Group::new("Levels", "what is heard"),
                 Group::new("Extension", "noise above the cutoff"),
-                Group::new("Flame", "what burns where nothing goes in (drive flame)"),
+                Group::new("Flame", "the built-in flame (drive flame)"),
                 Group::new("Texture", "fire from the recording"),
                 Group::new("Crackle", "the recording's crackles, split off the texture"),
             ]
         });
-        static VORTEX: LazyLock<[Group; 3]> = LazyLock::new(|| {
+        static SPACE: LazyLock<[Group; 3]> = LazyLock::new(|| {
             [
                 Group::new("Vortex", "the whoosh of turbulent gas"),
-                Group::new("Flame", "what burns where nothing goes in (drive flame), and moves the flow of fields"),
+                Group::new("Flame", "the built-in flame (drive flame), which moves the flow of fields"),
                 Group::new("Levels", "what is heard"),
             ]
         });
-        static STRUCTURE: LazyLock<[Group; 1]> = LazyLock::new(|| {
-            [Group::new("Structure", "sizes of the engines: a change restarts them and may change the latency")]
+        static SETUP: LazyLock<[Group; 2]> = LazyLock::new(|| {
+            [
+                Group::new("Structure", "sizes of the engines: a change restarts them and may change the latency"),
+                Group::new("Character", "macros and takes, as on the Play page"),
+            ]
         });
         match self {
-            Self::Play => &*PLAY,
-            Self::Vortex => &*VORTEX,
-            Self::Structure => &*STRUCTURE,
+            Self::Play => &[],
+            Self::Engines => &*ENGINES,
+            Self::Space => &*SPACE,
+            Self::Setup => &*SETUP,
         }
     }
 }

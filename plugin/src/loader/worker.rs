@@ -548,11 +548,15 @@ impl Worker {
             self.dictionary_is_sent = match (&self.dictionary, self.recording.as_ref().map(fitting)) {
                 (Some((key, dictionary)), Some(fitting)) if *key == fitting => {
                     let amplitudes = shown_amplitudes(dictionary.distribution());
-                    self.status.update(|view| view.amplitudes[0] = amplitudes);
+                    let crackles = dictionary.crackles().map(|crackles| crackles.summary().per_second as f32);
+                    self.status.update(|view| {
+                        view.amplitudes[0] = amplitudes;
+                        view.crackles_per_s = crackles;
+                    });
                     self.link.send(Update::Dictionary(Some(dictionary.clone())))
                 }
                 (None, _) => {
-                    self.status.update(|view| view.amplitudes[0] = None);
+                    self.status.update(|view| (view.amplitudes[0], view.crackles_per_s) = (None, None));
                     self.link.send(Update::Dictionary(None))
                 }
                 _ => false,

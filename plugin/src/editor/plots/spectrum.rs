@@ -115,7 +115,10 @@ impl Spectra {
             curve(&painter, &axes, &track.peak_db, Stroke::new(0.8, color.gamma_multiply(0.35)));
             curve(&painter, &axes, levels, Stroke::new(1.6, color));
         }
-        extension(ui, &painter, &axes, &drive, hand);
+        // Handles that move nothing would lie.
+        if hand.inert(Id::Alpha as usize).is_none() {
+            extension(ui, &painter, &axes, &drive, hand);
+        }
         told.show(ui, &painter, rect, hand);
         legend(&painter, rect, matched.as_ref().and_then(|(_, likeness)| *likeness), recording.is_some());
         read_out(ui, &painter, &axes, &drive, &output);
