@@ -1,37 +1,26 @@
 //! Every page at every size: no word is cut, and on the Play page none stands on another.
 
-use std::sync::Arc;
+mod common;
+#[path = "common/playing.rs"]
+mod playing;
+#[path = "common/screen.rs"]
+mod screen;
+
+use std::path::PathBuf;
 
 use egui::epaint::{ClippedShape, Shape, TextShape};
-use egui::{Context, Pos2, RawInput, Rect, Vec2};
-use nice_plug::prelude::*;
-use nice_plug_core::context::gui::{GuiContext, GuiContextInner};
+use egui::{Rect, Vec2};
+use playing::Playing;
 use pyrophone::Pyrophone;
-use pyrophone::editor::Window;
 use pyrophone::editor::controls::Page;
-use pyrophone_settings::index_of;
+use pyrophone_settings::table::DRIVE_MODES;
+use pyrophone_settings::{Values, index_of};
+use screen::Screen;
 
 const SIZES: [(f32, f32); 6] =
     [(700.0, 450.0), (800.0, 500.0), (1000.0, 700.0), (1100.0, 790.0), (1600.0, 1000.0), (3840.0, 2160.0)];
 /// Points by which glyphs may reach beyond their line.
 const SLACK: f32 = 1.5;
-
-/// A host that takes no notice.
-struct Host;
-
-impl GuiContextInner for Host {
-    fn plugin_api(&self) -> PluginApi {
-        PluginApi::Clap
-    }
-    unsafe fn raw_begin_set_parameter(&self, _: ParamPtr) {}
-    unsafe fn raw_set_parameter_normalized(&self, _: ParamPtr, _: f32) {}
-    unsafe fn raw_end_set_parameter(&self, _: ParamPtr) {}
-    fn get_state(&self) -> PluginState {
-        PluginState { version: String::new(), params: Default::default(), fields: Default::default() }
-    }
-    fn set_state(&self, _: PluginState) {}
-    fn request_restart(&self) {}
-}
 
 /// A word on the screen, and what is left of it to be seen.
 struct Word {
@@ -54,39 +43,15 @@ fn words(shapes: &[ClippedShape]) -> Vec<Word> {
         Word { text: text.galley.text().to_owned(), place, clip, is_elided }
     }
     let mut found = vec![];
-    shapes.iter().for_each(|ClippedShape { clip_rect, shape }| collect(shape, *clip_rect, &mut found));
+    shapes.iter().for_each(|ClippedShape { clip_rect, shape, .. }| collect(shape, *clip_rect, &mut found));
     found
 }
 
-struct Screen {
-    window: Window,
-    context: Context,
-}
-
-impl Screen {
-    fn new(plugin: &Pyrophone) -> Self {
-        let mut screen = Self { window: plugin.window(), context: Context::default() };
-        screen.window.open(&screen.context, GuiContext::new(Arc::new(Host)));
-        screen
-    }
-
-    /// The words of a page, once it has settled.
-    fn words(&mut self, page: Page, size: Vec2, scale: f32) -> Vec<Word> {
-        self.window.turn_to(page);
-        self.context.set_pixels_per_point(scale);
-        let mut found = vec![];
-        for frame in 0..4 {
-            let input = RawInput {
-                screen_rect: Some(Rect::from_min_size(Pos2::ZERO, size)),
-                time: Some(f64::from(frame) / 60.0),
-                focused: true,
-                ..RawInput::default()
-            };
-            let output = self.context.run_ui(input, |ui| self.window.show(ui));
-            found = words(&output.shapes);
-        }
-        found
-    }
+/// The words of a page, once it has settled.
+fn words_of(screen: &mut Screen, page: Page, size: Vec2, scale: f32) -> Vec<Word> {
+    screen.turn_to(page, size, scale);
+    (0..3).for_each(|_| drop(screen.draw()));
+    words(&screen.draw())
 }
 
 /// Pages that scroll may show a part of a line at their edges.
@@ -100,12 +65,12 @@ fn no_word_is_cut_and_none_stands_on_another() {
     let mut faults = vec![];
     for drive in ["pressure", "envelope", "input envelope", "flame"] {
         let slot = plugin.effect_params().slot(index_of("drive_mode").expect("known"));
-        let choice = pyrophone_settings::table::DRIVE_MODES.iter().position(|mode| *mode == drive).expect("known");
+        let choice = DRIVE_MODES.iter().position(|mode| *mode == drive).expect("known");
         slot.set_without_host(choice as f64);
-        let mut screen = Screen::new(&plugin);
+        let mut screen = Screen::new(plugin.window());
         for (size, scale) in SIZES.into_iter().flat_map(|size| [(size, 1.0), (size, 2.0)]) {
             for page in Page::ALL {
-                let words = screen.words(page, Vec2::new(size.0, size.1), scale);
+                let words = words_of(&mut screen, page, Vec2::new(size.0, size.1), scale);
                 assert!(words.len() > 20, "{page:?} is not drawn");
                 let case = format!("{page:?}, {drive}, {size:?} ×{scale}");
                 faults.extend(cut(page, &words).map(|what| format!("{case}: {what}")));
@@ -140,4 +105,46 @@ fn overlaps(words: &[Word]) -> impl Iterator<Item = String> {
     let pairs = words.iter().enumerate().flat_map(move |(n, a)| words[n + 1..].iter().map(move |b| (a, b)));
     let on_another = |(a, b): &(&Word, &Word)| a.place.shrink(SLACK).intersects(b.place.shrink(SLACK));
     pairs.filter(on_another).map(|(a, b)| format!("\"{}\" at {:?} on \"{}\" at {:?}", a.text, a.place, b.text, b.place))
+}
+
+/// Pictures of all pages while they play, to be looked at: `cargo test --test pages -- --ignored`.
+#[test]
+#[ignore = "writes pictures into the target folder, for people"]
+fn pictures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pages");
+    std::fs::create_dir_all(&out).expect("a folder");
+    let mut values = Values::default();
+    for (id, text) in [("extension_level", "-18"), ("vortex_level", "-20"), ("low_level", "-12"), ("macro_fury", "60")]
+    {
+        values.set_text(id, text).expect("known");
+    }
+    for (case, drive) in [("track", "pressure"), ("built-in", "flame")] {
+        let mut playing = Playing::new(folder.path());
+        values.set_text("drive_mode", drive).expect("known");
+        for (index, plain) in values.as_slice().iter().enumerate() {
+            playing.plugin.effect_params().slot(index).set_without_host(*plain);
+        }
+        playing.plugin.effect_params().takes.add();
+        for (width, height, scale) in
+            [(1000.0, 700.0, 1.0), (700.0, 450.0, 1.0), (1600.0, 1000.0, 1.0), (700.0, 450.0, 2.0)]
+        {
+            let mut screen = Screen::new(playing.plugin.window());
+            for page in Page::ALL {
+                screen.turn_to(page, Vec2::new(width, height), scale);
+                for _ in 0..if page == Page::Play { 360 } else { 3 } {
+                    playing.play_a_block();
+                    screen.draw();
+                }
+                screen.save(&out.join(format!("{case}-{page:?}-{width}x{height}@{scale}.png")));
+            }
+        }
+    }
+    let mut empty = Screen::new(Pyrophone::default().window());
+    for page in [Page::Play, Page::Engines] {
+        empty.turn_to(page, Vec2::new(1000.0, 700.0), 1.0);
+        (0..4).for_each(|_| drop(empty.draw()));
+        empty.save(&out.join(format!("empty-{page:?}.png")));
+    }
+    println!("{}", out.display());
 }

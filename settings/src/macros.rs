@@ -49,8 +49,8 @@ pub const MACROS: &[Macro] = &[
         figure: "low end: the spectrum's centroid falls",
         effects: &[
             effect(Target::Tilt, -12.0, 12.0),
-            effect(Target::CrackleSharpness, 0.4, -0.4),
-            effect(Target::CrackleSpread, -0.3, 0.3),
+            effect(Target::CrackleSharpness, 0.0, -0.4),
+            effect(Target::CrackleSpread, 0.0, 0.3),
             effect(Target::VortexSpeed, 0.4, -0.4),
             effect(Target::EnvelopeTimes, -1.0, 1.0),
         ],

@@ -67,11 +67,8 @@ impl Page {
                 Group::new("Levels", "what is heard"),
             ]
         });
-        static SETUP: LazyLock<[Group; 2]> = LazyLock::new(|| {
-            [
-                Group::new("Structure", "sizes of the engines: a change restarts them and may change the latency"),
-                Group::new("Character", "macros and takes, as on the Play page"),
-            ]
+        static SETUP: LazyLock<[Group; 1]> = LazyLock::new(|| {
+            [Group::new("Structure", "sizes of the engines: a change restarts them and may change the latency")]
         });
         match self {
             Self::Play => &[],
@@ -99,9 +96,12 @@ pub fn show(ui: &mut Ui, page: Page, hand: &mut Hand<'_>) {
                 width <= room
             });
             let (row, next) = rest.split_at(1 + more.count());
+            // What is left of the row is shared, so that all rows end alike.
+            let used: f32 = row.iter().map(Group::width).sum::<f32>() + SPACING * (row.len() - 1) as f32;
+            let spare = (room - used).max(0.0) / row.len() as f32;
             ui.horizontal_top(|ui| {
                 ui.spacing_mut().item_spacing.x = SPACING;
-                row.iter().for_each(|group| group.show(ui, room, hand));
+                row.iter().for_each(|group| group.show(ui, (group.width() + spare).min(room), hand));
             });
             rest = next;
         }
@@ -131,8 +131,8 @@ impl Group {
         2.0 * f32::from(MARGIN) + picks + self.knobs.len() as f32 * (KNOB.x + SPACING)
     }
 
-    fn show(&self, ui: &mut Ui, room: f32, hand: &mut Hand<'_>) {
-        let width = self.width().min(room) - 2.0 * f32::from(MARGIN);
+    fn show(&self, ui: &mut Ui, width: f32, hand: &mut Hand<'_>) {
+        let width = width - 2.0 * f32::from(MARGIN);
         Frame::new().fill(theme::PANEL).corner_radius(theme::ROUNDING).inner_margin(Margin::symmetric(MARGIN, 6)).show(
             ui,
             |ui| {

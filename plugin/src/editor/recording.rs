@@ -5,7 +5,7 @@ mod region;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use egui::{Button, DragValue, Label, Rect, RichText, StrokeKind, TextEdit, Ui, Vec2};
+use egui::{Button, DragValue, Label, Rect, RichText, ScrollArea, StrokeKind, TextEdit, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::Id;
 use pyrophone_settings::session::{Cut, MAX_CUT_GAIN_DB};
@@ -102,9 +102,14 @@ impl RecordingPanel {
 
     /// The panel, with the part that is learnt from in figures, and learning.
     pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut Hand<'_>, view: &View) {
-        ui.horizontal(|ui| self.loading(ui, loader, view));
-        ui.horizontal(|ui| self.cutting(ui, loader, view));
-        ui.horizontal(|ui| {
+        ScrollArea::vertical().id_salt("recording").auto_shrink(false).show(ui, |ui| self.rows(ui, loader, hand, view));
+    }
+
+    fn rows(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut Hand<'_>, view: &View) {
+        // Narrow windows break the rows, and scroll.
+        ui.horizontal_wrapped(|ui| self.loading(ui, loader, view));
+        ui.horizontal_wrapped(|ui| self.cutting(ui, loader, view));
+        ui.horizontal_wrapped(|ui| {
             self.learning(ui, loader, hand, view);
             if let Some(field) = &view.field {
                 ui.separator();
@@ -161,7 +166,7 @@ impl RecordingPanel {
 
     fn loading(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
         self.buttons(ui, loader, view);
-        let width = (ui.available_width() - 76.0).max(60.0);
+        let width = (ui.available_size_before_wrap().x - 76.0).max(70.0);
         let field = TextEdit::singleline(&mut self.path).hint_text("or the path of a sound file").desired_width(width);
         let typed = ui.add(field);
         map::note(ui, "field.Path", typed.rect);

@@ -14,7 +14,7 @@ use super::Parts;
 const GAP: f32 = 14.0;
 const ROOM_FOR_PAD: f32 = 440.0;
 /// Bounds of a dial's radius in points, and what its name and value need below it.
-const RADII: (f32, f32) = (13.0, 38.0);
+const RADII: (f32, f32) = (13.0, 54.0);
 const WORDS: f32 = 40.0;
 const PER_ROW: usize = 4;
 

@@ -73,7 +73,12 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
 }
 
 fn sources(ui: &mut Ui, rect: Rect, now: Source, hand: &mut Hand<'_>) {
-    for (place, (source, name, mode, hint)) in columns(rect, 3, 3.0).zip(Source::ALL) {
+    // As wide as their words need.
+    let cuts = [0.28, 0.67].map(|share| rect.left() + share * rect.width());
+    let (first, rest) = rect.split_left_right_at_x(cuts[0]);
+    let (second, third) = rest.split_left_right_at_x(cuts[1]);
+    let places = [first.with_max_x(first.right() - 2.0), second.with_max_x(second.right() - 2.0), third];
+    for (place, (source, name, mode, hint)) in places.into_iter().zip(Source::ALL) {
         let button = filled(ui, place, name, name, source == now, true);
         if button.on_hover_text(hint).clicked() && source != now {
             let mode = DRIVE_MODES.iter().position(|found| *found == mode).unwrap_or(0);
@@ -99,7 +104,7 @@ fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut Ha
 /// How the track's sound is taken.
 fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut Hand<'_>) {
     const KINDS: [(&str, &str); 3] =
-        [("pressure", "a flame's pressure"), ("flux", "a flame's flux"), ("input envelope", "any sound's loudness")];
+        [("pressure", "flame pressure"), ("flux", "flame flux"), ("input envelope", "any sound")];
     let mode = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize).copied().unwrap_or_default();
     let row = rect.with_max_y(rect.top() + ROW);
     let chosen = within(ui, row, "track", |ui| {
@@ -121,9 +126,9 @@ fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut Hand<'_>) {
     }
     let level = parts.levels.get(Meter::Input);
     let words = if parts.meters.input_cancels() {
-        ("The channels cancel each other: invert one, or use mono.", theme::ALARM)
+        ("Channels cancel: invert one, or use mono.", theme::ALARM)
     } else if level.held_db <= FLOOR_DB {
-        ("Nothing comes in. Play the track, press Burst, or take a built-in flame.", theme::WEAK)
+        ("Nothing comes in.", theme::WEAK)
     } else {
         ("", theme::WEAK)
     };
@@ -133,7 +138,7 @@ fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut Hand<'_>) {
 fn sidechain(ui: &mut Ui, rect: Rect, parts: &Parts<'_>) {
     let level = parts.levels.get(Meter::Sidechain);
     let words = if parts.meters.sidechain_channels() == 0 {
-        ("No sidechain connected: route a sound to this plug-in's sidechain in your host.", theme::ALARM)
+        ("No sidechain connected: route one in your host.", theme::ALARM)
     } else if level.held_db <= FLOOR_DB {
         ("The sidechain is silent.", theme::WEAK)
     } else {
@@ -205,7 +210,8 @@ fn tile(ui: &Ui, rect: Rect, scene: &str, is_chosen: bool) -> bool {
     let name_at = rect.center_bottom() - Vec2::new(0.0, 3.0);
     let name = painter.text(name_at, Align2::CENTER_BOTTOM, name, font, words);
     let room = rect.with_max_y(name.top() - 2.0).shrink2(Vec2::new(6.0, 4.0));
-    let size = Vec2::new(wide * room.width().min(room.height()) * 0.8, tall * room.height());
+    let height = room.height().min(1.5 * room.width());
+    let size = Vec2::new(0.7 * wide * room.width().min(height), tall * height);
     flame_shape(&painter.with_clip_rect(rect), room.center_bottom(), size, color);
     response.clicked()
 }

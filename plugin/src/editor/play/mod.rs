@@ -33,7 +33,7 @@ use pad::Pad;
 /// Between panels, in points.
 const GAP: f32 = 8.0;
 /// Shares of the page's width of the columns left and right, with their bounds in points.
-const LEFT: (f32, f32, f32) = (0.208, 156.0, 250.0);
+const LEFT: (f32, f32, f32) = (0.208, 164.0, 290.0);
 const RIGHT: (f32, f32, f32) = (0.236, 188.0, 300.0);
 /// Shares of the height of the upper row, and of the spectrogram in it.
 const UPPER: f32 = 0.55;

@@ -2,10 +2,14 @@
 
 use egui::{Align2, Button, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
+use pyrophone_settings::Id;
+use pyrophone_settings::table::DRIVE_MODES;
+
 use super::super::cure::Cure;
 use super::super::hand::Hand;
+use super::super::levels::{FLOOR_DB, Meter};
 use super::super::plots::spectrum::Told;
-use super::super::widgets::section::within;
+use super::super::widgets::section::{filled, within};
 use super::super::{map, theme};
 use super::Parts;
 use crate::analysis::bands::place;
@@ -31,8 +35,24 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
         let y = picture.bottom() - place(frequency_hz) as f32 * picture.height();
         readable(Pos2::new(picture.right() - 6.0, y), Align2::RIGHT_CENTER, name, theme::small(), theme::WEAK);
     }
+    light(ui, picture, parts, hand);
     let told = parts.told;
     within(ui, strip.shrink2(Vec2::new(9.0, 2.0)), "match", |ui| figures(ui, &told, hand));
+}
+
+/// A way to a fire where nothing comes in: the first thing that somebody sees who has just loaded the plug-in.
+fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut Hand<'_>) {
+    let is_silent = |meter| parts.levels.get(meter).held_db <= FLOOR_DB;
+    let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
+    if burns || ![Meter::Input, Meter::Drive, Meter::Output].into_iter().all(is_silent) {
+        return;
+    }
+    let place = Rect::from_center_size(rect.center(), Vec2::new(150.0, 26.0));
+    let button = filled(ui, place, "Light a built-in fire", "Light", false, true);
+    if button.on_hover_text("Nothing comes in. Burns a simulated campfire instead of the track.").clicked() {
+        let flame = DRIVE_MODES.iter().position(|mode| *mode == "flame").unwrap_or(0);
+        hand.set_once(Id::DriveMode as usize, flame as f64);
+    }
 }
 
 /// One line: a lamp, the figures, and where something is wrong what would help.

@@ -2,7 +2,9 @@
 
 use std::collections::VecDeque;
 
-use egui::{ComboBox, CursorIcon, Id as Place, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
+use egui::{
+    Align2, ComboBox, CursorIcon, Id as Place, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
+};
 use pyrophone_settings::macros::MACROS;
 
 use super::super::hand::Hand;
@@ -44,16 +46,18 @@ impl Pad {
     fn choices(&mut self, ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
         for (axis, place) in columns(rect, 2, 4.0).enumerate() {
             let before = self.axes[axis];
-            let sign = ["→", "↑"][axis];
-            within(ui, place, sign, |ui| {
-                let shown = RichText::new(format!("{sign} {}", MACROS[before].name)).font(theme::small());
-                let list = ComboBox::from_id_salt(("pad", axis)).width(place.width() - 6.0).truncate();
+            within(ui, place, ["across", "up"][axis], |ui| {
+                ui.spacing_mut().icon_width = 8.0;
+                ui.spacing_mut().button_padding.x = 4.0;
+                let shown = RichText::new(MACROS[before].name).font(theme::small());
+                let list = ComboBox::from_id_salt(("pad", axis)).width(place.width()).truncate();
                 let list = list.selected_text(shown).show_ui(ui, |ui| {
                     for (index, line) in MACROS.iter().enumerate() {
                         ui.selectable_value(&mut self.axes[axis], index, line.name);
                     }
                 });
                 map::note(ui, format_args!("pad axis {axis}"), list.response.rect);
+                list.response.on_hover_text(["What the pad moves across", "What the pad moves up and down"][axis]);
             });
             if self.axes[axis] != before {
                 self.let_go(hand);
@@ -113,6 +117,10 @@ impl Pad {
             painter.hline(pad.x_range(), pad.top() + share * pad.height(), rule);
         }
         painter.rect_stroke(pad, 4.0, Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
+        let names = self.axes.map(|axis| MACROS[axis].name);
+        let weak = theme::WEAK.gamma_multiply(0.7);
+        painter.text(pad.right_bottom() - Vec2::splat(5.0), Align2::RIGHT_BOTTOM, names[0], theme::small(), weak);
+        painter.text(pad.left_top() + Vec2::splat(5.0), Align2::LEFT_TOP, names[1], theme::small(), weak);
         let now = self.indices().map(|index| hand.value(index));
         if self.trail.back() != Some(&now) {
             if self.trail.len() == TRAIL {

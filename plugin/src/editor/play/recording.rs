@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>) {
             // From the right, so in reverse.
             parts.recording.buttons(ui, loader, view);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let name = view.recording.as_deref().unwrap_or("none");
+                let name = view.recording.as_deref().unwrap_or("none yet");
                 let color = if view.recording.is_some() { theme::TEXT } else { theme::WEAK };
                 let label = Label::new(RichText::new(name).font(theme::small()).color(color)).truncate();
                 ui.add(label).on_hover_text(name);

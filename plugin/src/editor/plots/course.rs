@@ -57,8 +57,8 @@ impl Course {
 
     /// Draws it alone.
     pub fn show_picture(&mut self, ui: &Ui, rect: Rect) {
-        // Nothing louder than -100 dB per Hz is silence, and stays dark.
-        let top_db = self.loudest_db.max(-100.0);
+        // Nothing louder than this is silence, and stays dark.
+        let top_db = self.loudest_db.max(FLOOR_DB + RANGE_DB);
         let picture = self.picture.get_or_insert_with(|| {
             let black = ColorImage::filled([COLUMNS, BANDS], theme::glow(0.0));
             ui.ctx().load_texture(self.name, black, TextureOptions::LINEAR)

@@ -135,7 +135,7 @@ fn grid(painter: &egui::Painter, axes: &Axes) {
         (1000.0, "1k"),
         (2000.0, "2k"),
         (5000.0, "5k"),
-        (10_000.0, "10k Hz"),
+        (10_000.0, "10k"),
     ] {
         let x = axes.x(frequency_hz);
         painter.line_segment([Pos2::new(x, axes.rect.top()), Pos2::new(x, axes.rect.bottom())], rule);
