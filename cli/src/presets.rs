@@ -11,6 +11,10 @@ use crate::summary::{json, print};
 #[derive(Serialize)]
 struct Listed {
     name: String,
+    /// Its name in words.
+    title: String,
+    /// Who made it; may be empty.
+    author: String,
     /// `factory` or `user`.
     origin: &'static str,
     /// Its file, where it is the user's.
@@ -57,7 +61,8 @@ pub fn run(as_json: bool) -> Result<(), Error> {
 impl Listed {
     fn new(preset: Preset, origin: &'static str, path: Option<String>) -> Self {
         let drive_mode = Id::DriveMode.parameter().to_text(preset.values.get(Id::DriveMode));
-        let Preset { name, description, tags, .. } = preset;
-        Self { name, origin, path, description, tags, drive_mode }
+        let title = preset.title().to_owned();
+        let Preset { name, author, description, tags, .. } = preset;
+        Self { name, title, author, origin, path, description, tags, drive_mode }
     }
 }

@@ -146,6 +146,9 @@ impl Audio {
         let samples = main.first().map_or(0, |channel| channel.len());
         let learns =
             self.link.shared.learning.load(Ordering::Relaxed) && (transport.playing || transport.position.is_none());
+        if learns {
+            self.link.shared.learned_samples.fetch_add(samples as u64, Ordering::Relaxed);
+        }
         let is_watched = self.probe.is_watched();
         let listen = self.probe.listen();
         if self.probe.is_burst_wanted() {

@@ -29,8 +29,11 @@ const ACTIVATION_WAIT: Duration = Duration::from_secs(2);
 /// renders at once has no other moment at which it could wait; longer than this and hosts take a plug-in for hung.
 const STATE_WAIT: Duration = Duration::from_secs(10);
 
-/// How often the window is asked to show new levels.
+/// How often the window is asked to show new levels while something sounds or plays, and once there has been nothing for
+/// as long as the pictures reach back.
 const METER_HZ: f32 = 30.0;
+const REST_HZ: f32 = 4.0;
+const REST_AFTER_S: f32 = 9.0;
 
 /// The effect.
 pub struct Pyrophone {
@@ -53,6 +56,8 @@ pub struct Pyrophone {
     states_seen: u64,
     /// Samples since the window was asked to show new levels.
     since_repaint: f32,
+    /// Samples for which nothing has sounded and the host has stood still.
+    rested_samples: u64,
 }
 
 /// What the framework's background thread does for an instance: nothing, see [`Fence`].
@@ -81,6 +86,7 @@ impl Default for Pyrophone {
             is_rate_refused: false,
             states_seen: 0,
             since_repaint: 0.0,
+            rested_samples: 0,
         }
     }
 }
@@ -156,6 +162,11 @@ impl Pyrophone {
     /// What the window sees of the sound.
     pub fn probe(&self) -> ProbeOut {
         self.probe.clone()
+    }
+
+    /// The parameters, which window and host share.
+    pub fn effect_params(&self) -> &EffectParams {
+        &self.params
     }
 
     /// What the editor shows in a window of the host.
@@ -237,6 +248,7 @@ impl Plugin for Pyrophone {
             sidechain: layout.aux_input_ports.first().map_or(0, |port| port.get() as usize),
             output: count(layout.main_output_channels),
         };
+        self.meters.set_sidechain(channels.sidechain as u32);
         let values = self.params.values();
         let sample_rate_hz = f64::from(config.sample_rate);
         self.sample_rate_hz = config.sample_rate;
@@ -288,6 +300,10 @@ impl Plugin for Pyrophone {
         };
         let transport = self.clock.transport(reported, samples);
         let sidechain = aux.inputs.first().map_or(&[] as &[_], |port| port.as_slice_immutable());
+        if self.audio.is_watched() {
+            let peak = sidechain.iter().flat_map(|channel| channel.iter()).fold(0.0f32, |peak, x| peak.max(x.abs()));
+            self.meters.sidechain.raise(peak);
+        }
         self.audio.process(buffer.as_slice(), sidechain, &values, transport);
 
         self.meters.publish(&self.audio.take_meters());
@@ -295,7 +311,14 @@ impl Plugin for Pyrophone {
             self.audio.tell_load(began.elapsed().as_secs_f32() * self.sample_rate_hz / samples.max(1) as f32);
         }
         self.since_repaint += samples as f32;
-        if self.since_repaint * METER_HZ >= self.sample_rate_hz && self.audio.is_watched() {
+        self.rested_samples = if self.audio.tail() == Tail::Over && !transport.playing {
+            self.rested_samples.saturating_add(samples as u64)
+        } else {
+            0
+        };
+        let is_resting = self.rested_samples as f32 >= REST_AFTER_S * self.sample_rate_hz;
+        let frames_hz = if is_resting { REST_HZ } else { METER_HZ };
+        if self.since_repaint * frames_hz >= self.sample_rate_hz && self.audio.is_watched() {
             self.since_repaint = 0.0;
             self.notifier.request_repaint();
         }

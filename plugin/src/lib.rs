@@ -9,6 +9,7 @@
 //! | [`audio`] | the engines, and their ends of the rings | the audio thread |
 //! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
 //! | [`persist`] | what a session keeps besides the parameters | any thread |
+//! | [`takes`] | the takes that were tried | any thread |
 //! | [`meters`] | levels for the editor | any thread |
 //! | [`probe`] | drive and output for the editor | from the audio thread to the window's |
 //! | [`analysis`] | spectra and outlines for the editor | the loader's and the window's |
@@ -28,5 +29,6 @@ pub mod parameters;
 pub mod persist;
 pub mod probe;
 pub mod remote_pages;
+pub mod takes;
 
 pub use effect::Pyrophone;

@@ -44,11 +44,14 @@ pub struct Meters {
     pub hiss: Peak,
     /// Body layer.
     pub body: Peak,
+    /// Sidechain.
+    pub sidechain: Peak,
     /// Output.
     pub output: Peak,
     cancels: AtomicBool,
     late_steps: AtomicU32,
     scaling_alpha_bits: AtomicU32,
+    sidechain_channels: AtomicU32,
     latency_samples: AtomicU32,
     sample_rate_bits: AtomicU32,
 }
@@ -89,6 +92,16 @@ impl Meters {
     /// Steps of the live gas that came too late since the activation.
     pub fn late_steps(&self) -> u32 {
         self.late_steps.load(Ordering::Relaxed)
+    }
+
+    /// Channels of the sidechain bus that the host has; 0 where it has none.
+    pub fn sidechain_channels(&self) -> u32 {
+        self.sidechain_channels.load(Ordering::Relaxed)
+    }
+
+    /// Takes over how many channels of a sidechain an activation has.
+    pub fn set_sidechain(&self, channels: u32) {
+        self.sidechain_channels.store(channels, Ordering::Relaxed);
     }
 
     /// Takes over what an activation has decided.

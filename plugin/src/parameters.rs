@@ -15,6 +15,7 @@ use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, host_order, index_
 use crate::editor::frame::WindowSize;
 use crate::entry::indication::Indications;
 use crate::persist::SessionStore;
+use crate::takes::Takes;
 
 /// One host parameter.
 pub enum Slot {
@@ -34,12 +35,15 @@ pub struct EffectParams {
     pub session: Arc<SessionStore>,
     /// The window's size.
     pub window: Arc<WindowSize>,
+    /// The takes that were tried.
+    pub takes: Takes,
     /// What the host says about them.
     pub indications: Indications,
 }
 
-/// Name of the window's size in the state.
+/// Names of the window's size and of the takes in the state.
 const WINDOW: &str = "window";
+const TAKES: &str = "takes";
 
 impl EffectParams {
     /// Parameters at their defaults.
@@ -48,6 +52,7 @@ impl EffectParams {
             slots: PARAMETERS.iter().map(Slot::new).collect(),
             session,
             window: Arc::default(),
+            takes: Takes::default(),
             indications: Indications::default(),
         }
     }
@@ -180,6 +185,7 @@ unsafe impl Params for EffectParams {
         BTreeMap::from([
             (session::FIELD.to_owned(), self.session.field().to_string()),
             (WINDOW.to_owned(), self.window.to_json()),
+            (TAKES.to_owned(), self.takes.to_json()),
         ])
     }
 
@@ -189,6 +195,9 @@ unsafe impl Params for EffectParams {
         }
         if let Some(size) = serialized.get(WINDOW) {
             self.window.read_json(size);
+        }
+        if let Some(takes) = serialized.get(TAKES) {
+            self.takes.read_json(takes);
         }
     }
 }

@@ -9,7 +9,20 @@ use crate::parameters::{EffectParams, Slot};
 type Page = (&'static str, [&'static str; 8]);
 
 /// From what is turned most to what is set once.
-pub const PAGES: [Page; 5] = [
+pub const PAGES: [Page; 6] = [
+    (
+        "Character",
+        [
+            "macro_size",
+            "macro_fury",
+            "macro_crackle",
+            "macro_sharpness",
+            "macro_hiss",
+            "macro_whoosh",
+            "macro_tightness",
+            "macro_distance",
+        ],
+    ),
     (
         "Fire",
         [

@@ -123,9 +123,18 @@ fn bad_values_are_brought_into_range_or_dropped() {
         "levels",
         "loudness",
         "low_level",
+        "macro_crackle",
+        "macro_distance",
+        "macro_fury",
+        "macro_hiss",
+        "macro_sharpness",
+        "macro_size",
+        "macro_tightness",
+        "macro_whoosh",
         "noise_amount",
         "quality",
         "scaling_auto",
+        "take",
         "window",
     ];
     assert_eq!(kept, known);

@@ -8,6 +8,7 @@
 pub mod automation;
 pub mod error;
 pub mod library;
+pub mod macros;
 mod names;
 pub mod parameter;
 pub mod preset;

@@ -13,6 +13,9 @@ pub const FOLDER_VARIABLE: &str = "PYROPHONE_PRESETS";
 /// How the names of presets' files end.
 const EXTENSION: &str = "toml";
 
+/// The file with the names of the presets that the user has marked.
+const FAVOURITES: &str = "favourites.txt";
+
 /// Files larger than this are no presets.
 const LARGEST_BYTES: u64 = 1 << 20;
 
@@ -133,6 +136,37 @@ impl Library {
         Ok(path)
     }
 
+    /// Removes a stored preset's file.
+    ///
+    /// # Errors
+    /// Where the file is no preset of this folder, or cannot be removed.
+    pub fn delete(&self, path: &Path) -> Result<(), Error> {
+        let refuse = |source| Error::FileWrite { path: path.to_owned(), source };
+        if path.parent() != Some(self.folder()) || path.extension().is_none_or(|found| found != EXTENSION) {
+            return Err(refuse(std::io::Error::other("it is no preset of this folder")));
+        }
+        fs::remove_file(path).map_err(refuse)
+    }
+
+    /// Names of the presets that the user has marked, as they were last kept; none where nothing was.
+    pub fn favourites(&self) -> Vec<String> {
+        let path = self.folder.join(FAVOURITES);
+        let is_fit = fs::metadata(&path).is_ok_and(|file| file.is_file() && file.len() <= LARGEST_BYTES);
+        let text = is_fit.then(|| fs::read_to_string(path).unwrap_or_default()).unwrap_or_default();
+        text.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect()
+    }
+
+    /// Keeps the names of the presets that the user has marked, one a line. The folder is made if need be.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn keep_favourites(&self, names: &[String]) -> Result<(), Error> {
+        let path = self.folder.join(FAVOURITES);
+        let text: String = names.iter().map(|name| format!("{name}\n")).collect();
+        let written = fs::create_dir_all(&self.folder).and_then(|()| fs::write(&path, text));
+        written.map_err(|source| Error::FileWrite { path, source })
+    }
+
     /// Gives a stored preset another name, in the file and as the file's. Fails as [`save`](Self::save) does; then it keeps its
     /// old one.
     pub fn rename(&self, path: &Path, name: &str) -> Result<PathBuf, Error> {
@@ -190,7 +224,8 @@ mod tests {
     fn preset(name: &str, alpha: f64) -> Preset {
         let mut values = Values::default();
         values.set(Id::Alpha as usize, alpha).expect("in range");
-        Preset { name: name.to_owned(), description: "one's own".to_owned(), tags: vec!["mine".to_owned()], values }
+        let (description, tags) = ("one's own".to_owned(), vec!["mine".to_owned()]);
+        Preset { name: name.to_owned(), description, tags, values, ..Preset::default() }
     }
 
     fn library() -> (tempfile::TempDir, Library) {
@@ -239,6 +274,33 @@ mod tests {
         assert_eq!(Preset::load(&path).expect("read"), preset("one", 2.0));
         library.save(&preset("one", 5.0), true).expect("replaced");
         assert_eq!(Preset::load(&path).expect("read"), preset("one", 5.0));
+    }
+
+    #[test]
+    fn deleting_takes_presets_of_the_folder_alone() {
+        let (folder, library) = library();
+        let one = library.save(&preset("one", 2.0), false).expect("saved");
+        let outside = folder.path().join("outside.toml");
+        fs::write(&outside, "").expect("written");
+        let notes = library.folder().join("notes.txt");
+        fs::write(&notes, "").expect("written");
+        for path in [&outside, &notes] {
+            assert!(library.delete(path).is_err() && path.exists());
+        }
+        library.delete(&one).expect("deleted");
+        assert!(!one.exists() && library.delete(&one).is_err());
+    }
+
+    #[test]
+    fn favourites_are_kept_by_name() {
+        let (_folder, library) = library();
+        assert!(library.favourites().is_empty());
+        let names = ["campfire".to_owned(), "Zündholz, nah".to_owned()];
+        library.keep_favourites(&names).expect("kept");
+        assert_eq!(library.favourites(), names);
+        assert_eq!(library.list().0, [], "they are no preset");
+        library.keep_favourites(&[]).expect("kept");
+        assert!(library.favourites().is_empty());
     }
 
     #[test]

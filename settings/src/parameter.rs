@@ -167,8 +167,11 @@ impl Parameter {
         if self.unit.is_empty() { number } else { format!("{number} {}", self.unit) }
     }
 
-    /// Text to a plain value, with or without the unit; `off` and `-inf` where it can be off.
-    /// Case and spaces do not count. A value outside the range is an error.
+    /// Text to a plain value, with or without the unit or a common multiple of it (`0.25k` and `0.3 kHz` for Hz, `20 ms`
+    /// for seconds); `off` and `-inf` where it can be off. Case and spaces do not count, a decimal comma does.
+    ///
+    /// # Errors
+    /// Where it is no value of this parameter, or one outside its range.
     pub fn parse(&self, text: &str) -> Result<f64, Error> {
         let trimmed = text.trim();
         let lower = trimmed.to_lowercase();
@@ -187,15 +190,40 @@ impl Parameter {
                 _ => Err(wrong()),
             },
             Kind::Float { low, off_at_low: true, .. } if matches!(without_unit, "off" | "-inf" | "-∞") => Ok(low),
-            Kind::Float { .. } => {
-                let number: f64 = without_unit.parse().map_err(|_| wrong())?;
-                if number.is_finite() { self.check(number) } else { Err(wrong()) }
-            }
-            Kind::Int { .. } => {
-                let number: f64 = without_unit.parse().map_err(|_| wrong())?;
-                if number.is_finite() && number.fract() == 0.0 { self.check(number) } else { Err(wrong()) }
-            }
+            Kind::Float { .. } => self.check(self.number(&lower).ok_or_else(wrong)?),
+            Kind::Int { .. } => match self.number(&lower) {
+                Some(number) if number.fract() == 0.0 => self.check(number),
+                _ => Err(wrong()),
+            },
         }
+    }
+
+    /// As [`parse`](Self::parse), but a value outside the range becomes the nearest one inside; whether it has.
+    ///
+    /// # Errors
+    /// Where it is no value of this parameter.
+    pub fn parse_nearest(&self, text: &str) -> Result<(f64, bool), Error> {
+        match (self.parse(text), self.number(&text.trim().to_lowercase())) {
+            (Err(Error::OutOfRange { .. }), Some(number)) => Ok((self.snap(number), true)),
+            (parsed, _) => parsed.map(|plain| (plain, false)),
+        }
+    }
+
+    /// A finite number in this parameter's unit, from lower-case text in it, in a multiple of it, or without any.
+    fn number(&self, text: &str) -> Option<f64> {
+        let multiples: &[(&str, f64)] = match self.unit {
+            "Hz" => &[("khz", 1e3), ("k", 1e3)],
+            "ms" => &[("s", 1e3)],
+            "s" => &[("ms", 1e-3)],
+            "m" => &[("cm", 1e-2), ("km", 1e3)],
+            _ => &[],
+        };
+        let own = self.unit.to_lowercase();
+        [(own.as_str(), 1.0)].iter().chain(multiples).chain(&[("", 1.0)]).find_map(|(unit, factor)| {
+            let digits = text.strip_suffix(unit)?.trim_end();
+            let number: f64 = digits.parse().or_else(|_| digits.replacen(',', ".", 1).parse()).ok()?;
+            number.is_finite().then_some(number * factor)
+        })
     }
 
     /// The error for a value of another kind.

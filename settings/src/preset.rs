@@ -3,6 +3,8 @@
 //! ```toml
 //! version = 2
 //! name = "extend"
+//! title = "Low flame, extended"
+//! author = "Pyrophone"
 //! description = "Spectral extension alone."
 //! tags = ["extension"]
 //!
@@ -57,6 +59,22 @@ pub const FACTORY: &[(&str, &str)] = &[
     ("swinging-torch", include_str!("../../presets/swinging-torch.toml")),
     ("texture", include_str!("../../presets/texture.toml")),
     ("texture-paper", include_str!("../../presets/texture-paper.toml")),
+    ("candle-close", include_str!("../../presets/candle-close.toml")),
+    ("match-strike", include_str!("../../presets/match-strike.toml")),
+    ("hearth", include_str!("../../presets/hearth.toml")),
+    ("bonfire", include_str!("../../presets/bonfire.toml")),
+    ("torch-pass-by", include_str!("../../presets/torch-pass-by.toml")),
+    ("flamethrower-burst", include_str!("../../presets/flamethrower-burst.toml")),
+    ("dragon-breath", include_str!("../../presets/dragon-breath.toml")),
+    ("jet-engine", include_str!("../../presets/jet-engine.toml")),
+    ("burning-house", include_str!("../../presets/burning-house.toml")),
+    ("explosion-tail", include_str!("../../presets/explosion-tail.toml")),
+    ("magic-fire", include_str!("../../presets/magic-fire.toml")),
+    ("embers", include_str!("../../presets/embers.toml")),
+    ("gas-burner", include_str!("../../presets/gas-burner.toml")),
+    ("blowtorch", include_str!("../../presets/blowtorch.toml")),
+    ("wildfire-far", include_str!("../../presets/wildfire-far.toml")),
+    ("drums-to-fire", include_str!("../../presets/drums-to-fire.toml")),
     ("paper-burning-brick", include_str!("../../presets/paper-burning-brick.toml")),
     ("paper-candle", include_str!("../../presets/paper-candle.toml")),
     ("paper-dragon", include_str!("../../presets/paper-dragon.toml")),
@@ -75,10 +93,14 @@ pub const FACTORY: &[(&str, &str)] = &[
 ];
 
 /// A named set of values.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Preset {
-    /// Its name.
+    /// Its name, by which it is found.
     pub name: String,
+    /// Its name in words; empty where that is the same.
+    pub title: String,
+    /// Who made it; may be empty.
+    pub author: String,
     /// What it is for.
     pub description: String,
     /// Words that it is found by.
@@ -92,6 +114,10 @@ pub struct Preset {
 struct File {
     version: i64,
     name: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    title: String,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    author: String,
     #[serde(default)]
     description: String,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -101,6 +127,11 @@ struct File {
 }
 
 impl Preset {
+    /// Its name as people read it.
+    pub fn title(&self) -> &str {
+        if self.title.is_empty() { &self.name } else { &self.title }
+    }
+
     /// The factory's preset of this name, else the one in the file of this path, else the user's of this name; else the
     /// factory's or the user's whose name differs in case or Unicode form only.
     pub fn find(name_or_path: &str) -> Result<Self, Error> {
@@ -150,7 +181,8 @@ impl Preset {
             let plain = plain_value(&PARAMETERS[index], value).map_err(in_preset)?;
             values.set(index, plain).map_err(in_preset)?;
         }
-        Ok(Self { name: file.name, description: file.description, tags: file.tags, values })
+        let File { name, title, author, description, tags, .. } = file;
+        Ok(Self { name, title, author, description, tags, values })
     }
 
     /// The preset as text, every parameter stated.
@@ -160,8 +192,8 @@ impl Preset {
             .zip(self.values.as_slice())
             .map(|(parameter, plain)| (parameter.id.to_owned(), toml_value(parameter, *plain)))
             .collect();
-        let (name, description, tags) = (self.name.clone(), self.description.clone(), self.tags.clone());
-        let file = File { version: VERSION, name, description, tags, parameters };
+        let Self { name, title, author, description, tags, .. } = self.clone();
+        let file = File { version: VERSION, name, title, author, description, tags, parameters };
         // Strings, numbers and booleans in a table always have a TOML form.
         toml::to_string(&file).unwrap_or_default()
     }

@@ -31,6 +31,15 @@ pub const EARLIER: &[(&str, f64)] = &[
     ("fuel", 0.0),
     ("hiss_level", -72.0),
     ("body_level", -72.0),
+    ("macro_size", 0.0),
+    ("macro_fury", 0.0),
+    ("macro_crackle", 0.0),
+    ("macro_sharpness", 0.0),
+    ("macro_hiss", 0.0),
+    ("macro_whoosh", 0.0),
+    ("macro_tightness", 0.0),
+    ("macro_distance", 0.0),
+    ("take", 0.0),
 ];
 
 /// Most quantiles a learned distribution may have.

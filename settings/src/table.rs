@@ -80,6 +80,16 @@ pub enum Id {
     BodyTone,
     BodyFlutter,
     FuelFollow,
+    MacroSize,
+    MacroFury,
+    MacroCrackle,
+    MacroSharpness,
+    MacroHiss,
+    MacroWhoosh,
+    MacroTightness,
+    MacroDistance,
+    Take,
+    TakeAmount,
 }
 
 /// Names of the values of `dynamic_range`.
@@ -107,6 +117,9 @@ const fn float(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> K
 const fn float_or_off(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> Kind {
     Kind::Float { low, high, default, skew, decimals, off_at_low: true }
 }
+
+/// Range of a macro.
+const AMOUNT: Kind = float(-100.0, 100.0, 0.0, 1.0, 1);
 
 const fn level(default: f64) -> Kind {
     float_or_off(-72.0, 24.0, default, 1.0, 2)
@@ -745,6 +758,96 @@ pub const PARAMETERS: &[Parameter] = &[
         None,
         "How far hiss and body become louder as the input does: 0 leaves them even.",
     ),
+    control(
+        "macro_size",
+        "Macro: Size",
+        "Character",
+        "%",
+        AMOUNT,
+        None,
+        "How large the fire is: large ones are deeper and slower. 0 % leaves all as it is set.",
+    ),
+    control(
+        "macro_fury",
+        "Macro: Fury",
+        "Character",
+        "%",
+        AMOUNT,
+        None,
+        "How wild the fire is: how far its loudness swings. 0 % leaves all as it is set.",
+    ),
+    control(
+        "macro_crackle",
+        "Macro: Crackle",
+        "Character",
+        "%",
+        AMOUNT,
+        None,
+        "How much it crackles: number and level of crackles. 0 % leaves all as it is set.",
+    ),
+    control(
+        "macro_sharpness",
+        "Macro: Sharpness",
+        "Character",
+        "%",
+        AMOUNT,
+        None,
+        "How sharp crackles are: from dull thuds of wet wood to dry snaps. 0 % leaves all as it is set.",
+    ),
+    control(
+        "macro_hiss",
+        "Macro: Hiss",
+        "Character",
+        "%",
+        AMOUNT,
+        None,
+        "How much it hisses: the sound of steam and small jets, above 6 kHz. 0 % leaves all as it is set.",
+    ),
+    control(
+        "macro_whoosh",
+        "Macro: Whoosh",
+        "Character",
+        "%",
+        AMOUNT,
+        None,
+        "How much moving gas is heard: vortex sound, added where its level is off. 0 % leaves all as it is set.",
+    ),
+    control(
+        "macro_tightness",
+        "Macro: Tightness",
+        "Character",
+        "%",
+        AMOUNT,
+        None,
+        "How closely the sound follows the flame's loudness, moment by moment. 0 % leaves all as it is set.",
+    ),
+    control(
+        "macro_distance",
+        "Macro: Distance",
+        "Character",
+        "%",
+        AMOUNT,
+        None,
+        "How far away the fire is: far ones are softer, duller and narrower. 0 % leaves all as it is set.",
+    ),
+    control(
+        "take",
+        "Take",
+        "Character",
+        "",
+        Kind::Int { low: 0, high: 65_535, default: 0 },
+        None,
+        "Number of the take: another one has the same character and other events; 0 plays the seeds as they are set.",
+    ),
+    control(
+        "take_amount",
+        "Take amount",
+        "Character",
+        "%",
+        float(0.0, 100.0, 50.0, 1.0, 1),
+        None,
+        "How far a take's texture may stray from the recording's nearest moments; noise, crackles and gas are other ones at once.",
+    ),
 ];
 
 /// Number of parameters.
@@ -758,8 +861,8 @@ impl Id {
 }
 
 /// Groups in the order in which hosts show them.
-const HOST_GROUPS: [&str; 9] =
-    ["Levels", "Drive", "Flame", "Texture", "Crackle", "Fuel", "Extension", "Vortex", "Structure"];
+const HOST_GROUPS: [&str; 10] =
+    ["Character", "Levels", "Drive", "Flame", "Texture", "Crackle", "Fuel", "Extension", "Vortex", "Structure"];
 
 /// Places in the table in the order in which hosts show the parameters: by group, bypass first, within a group as in
 /// the table.

@@ -3,12 +3,12 @@
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::{
     CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
-    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, TextureControls, VortexControls,
+    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, TextureControls, ToneControls, VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::vortex::shipped::OUTPUT_PER_PA;
 
-use crate::{COUNT, Error, Id, PARAMETERS, index_of};
+use crate::{COUNT, Error, Id, PARAMETERS, index_of, macros};
 
 /// Plain values of all parameters, each in its range and on its grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,10 +69,16 @@ impl Values {
         }
     }
 
-    /// What the engines may change while sound runs.
+    /// What the engines may change while sound runs, moved by the [macros](crate::macros).
     pub fn controls(&self) -> Controls {
+        let mut controls = self.controls_without_macros();
+        macros::apply(self, &mut controls);
+        controls
+    }
+
+    fn controls_without_macros(&self) -> Controls {
         let on = |id: Id| self.get(id) > 0.5;
-        let seed = self.get(Id::ExtensionSeed) as u32;
+        let seed = self.seed(Id::ExtensionSeed);
         Controls {
             drive: DriveControls {
                 mode: match self.get(Id::DriveMode) as usize {
@@ -83,6 +89,7 @@ impl Values {
                     _ => DriveMode::Flame,
                 },
                 gain: self.factor(Id::DriveGain),
+                swell: 0.0,
                 attack_s: self.get(Id::Attack) / 1000.0,
                 release_s: self.get(Id::Release) / 1000.0,
                 threshold: self.factor(Id::Threshold),
@@ -118,6 +125,8 @@ impl Values {
                     2 => Quality::Bounded { candidates: 4096 },
                     _ => Quality::Exact,
                 },
+                seed: self.seed(Id::Take),
+                variety: if self.get(Id::Take) == 0.0 { 0.0 } else { self.get(Id::TakeAmount) / 100.0 },
                 companding: CompandingControls {
                     dynamics: self.get(Id::Dynamics),
                     drive_match: self.factor(Id::DriveMatch),
@@ -132,7 +141,7 @@ impl Values {
                 sharpness: self.get(Id::CrackleSharpness),
                 spread: self.get(Id::CrackleSpread),
                 follow: self.get(Id::CrackleFollow),
-                seed: self.get(Id::CrackleSeed) as u32,
+                seed: self.seed(Id::CrackleSeed),
                 ..CrackleControls::default()
             },
             fuel: FuelControls {
@@ -153,6 +162,7 @@ impl Values {
                 hiss: self.factor(Id::HissLevel),
                 body: self.factor(Id::BodyLevel),
                 width: self.get(Id::TextureWidth),
+                tone: ToneControls::default(),
                 output: self.factor(Id::OutputLevel),
                 loudness_lufs: {
                     let plain = self.get(Id::Loudness);
@@ -186,7 +196,7 @@ impl Values {
             range: self.get(Id::VortexRange),
             variation: self.get(Id::VortexVariation),
             count: self.get(Id::VortexSources) as usize,
-            seed: self.get(Id::VortexSeed) as u32,
+            seed: self.seed(Id::VortexSeed),
             distance_m: self.get(Id::VortexDistance),
             spread_m: self.get(Id::VortexSpread),
             azimuth_deg: self.get(Id::VortexAzimuth),
@@ -200,7 +210,7 @@ impl Values {
 
     /// Whether vortex sound of the flow `live` is heard.
     pub fn is_live(&self) -> bool {
-        self.get(Id::VortexFlow) as usize == 2 && !Id::VortexLevel.parameter().is_off(self.get(Id::VortexLevel))
+        self.get(Id::VortexFlow) as usize == 2 && self.controls().mix.vortex != 0.0
     }
 
     /// What decides sizes and latency.
@@ -214,6 +224,13 @@ impl Values {
             fit_width_hz: self.get(Id::FitWidth),
             dynamics: if self.get(Id::DynamicsMode) < 0.5 { Dynamics::Paper } else { Dynamics::Companded },
         }
+    }
+
+    /// A seed, as take 0 has it or as another take makes of it.
+    fn seed(&self, id: Id) -> u32 {
+        let (seed, take) = (self.get(id) as u32, self.get(Id::Take) as u32);
+        // An odd factor makes a different number of every take; its bits are spread by the noise itself.
+        seed.wrapping_add(take.wrapping_mul(0x9E37_79B1))
     }
 
     /// A level in dB as a factor: exactly 1 at 0 dB, exactly 0 where it is off.

@@ -3,13 +3,14 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use pyrophone_settings::macros::MACROS;
 use pyrophone_settings::{Kind, PARAMETERS, Parameter};
 
 const BEGIN: &str = "<!-- parameters -->\n";
 const END: &str = "<!-- end of parameters -->";
 /// As the window has them.
-const GROUPS: [&str; 9] =
-    ["Drive", "Levels", "Extension", "Texture", "Crackle", "Fuel", "Flame", "Vortex", "Structure"];
+const GROUPS: [&str; 10] =
+    ["Character", "Drive", "Levels", "Extension", "Texture", "Crackle", "Fuel", "Flame", "Vortex", "Structure"];
 
 fn range(parameter: &Parameter) -> String {
     match parameter.kind {
@@ -45,19 +46,42 @@ fn list() -> String {
     text + "\n"
 }
 
+const MACROS_BEGIN: &str = "<!-- macros -->\n";
+const MACROS_END: &str = "<!-- end of macros -->";
+
+fn macros() -> String {
+    let mut text = "\n| macro | raises | moves, from -100 % to 100 % |\n|---|---|---|\n".to_owned();
+    for line in MACROS {
+        writeln!(text, "| {} | {} | {} |", line.name, line.figure, line.effects_in_words()).unwrap();
+    }
+    text + "\n"
+}
+
+#[test]
+fn the_manual_has_every_macro_as_it_is() {
+    check(MACROS_BEGIN, MACROS_END, &macros());
+}
+
 #[test]
 fn the_manual_has_every_parameter_as_it_is() {
     let groups: Vec<&str> = PARAMETERS.iter().map(|parameter| parameter.group).collect();
     assert!(groups.iter().all(|group| GROUPS.contains(group)), "a group is missing here: {groups:?}");
+    check(BEGIN, END, &list());
+}
+
+/// Compares what stands between two marks of the manual, or writes it.
+fn check(begin: &str, end: &str, list: &str) {
+    // Both tests may write the same file.
+    static ONE_AT_A_TIME: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/manual.md");
     let manual = std::fs::read_to_string(&path).expect("a manual");
     // Wherever it was checked out, lines end as here.
     let manual = manual.replace("\r\n", "\n");
-    let (before, rest) = manual.split_once(BEGIN).expect("the list's begin");
-    let (found, after) = rest.split_once(END).expect("the list's end");
-    let list = list();
+    let (before, rest) = manual.split_once(begin).expect("the list's begin");
+    let (found, after) = rest.split_once(end).expect("the list's end");
     if std::env::var_os("PYROPHONE_UPDATE").is_some() {
-        std::fs::write(&path, [before, BEGIN, &list, END, after].concat()).expect("a manual that can be written");
+        std::fs::write(&path, [before, begin, list, end, after].concat()).expect("a manual that can be written");
         return;
     }
     assert_eq!(found, list, "PYROPHONE_UPDATE=1 writes it anew");

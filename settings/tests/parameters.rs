@@ -99,6 +99,16 @@ fn every_id_is_at_its_place() {
         (Id::BodyTone, "body_tone"),
         (Id::BodyFlutter, "body_flutter"),
         (Id::FuelFollow, "fuel_follow"),
+        (Id::MacroSize, "macro_size"),
+        (Id::MacroFury, "macro_fury"),
+        (Id::MacroCrackle, "macro_crackle"),
+        (Id::MacroSharpness, "macro_sharpness"),
+        (Id::MacroHiss, "macro_hiss"),
+        (Id::MacroWhoosh, "macro_whoosh"),
+        (Id::MacroTightness, "macro_tightness"),
+        (Id::MacroDistance, "macro_distance"),
+        (Id::Take, "take"),
+        (Id::TakeAmount, "take_amount"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {
@@ -251,6 +261,31 @@ fn wrong_texts_name_the_remedy() {
     }
 }
 
+#[test]
+fn values_are_read_as_people_write_them() {
+    let read = |id: &str, text: &str| PARAMETERS[index_of(id).unwrap()].parse(text).ok();
+    for text in ["250", "250 Hz", "0.25k", "0.25 kHz", "0,25 KHZ", "250,0"] {
+        assert_eq!(read("cutoff", text), Some(250.0), "{text}");
+    }
+    assert_eq!(read("flame_offset", "20 ms"), Some(0.02));
+    assert_eq!(read("attack", "0.02 s"), Some(20.0));
+    assert_eq!(read("vortex_distance", "150 cm"), Some(1.5));
+    assert_eq!(read("extension_seed", "1,5"), None);
+    for text in ["1.2.3", "1,2,3", "k", "ms", "", "1e400"] {
+        assert_eq!(read("cutoff", text), None, "{text}");
+    }
+}
+
+#[test]
+fn what_is_too_large_or_too_small_becomes_the_nearest() {
+    let nearest = |id: &str, text: &str| PARAMETERS[index_of(id).unwrap()].parse_nearest(text).ok();
+    assert_eq!(nearest("cutoff", "5 kHz"), Some((1000.0, true)));
+    assert_eq!(nearest("cutoff", "-1"), Some((40.0, true)));
+    assert_eq!(nearest("cutoff", "0.1k"), Some((100.0, false)));
+    assert_eq!(nearest("low_level", "off"), Some((-72.0, false)));
+    assert_eq!(nearest("cutoff", "high"), None);
+}
+
 fn any_parameter() -> impl Strategy<Value = &'static Parameter> {
     (0..COUNT).prop_map(|index| &PARAMETERS[index])
 }
@@ -309,5 +344,5 @@ fn names_are_unique_and_every_group_has_its_place_with_hosts() {
     changes.dedup();
     let distinct: std::collections::HashSet<&str> = groups.iter().copied().collect();
     assert_eq!(changes.len(), distinct.len(), "each group stands together");
-    assert_eq!(changes[0], "Levels", "a group without a place would come first");
+    assert_eq!(changes[0], "Character", "a group without a place would come first");
 }

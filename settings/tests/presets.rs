@@ -130,7 +130,9 @@ proptest! {
             values.set_nearest(index, parameter.low() + share * (parameter.high() - parameter.low()));
         }
         let tags = vec!["loud".to_owned(), "a \"quoted\" one".to_owned()];
-        let preset = Preset { name, description: "a \"quoted\" one".to_owned(), tags, values };
+        let title = format!("{name}, in words");
+        let description = "a \"quoted\" one".to_owned();
+        let preset = Preset { name, title, author: "Somebody".to_owned(), description, tags, values };
         prop_assert_eq!(Preset::from_toml(&preset.to_toml(), "memory").unwrap(), preset);
     }
 }

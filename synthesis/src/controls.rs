@@ -67,6 +67,8 @@ pub struct DriveControls {
     pub mode: DriveMode,
     /// Level of the drive as a factor, 0 or more; it acts before the engines.
     pub gain: f64,
+    /// Exponent by which the drive's slow loudness varies more about its mean, -1 to 2; 0 leaves it alone.
+    pub swell: f64,
     /// Envelope attack in seconds, 0.0001-1.
     pub attack_s: f64,
     /// Envelope release in seconds, 0.001-5.
@@ -86,6 +88,7 @@ impl Default for DriveControls {
         Self {
             mode: DriveMode::Pressure,
             gain: 1.0,
+            swell: 0.0,
             attack_s: 0.005,
             release_s: 0.08,
             threshold: 0.001,
@@ -164,6 +167,11 @@ pub struct TextureControls {
     pub gate: f64,
     /// Bound on each search.
     pub quality: Quality,
+    /// Seed of the noise that [`variety`](Self::variety) adds.
+    pub seed: u32,
+    /// How far searches are led astray, 0-1, so that another seed finds other windows of the same kind: noise on what is
+    /// looked for, relative to its own root mean square. 0 finds the nearest, as the paper does.
+    pub variety: f64,
     /// What companding does; of no account in the paper's mode.
     pub companding: CompandingControls,
 }
@@ -176,6 +184,8 @@ impl Default for TextureControls {
             dynamic_range: DynamicRange::Running,
             gate: 1e-4,
             quality: Quality::default(),
+            seed: 0,
+            variety: 0.0,
             companding: CompandingControls::default(),
         }
     }
@@ -393,6 +403,25 @@ impl Default for CrackleControls {
     }
 }
 
+/// Tone of the whole effect: factors at or above 0, each 1 where it leaves the sound alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToneControls {
+    /// Factor below 700 Hz.
+    pub low: f64,
+    /// Factor above 700 Hz.
+    pub high: f64,
+    /// Factor above 2.5 kHz.
+    pub air: f64,
+    /// Factor above 6 kHz.
+    pub hiss: f64,
+}
+
+impl Default for ToneControls {
+    fn default() -> Self {
+        Self { low: 1.0, high: 1.0, air: 1.0, hiss: 1.0 }
+    }
+}
+
 /// Controls of [`crate::mix`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MixControls {
@@ -412,6 +441,8 @@ pub struct MixControls {
     pub body: f64,
     /// Stereo width of texture, crackle, hiss and body: 0 = mono, 1 = as recorded.
     pub width: f64,
+    /// Tone of the sum.
+    pub tone: ToneControls,
     /// Factor on the sum.
     pub output: f64,
     /// Loudness in LUFS that the recording is brought to in texture and crackle, and a fuel in crackle, hiss and body, in the
@@ -434,6 +465,7 @@ impl Default for MixControls {
             hiss: 0.0,
             body: 0.0,
             width: 1.0,
+            tone: ToneControls::default(),
             output: 1.0,
             loudness_lufs: None,
             ceiling: false,

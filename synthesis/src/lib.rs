@@ -11,6 +11,7 @@
 //! | [`companding`] | texture in a world without slow loudness, the drive's put back | this project |
 //! | [`crackle`] | the recording's crackles, split off and played as the drive burns | this project |
 //! | [`fuel`] | crackle, hiss and body of a fuel, without a recording | this project |
+//! | [`tone`] | a tilt and two shelves on the sum | |
 //! | [`mix`] | layer levels, width, output level | |
 //! | [`chain`] | all of these, aligned, with transport and automation: the whole effect | |
 //!
@@ -39,6 +40,7 @@ mod smoothed;
 pub mod structure;
 pub mod texture;
 pub mod timeline;
+pub mod tone;
 pub mod vortex;
 
 pub use controls::Controls;

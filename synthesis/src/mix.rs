@@ -4,6 +4,7 @@ use crate::ceiling;
 use crate::controls::MixControls;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
+use crate::tone::Tone;
 use crate::vortex::Layout;
 
 /// Time constant in seconds with which levels follow their controls.
@@ -69,6 +70,7 @@ pub struct Mix {
     hiss: Smoothed,
     body: Smoothed,
     width: Smoothed,
+    tone: Tone,
     output: Smoothed,
     bypass: Smoothed,
     /// Samples mixed since reset.
@@ -91,6 +93,7 @@ impl Mix {
             hiss: smoothed,
             body: smoothed,
             width: smoothed,
+            tone: Tone::new(sample_rate_hz),
             output: smoothed,
             bypass: smoothed,
             now: 0,
@@ -101,6 +104,11 @@ impl Mix {
     pub fn reset(&mut self) {
         self.controls.reset(MixControls::default());
         self.now = 0;
+    }
+
+    /// Samples for which it sounds on after the layers have fallen silent.
+    pub fn tail_samples(&self, controls: &MixControls) -> usize {
+        self.tone.tail_samples(&controls.tone)
     }
 
     /// Mixes one block into `outputs`, whose channels are as long as the layers'. `controls` belong
@@ -136,6 +144,7 @@ impl Mix {
         self.hiss.value = controls.hiss;
         self.body.value = controls.body;
         self.width.value = controls.width;
+        self.tone.reset(&controls.tone);
         self.output.value = controls.output;
         self.bypass.value = f64::from(u8::from(controls.bypass));
     }
@@ -156,6 +165,7 @@ impl Mix {
         let crackle_level = self.crackle.next(controls.crackle);
         let [hiss_level, body_level] = [self.hiss.next(controls.hiss), self.body.next(controls.body)];
         let width = self.width.next(controls.width);
+        self.tone.step(&controls.tone);
         let output_level = self.output.next(controls.output);
         let bypass = self.bypass.next(f64::from(u8::from(controls.bypass)));
         peaks.low = peaks.low.max(low.abs());
@@ -183,7 +193,8 @@ impl Mix {
             let vortex = layers.vortex[channel][i] * vortex_level;
             let [hiss, body] = [(layers.hiss, hiss_level), (layers.body, body_level)]
                 .map(|(layer, level)| if level == 0.0 { 0.0 } else { narrow(layer, channel) * level });
-            *wet = (low + extension + texture + vortex + crackle + hiss + body) * output_level;
+            let sum = low + extension + texture + vortex + crackle + hiss + body;
+            *wet = self.tone.process(channel, sum) * output_level;
             // A comparison with what is no number would leave it out.
             loudest = if wet.is_nan() { f64::NAN } else { wet.abs().max(loudest) };
             peaks.extension = peaks.extension.max(extension.abs());

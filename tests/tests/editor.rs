@@ -30,7 +30,8 @@ fn does_all_that_a_hand_can_do() {
 fn try_format(desk: &Desk, format: Format) {
     let path = recording(desk.folder(), "campfire.wav", 2, 150_000);
     let mut plugin = open(format);
-    load_session(plugin.as_mut(), &preset("default", &[]), &session(Some(&path), None));
+    // Extension sounds, so that its parameters have an effect and can be dragged.
+    load_session(plugin.as_mut(), &preset("default", &[("extension_level", "-12")]), &session(Some(&path), None));
     await_recording(plugin.as_mut(), RATE_HZ, STEREO);
     let mut live = Live::start(plugin, RATE_HZ, STEREO);
     let input = flame(81, 2, 4096);
@@ -51,6 +52,8 @@ fn try_format(desk: &Desk, format: Format) {
     let mut hand = Hand::new(desk, window, &mut live, position);
     hand.settle();
     hand.photograph(&format!("{format}-opened"));
+    try_play(&mut hand, format);
+    hand.click("button.Engines");
     try_knob_and_values(&mut hand, format);
     try_handles(&mut hand, format);
     try_switches(&mut hand);
@@ -115,6 +118,37 @@ fn await_size(
         window.run_for(plugin, Duration::from_millis(20));
         desk.map().is_some_and(|map| map.size == size)
     });
+}
+
+/// Macros, faders, the pad and takes on the first page.
+fn try_play(hand: &mut Hand<'_>, format: Format) {
+    hand.try_often("macro_size", |hand| hand.drag("knob.macro_size", (0, -40)), |x| x != 0.0);
+    hand.expect("macro_size", "dragged", |x| x > 20.0);
+    hand.click("button.Undo");
+    hand.expect("macro_size", "undone", |x| x == 0.0);
+    hand.click_into("value.macro_hiss");
+    hand.write("250");
+    hand.press(RETURN);
+    hand.expect("macro_hiss", "typed beyond its end", |x| x == 100.0);
+    hand.photograph(&format!("{format}-beyond-the-end"));
+    let output = hand.value("output_level");
+    hand.try_often("output_level", |hand| hand.drag("fader.output_level", (0, 30)), |x| x != output);
+    hand.expect("output_level", "pulled down", |x| x < output - 3.0);
+    hand.try_often("macro_fury", |hand| hand.drag("pad", (20, -20)), |x| x != 0.0);
+    hand.expect("macro_fury", "moved on the pad", |x| x > 0.0);
+    hand.expect("macro_crackle", "moved on the pad", |x| x > 0.0);
+    hand.click("button.New take");
+    hand.expect("take", "a new one", |x| x > 0.0);
+    hand.settle();
+    hand.photograph(&format!("{format}-played"));
+    hand.click("take.0");
+    hand.expect("take", "as set", |x| x == 0.0);
+    hand.click("button.Built-in");
+    hand.wait_until("a flame", |hand| hand.text("drive_mode") == "flame");
+    (0..60).for_each(|_| hand.pass());
+    hand.photograph(&format!("{format}-built-in"));
+    hand.click("button.Track");
+    hand.wait_until("the track", |hand| hand.text("drive_mode") == "pressure");
 }
 
 fn type_alpha(hand: &mut Hand<'_>, text: &str) {
@@ -184,9 +218,11 @@ fn try_preset(hand: &mut Hand<'_>, format: Format) {
     hand.wait_until("a preset", |hand| hand.text("texture_level") == "off");
     hand.expect("alpha", "a preset", |x| x == 2.5);
     hand.press(ESCAPE);
-    hand.click("button.Structure");
-    hand.photograph(&format!("{format}-structure"));
-    hand.click("button.Play");
+    hand.click("button.Setup");
+    hand.photograph(&format!("{format}-setup"));
+    hand.click("button.Space");
+    hand.photograph(&format!("{format}-space"));
+    hand.click("button.Engines");
     hand.place("knob.alpha");
 }
 
@@ -275,10 +311,10 @@ fn try_listening(hand: &mut Hand<'_>, desk: &Desk, format: Format) {
     hand.wait_until("a learned drive", |hand| session_recording(hand).contains("quantiles"));
     let (answer, original) = (desk.dialog_answer(), desk.folder().join("original.wav"));
     std::fs::copy(&answer, &original).expect("copied");
-    hand.click("button.Take");
+    hand.click("button.Record");
     hand.click("button.Burst");
     (0..80).for_each(|_| hand.pass());
-    hand.click("button.Take");
+    hand.click("button.Record");
     hand.click("button.Save sound");
     hand.photograph(&format!("{format}-saving"));
     hand.click("button.Save output");

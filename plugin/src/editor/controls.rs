@@ -1,4 +1,4 @@
-//! All parameters, group by group.
+//! The window's pages, and their parameters group by group.
 
 use std::sync::LazyLock;
 
@@ -9,47 +9,73 @@ use super::hand::Hand;
 use super::theme;
 use super::widgets::{KNOB, PICK_WIDTH, choice, knob, toggle};
 
-/// A page of parameters.
+/// A page of the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Page {
-    /// What most is played with.
+    /// What is played with: flame, layers, macros, takes.
     #[default]
     Play,
-    /// Vortex sound, and the flame that may move it.
-    Vortex,
-    /// What decides sizes and latency.
-    Structure,
+    /// What every engine does, and all its parameters.
+    Engines,
+    /// Vortex sound, and where it is.
+    Space,
+    /// What decides sizes and latency, and is set once.
+    Setup,
 }
 
 impl Page {
+    /// All pages, in the order in which they are shown.
+    pub const ALL: [Self; 4] = [Self::Play, Self::Engines, Self::Space, Self::Setup];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Play => "Play",
+            Self::Engines => "Engines",
+            Self::Space => "Space",
+            Self::Setup => "Setup",
+        }
+    }
+
+    /// What is on it.
+    pub fn hint(self) -> &'static str {
+        match self {
+            Self::Play => "What is played with: flame, layers, macros, takes",
+            Self::Engines => "What every engine does, and all its parameters",
+            Self::Space => "The whoosh of moving gas, and where it is",
+            Self::Setup => "Sizes of the engines, which decide latency; and what is set once",
+        }
+    }
+
     /// Its groups, with a word on what they do.
     fn groups(self) -> &'static [Group] {
         // Which parameter is where does not change: it is not looked up with every frame.
-        static PLAY: LazyLock<[Group; 7]> = LazyLock::new(|| {
+        static ENGINES: LazyLock<[Group; 7]> = LazyLock::new(|| {
             [
                 Group::new("Drive", "what goes in"),
                 Group::new("Levels", "what is heard"),
                 Group::new("Extension", "noise above the cutoff"),
-                Group::new("Flame", "what burns where nothing goes in (drive flame)"),
+                Group::new("Flame", "the built-in flame (drive flame)"),
                 Group::new("Texture", "fire from the recording"),
                 Group::new("Crackle", "the recording's crackles, split off the texture"),
                 Group::new("Fuel", "crackle, hiss and roar without a recording"),
             ]
         });
-        static VORTEX: LazyLock<[Group; 3]> = LazyLock::new(|| {
+        static SPACE: LazyLock<[Group; 3]> = LazyLock::new(|| {
             [
                 Group::new("Vortex", "the whoosh of turbulent gas"),
-                Group::new("Flame", "what burns where nothing goes in (drive flame), and moves the flow of fields"),
+                Group::new("Flame", "the built-in flame (drive flame), which moves the flow of fields"),
                 Group::new("Levels", "what is heard"),
             ]
         });
-        static STRUCTURE: LazyLock<[Group; 1]> = LazyLock::new(|| {
+        static SETUP: LazyLock<[Group; 1]> = LazyLock::new(|| {
             [Group::new("Structure", "sizes of the engines: a change restarts them and may change the latency")]
         });
         match self {
-            Self::Play => &*PLAY,
-            Self::Vortex => &*VORTEX,
-            Self::Structure => &*STRUCTURE,
+            Self::Play => &[],
+            Self::Engines => &*ENGINES,
+            Self::Space => &*SPACE,
+            Self::Setup => &*SETUP,
         }
     }
 }
@@ -71,9 +97,12 @@ pub fn show(ui: &mut Ui, page: Page, hand: &mut Hand<'_>) {
                 width <= room
             });
             let (row, next) = rest.split_at(1 + more.count());
+            // What is left of the row is shared, so that all rows end alike.
+            let used: f32 = row.iter().map(Group::width).sum::<f32>() + SPACING * (row.len() - 1) as f32;
+            let spare = (room - used).max(0.0) / row.len() as f32;
             ui.horizontal_top(|ui| {
                 ui.spacing_mut().item_spacing.x = SPACING;
-                row.iter().for_each(|group| group.show(ui, room, hand));
+                row.iter().for_each(|group| group.show(ui, (group.width() + spare).min(room), hand));
             });
             rest = next;
         }
@@ -103,8 +132,8 @@ impl Group {
         2.0 * f32::from(MARGIN) + picks + self.knobs.len() as f32 * (KNOB.x + SPACING)
     }
 
-    fn show(&self, ui: &mut Ui, room: f32, hand: &mut Hand<'_>) {
-        let width = self.width().min(room) - 2.0 * f32::from(MARGIN);
+    fn show(&self, ui: &mut Ui, width: f32, hand: &mut Hand<'_>) {
+        let width = width - 2.0 * f32::from(MARGIN);
         Frame::new().fill(theme::PANEL).corner_radius(theme::ROUNDING).inner_margin(Margin::symmetric(MARGIN, 6)).show(
             ui,
             |ui| {

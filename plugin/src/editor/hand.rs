@@ -1,52 +1,12 @@
 //! What the user does to parameters: every change goes through the host as a gesture, and can be undone.
 
-use std::collections::VecDeque;
-
 use nice_plug::prelude::ParamSetter;
-use pyrophone_settings::{COUNT, Id, Values};
+use pyrophone_settings::{Id, Values};
 
+use super::history::{Change, Chosen, History, Step, changes};
+use super::inert::Reasons;
 use crate::entry::indication::Automation;
 use crate::parameters::EffectParams;
-
-/// Steps that can be undone.
-const STEPS: usize = 200;
-
-/// What was changed in this window, and the settings that are kept beside those that sound.
-#[derive(Debug, Default)]
-pub struct History {
-    past: VecDeque<Values>,
-    future: Vec<Values>,
-    /// Before the gesture under way, and what it has made so far.
-    gesture: Option<(Values, Values)>,
-    /// A and B; the one that sounds is in the parameters.
-    beside: Option<Values>,
-    is_b: bool,
-}
-
-impl History {
-    /// Whether there is something to undo.
-    pub fn can_undo(&self) -> bool {
-        !self.past.is_empty()
-    }
-
-    /// Whether there is something to do again.
-    pub fn can_redo(&self) -> bool {
-        !self.future.is_empty()
-    }
-
-    /// Whether B sounds.
-    pub fn is_b(&self) -> bool {
-        self.is_b
-    }
-
-    fn record(&mut self, before: Values) {
-        self.past.push_back(before);
-        if self.past.len() > STEPS {
-            self.past.pop_front();
-        }
-        self.future.clear();
-    }
-}
 
 /// A hand on the parameters.
 pub struct Hand<'a> {
@@ -56,6 +16,8 @@ pub struct Hand<'a> {
     pub setter: &'a ParamSetter<'a>,
     /// What was done.
     pub history: &'a mut History,
+    /// Which parameters have no effect.
+    pub inert: &'a Reasons,
 }
 
 impl Hand<'_> {
@@ -68,6 +30,11 @@ impl Hand<'_> {
     pub fn indication(&self, index: usize) -> (bool, Automation) {
         let indications = &self.params.indications;
         (indications.is_mapped(index), indications.automation(index))
+    }
+
+    /// Why a parameter has no effect at present; none where it has one.
+    pub fn inert(&self, index: usize) -> Option<&'static str> {
+        self.inert.get(index).copied().flatten()
     }
 
     /// The present value of one parameter.
@@ -100,10 +67,8 @@ impl Hand<'_> {
     /// Lets go of a parameter.
     pub fn end(&mut self, index: usize) {
         self.params.slot(index).end(self.setter);
-        if let Some((before, now)) = self.history.gesture.take()
-            && before != now
-        {
-            self.history.record(before);
+        if let Some((before, now)) = self.history.gesture.take() {
+            self.record(changes(&before, &now));
         }
     }
 
@@ -116,53 +81,100 @@ impl Hand<'_> {
 
     /// Sets all parameters, as one step.
     pub fn set_all(&mut self, next: &Values) {
-        let before = self.params.values();
-        if before != *next {
-            self.send(&before, next);
-            self.history.record(before);
+        let made = changes(&self.params.values(), next);
+        self.send(&made, |change| change.after);
+        self.record(made);
+    }
+
+    /// Sets all parameters to those of a preset, as one step that brings back the name of the one before when it is
+    /// undone.
+    pub fn choose(&mut self, chosen: Chosen) {
+        let Some(entry) = chosen.clone() else { return };
+        let made = changes(&self.params.values(), &entry.preset.values);
+        self.send(&made, |change| change.after);
+        let before = std::mem::replace(&mut self.history.chosen, chosen.clone());
+        if !made.is_empty() || before != chosen {
+            self.history.record(Step::Changes { changes: made, chosen: [before, chosen] });
         }
     }
 
     /// Takes the last step back.
     pub fn undo(&mut self) {
-        if let Some(earlier) = self.history.past.pop_back() {
-            let now = self.params.values();
-            self.send(&now, &earlier);
-            self.history.future.push(now);
-        }
-    }
-
-    /// Does again what was undone last.
-    pub fn redo(&mut self) {
-        if let Some(later) = self.history.future.pop() {
-            let now = self.params.values();
-            self.send(&now, &later);
-            self.history.past.push_back(now);
-        }
-    }
-
-    /// Exchanges A and B; at first they are equal.
-    pub fn exchange(&mut self) {
-        let now = self.params.values();
-        let other = self.history.beside.replace(now).unwrap_or(now);
-        self.history.is_b = !self.history.is_b;
-        self.set_all(&other);
-    }
-
-    /// Makes the settings that do not sound equal to those that do.
-    pub fn copy(&mut self) {
-        self.history.beside = Some(self.params.values());
-    }
-
-    fn send(&self, before: &Values, next: &Values) {
-        for index in 0..COUNT {
-            let (old, new) = (before.as_slice()[index], next.as_slice()[index]);
-            if old != new {
-                let slot = self.params.slot(index);
-                slot.begin(self.setter);
-                slot.set(self.setter, new);
-                slot.end(self.setter);
+        let Some(step) = self.history.take_past() else { return };
+        let undone = match step {
+            Step::Changes { changes, chosen } => {
+                self.send(&changes, |change| change.before);
+                self.history.chosen.clone_from(&chosen[0]);
+                Step::Changes { changes, chosen }
             }
+            step => self.turn_over(step),
+        };
+        self.history.foresee(undone);
+    }
+
+    /// Takes the step again that was undone last.
+    pub fn redo(&mut self) {
+        let Some(step) = self.history.take_future() else { return };
+        let redone = match step {
+            Step::Changes { changes, chosen } => {
+                self.send(&changes, |change| change.after);
+                self.history.chosen.clone_from(&chosen[1]);
+                Step::Changes { changes, chosen }
+            }
+            step => self.turn_over(step),
+        };
+        self.history.remember(redone);
+    }
+
+    /// Exchanges A and B, as one step; at first they are equal.
+    pub fn exchange(&mut self) {
+        self.swap();
+        self.history.record(Step::Exchange);
+    }
+
+    /// Makes the settings that do not sound equal to those that do, as one step.
+    pub fn copy(&mut self) {
+        let now = (self.params.values(), self.history.chosen.clone());
+        let before = self.history.beside.replace(now);
+        self.history.record(Step::Copy(Box::new(before)));
+    }
+
+    /// Undoes or redoes a step that is its own opposite.
+    fn turn_over(&mut self, step: Step) -> Step {
+        match step {
+            Step::Copy(mut kept) => {
+                std::mem::swap(&mut *kept, &mut self.history.beside);
+                Step::Copy(kept)
+            }
+            step => {
+                self.swap();
+                step
+            }
+        }
+    }
+
+    fn swap(&mut self) {
+        let now = (self.params.values(), self.history.chosen.clone());
+        let (values, chosen) = self.history.beside.replace(now.clone()).unwrap_or(now);
+        let made = changes(&self.params.values(), &values);
+        self.send(&made, |change| change.after);
+        self.history.chosen = chosen;
+        self.history.is_b = !self.history.is_b;
+    }
+
+    fn record(&mut self, made: Vec<Change>) {
+        if !made.is_empty() {
+            let chosen = self.history.chosen.clone();
+            self.history.record(Step::Changes { changes: made, chosen: [chosen.clone(), chosen] });
+        }
+    }
+
+    fn send(&self, changes: &[Change], value: impl Fn(&Change) -> f64) {
+        for change in changes {
+            let slot = self.params.slot(change.index);
+            slot.begin(self.setter);
+            slot.set(self.setter, value(change));
+            slot.end(self.setter);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The head of the window: presets, undo, A and B, bypass, what the engines cost.
+//! The head of the window: presets, undo, A and B, pages, bypass, what the engines cost.
 
 use egui::{Align, Button, Layout, RichText, Ui};
 use nice_plug_egui::RepaintNotifier;
@@ -10,15 +10,17 @@ use super::presets::Presets;
 use super::{map, theme};
 use crate::meters::Meters;
 
-/// Room in points without which the name, and what the engines cost, are left out.
-const ROOM_FOR_NAME: f32 = 860.0;
-const ROOM_FOR_COST: f32 = 170.0;
+/// Width in points without which the plug-in's name is left out, and what remains of a row without which the cost is.
+const ROOM_FOR_NAME: f32 = 960.0;
+const ROOM_FOR_COST: f32 = 70.0;
+/// What all but the preset's name takes of the row, in points.
+const OTHERS: f32 = 570.0;
 
-/// Presets, and the page of parameters that is shown.
+/// Presets, and the page that is shown.
 pub struct Header {
-    /// The list of presets.
+    /// The presets.
     pub presets: Presets,
-    /// The page of parameters that is shown.
+    /// The page that is shown.
     pub page: Page,
 }
 
@@ -30,18 +32,30 @@ impl Header {
 
     /// The row. `load` is the part of their time that blocks take, and the worst of the last second.
     pub fn show(&mut self, ui: &mut Ui, hand: &mut Hand<'_>, meters: &Meters, load: (f32, f32)) {
+        let width = ui.available_width();
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.spacing_mut().button_padding.x = 6.0;
         ui.horizontal(|ui| {
-            if ui.available_width() > ROOM_FOR_NAME {
+            if width > ROOM_FOR_NAME {
                 ui.label(RichText::new("PYROPHONE").heading().color(theme::EMBER).strong());
                 ui.separator();
             }
-            self.presets.show(ui, hand);
-            ui.separator();
+            ui.scope(|ui| self.presets.show(ui, width - OTHERS, hand));
+            gap(ui);
             history(ui, hand);
-            ui.separator();
-            for (name, page) in [("Play", Page::Play), ("Vortex", Page::Vortex), ("Structure", Page::Structure)] {
-                let button = ui.selectable_value(&mut self.page, page, name);
-                map::note(ui, format_args!("button.{name}"), button.rect);
+            gap(ui);
+            for page in Page::ALL {
+                let is_shown = self.page == page;
+                let name = RichText::new(page.name()).color(if is_shown { theme::TEXT } else { theme::WEAK });
+                let button = ui.add(Button::new(name).selected(is_shown).frame_when_inactive(false));
+                map::note(ui, format_args!("button.{}", page.name()), button.rect);
+                if is_shown {
+                    let line = button.rect.with_min_y(button.rect.bottom() - 2.0);
+                    ui.painter().rect_filled(line, 1.0, theme::EMBER);
+                }
+                if button.on_hover_text(page.hint()).clicked() {
+                    self.page = page;
+                }
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let bypass = Id::Bypass as usize;
@@ -59,10 +73,16 @@ impl Header {
     }
 }
 
+/// Room between groups.
+fn gap(ui: &mut Ui) {
+    ui.add_space(5.0);
+}
+
 fn history(ui: &mut Ui, hand: &mut Hand<'_>) {
     let keys = |key| move |input: &mut egui::InputState| input.consume_key(egui::Modifiers::COMMAND, key);
-    let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo")).on_hover_text("Ctrl+Z");
+    let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo"));
     map::note(ui, "button.Undo", undo.rect);
+    let undo = undo.on_hover_text("Ctrl+Z: takes back what you did last; what the host automates stays");
     if undo.clicked() || ui.input_mut(keys(egui::Key::Z)) {
         hand.undo();
     }
@@ -71,7 +91,7 @@ fn history(ui: &mut Ui, hand: &mut Hand<'_>) {
     if redo.clicked() || ui.input_mut(keys(egui::Key::Y)) {
         hand.redo();
     }
-    ui.separator();
+    gap(ui);
     for (name, is_b) in [("A", false), ("B", true)] {
         let is_heard = hand.history.is_b() == is_b;
         let slot = ui.add(Button::new(name).selected(is_heard)).on_hover_text("Two settings to compare");
@@ -81,24 +101,33 @@ fn history(ui: &mut Ui, hand: &mut Hand<'_>) {
         }
     }
     let (from, to) = if hand.history.is_b() { ("B", "A") } else { ("A", "B") };
-    let copy = ui.button(format!("{from} to {to}")).on_hover_text("Makes both equal to what sounds");
+    let copy = ui.button(format!("{from}›{to}")).on_hover_text(format!("Copies {from}, which sounds, to {to}"));
     map::note(ui, "button.Copy", copy.rect);
     if copy.clicked() {
         hand.copy();
     }
 }
 
+/// Latency and load, as many words as there is room for.
 fn cost(ui: &mut Ui, meters: &Meters, (load, worst): (f32, f32)) {
     let Some((samples, rate_hz)) = meters.engine() else {
-        ui.label(RichText::new("not running").color(theme::WEAK));
+        ui.label(RichText::new("not running").font(theme::small()).color(theme::WEAK));
         return;
     };
     let ms = 1000.0 * samples as f32 / rate_hz;
     let color = if worst >= 1.0 { theme::ALARM } else { theme::WEAK };
     let late = meters.late_steps();
-    let late = if late > 0 { format!("   {late} late") } else { String::new() };
-    let text = format!("{ms:.1} ms   {:.0} % (worst {:.0} %){late}", 100.0 * load, 100.0 * worst);
+    let late = if late > 0 { format!(" · {late} late") } else { String::new() };
+    let forms = [
+        format!("latency {ms:.0} ms · load {:.0} %, worst {:.0} %{late}", 100.0 * load, 100.0 * worst),
+        format!("latency {ms:.0} ms · load {:.0} %", 100.0 * load),
+        format!("{ms:.0} ms · {:.0} %", 100.0 * load),
+    ];
+    let room = ui.available_width() - 8.0;
+    let fits = |text: &String| ui.painter().layout_no_wrap(text.clone(), theme::small(), color).size().x <= room;
+    let Some(text) = forms.iter().find(|text| fits(text)) else { return };
     ui.label(RichText::new(text).font(theme::small()).color(color)).on_hover_text(format!(
-        "Latency: {samples} samples. Part of their time that blocks take, and the costliest of the last second. Late: steps of the live gas that were not there in time; blocks of 512 samples or less leave time for them."
+        "Latency: {samples} samples. Load: part of their time that blocks take, and the costliest of the last second ({:.0} %). Late: steps of the live gas that were not there in time; blocks of 512 samples or less leave time for them.",
+        100.0 * worst
     ));
 }

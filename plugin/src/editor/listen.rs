@@ -30,25 +30,27 @@ impl Sound {
 
     fn name(self) -> &'static str {
         match self {
-            Self::Drive => "drive",
+            Self::Drive => "flame",
             Self::Recording => "recording",
             Self::Output => "output",
         }
     }
 }
 
-/// The panel below the meters.
+/// Monitoring, bursts, and recording what is played.
 pub struct ListenPanel {
     dialog: Option<(Sound, Dialog)>,
     saving: Option<Task<Result<PathBuf, String>>>,
     message: Option<(String, bool)>,
+    /// Sample rate of the engine in Hz, while one runs.
+    rate_hz: Option<f32>,
     notifier: RepaintNotifier,
 }
 
 impl ListenPanel {
     /// A panel; `notifier` wakes the window when something was saved.
     pub fn new(notifier: RepaintNotifier) -> Self {
-        Self { dialog: None, saving: None, message: None, notifier }
+        Self { dialog: None, saving: None, message: None, rate_hz: None, notifier }
     }
 
     /// Ends what goes on for a window that closes.
@@ -58,39 +60,79 @@ impl ListenPanel {
         loader.audition(false);
     }
 
-    /// The panel. `rate_hz` is that of the engine, if one runs.
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        monitor: &mut Monitor,
-        loader: &LoaderHandle,
-        view: &View,
-        rate_hz: Option<f32>,
-        hand: &Hand<'_>,
-    ) {
-        self.follow(monitor, loader, rate_hz);
+    /// Takes the answers of dialog and saving. `rate_hz` is that of the engine, if one runs.
+    pub fn follow(&mut self, monitor: &Monitor, loader: &LoaderHandle, rate_hz: Option<f32>) {
+        self.rate_hz = rate_hz;
+        if let Some(done) = self.saving.as_mut().and_then(Task::poll) {
+            self.saving = None;
+            self.message = Some(match done {
+                Ok(path) => (format!("Saved: {}", path.display()), false),
+                Err(message) => (message, true),
+            });
+        }
+        let Some((sound, chosen)) = self.dialog.as_mut().and_then(|(sound, dialog)| Some((*sound, dialog.poll()?)))
+        else {
+            return;
+        };
+        self.dialog = None;
+        if let Some(path) = chosen.map(with_extension) {
+            self.save(sound, path, monitor, loader);
+        }
+    }
+
+    fn save(&mut self, sound: Sound, path: PathBuf, monitor: &Monitor, loader: &LoaderHandle) {
+        let channels = match sound {
+            Sound::Drive => monitor.take.drive(),
+            Sound::Output => monitor.take.output(),
+            Sound::Recording => {
+                loader.save_part(path);
+                return;
+            }
+        };
+        let rate_hz = self.rate_hz.unwrap_or(44_100.0) as u32;
+        let work = move || match write_wav_f32(&path, &channels, rate_hz) {
+            Ok(()) => Ok(path),
+            Err(error) => Err(error.to_string()),
+        };
+        let notifier = self.notifier.clone();
+        self.saving = Task::start("pyrophone-save", work, move || notifier.request_repaint());
+    }
+
+    /// The panel below the meters.
+    pub fn show(&mut self, ui: &mut Ui, monitor: &mut Monitor, loader: &LoaderHandle, view: &View, hand: &Hand<'_>) {
         ui.spacing_mut().item_spacing = Vec2::new(4.0, 3.0);
-        ui.spacing_mut().button_padding = Vec2::new(6.0, 2.0);
+        ui.spacing_mut().button_padding = Vec2::new(5.0, 2.0);
         ui.horizontal(|ui| {
             ui.label(RichText::new("Hear").font(theme::small()).color(theme::WEAK));
-            listening(ui, monitor, loader, view);
+            monitoring(ui, monitor, loader, view);
         });
         ui.horizontal(|ui| {
-            let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
-            let burst = ui.add_enabled(!burns && rate_hz.is_some(), Button::new("Burst"));
-            map::note(ui, "button.Burst", burst.rect);
-            let hint = "Adds a burst of flame to what comes in, to try settings with. Not in drive mode flame, where one burns already.";
-            if burst.on_hover_text(hint).clicked() {
-                monitor.burst();
-            }
-            taking(ui, monitor, rate_hz);
+            self.burst(ui, monitor, hand);
+            self.record(ui, monitor);
             self.saves(ui, monitor, view);
         });
-        let seconds = monitor.take.len_samples() as f32 / rate_hz.unwrap_or(44_100.0);
+        self.word(ui, monitor);
+    }
+
+    /// A button that lights a burst.
+    pub fn burst(&self, ui: &mut Ui, monitor: &Monitor, hand: &Hand<'_>) {
+        let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
+        let burst = ui.add_enabled(!burns && self.rate_hz.is_some(), Button::new("Burst"));
+        map::note(ui, "button.Burst", burst.rect);
+        let hint =
+            "Adds a burst of flame to what comes in, to try settings with. Not where a built-in flame burns already.";
+        if burst.on_hover_text(hint).clicked() {
+            monitor.burst();
+        }
+    }
+
+    /// What was saved or went wrong, or how much has been recorded.
+    pub fn word(&self, ui: &mut Ui, monitor: &Monitor) {
+        let seconds = monitor.take.len_samples() as f32 / self.rate_hz.unwrap_or(44_100.0);
         let (text, is_bad) = match &self.message {
             Some((message, is_bad)) => (message.clone(), *is_bad),
             None if monitor.take.lost() > 0 => ("The host was too fast: samples are missing.".to_owned(), true),
-            None if monitor.take.len_samples() > 0 => (format!("Taken: {seconds:.1} s"), false),
+            None if monitor.take.len_samples() > 0 => (format!("Recorded: {seconds:.1} s"), false),
             None => return,
         };
         let color = if is_bad { theme::ALARM } else { theme::WEAK };
@@ -98,8 +140,25 @@ impl ListenPanel {
         ui.add(label).on_hover_text(text);
     }
 
-    fn saves(&mut self, ui: &mut Ui, monitor: &Monitor, view: &View) {
-        let menu = ui.menu_button("Save", |ui| {
+    /// A button that records drive and output.
+    pub fn record(&mut self, ui: &mut Ui, monitor: &mut Monitor) {
+        let is_on = monitor.take.is_on();
+        let text = if is_on { RichText::new("Stop").color(theme::ALARM) } else { RichText::new("Record") };
+        let button = ui.add_enabled(self.rate_hz.is_some(), Button::new(text).selected(is_on));
+        map::note(ui, "button.Record", button.rect);
+        let hint = "Keeps flame and output, in time with each other, until it is pressed again: five minutes at most. Then save them.";
+        if button.on_hover_text(hint).clicked() {
+            self.message = None;
+            match self.rate_hz {
+                Some(rate_hz) if !is_on => monitor.take.start(f64::from(rate_hz)),
+                _ => monitor.take.stop(),
+            }
+        }
+    }
+
+    /// A menu of what can be saved.
+    pub fn saves(&mut self, ui: &mut Ui, monitor: &Monitor, view: &View) {
+        let menu = ui.menu_button("Save…", |ui| {
             for sound in Sound::ALL {
                 let is_there = match sound {
                     Sound::Recording => view.recording.is_some(),
@@ -118,48 +177,16 @@ impl ListenPanel {
         });
         map::note(ui, "button.Save sound", menu.response.rect);
         menu.response.on_hover_text(
-            "Drive and output as they were taken, or the part of the recording that is learnt from, as WAV",
+            "Flame and output as they were recorded, or the part of the recording that is learnt from, as WAV",
         );
-    }
-
-    /// Takes the answers of dialog and saving.
-    fn follow(&mut self, monitor: &Monitor, loader: &LoaderHandle, rate_hz: Option<f32>) {
-        if let Some(done) = self.saving.as_mut().and_then(Task::poll) {
-            self.saving = None;
-            self.message = Some(match done {
-                Ok(path) => (format!("Saved: {}", path.display()), false),
-                Err(message) => (message, true),
-            });
-        }
-        let Some((sound, chosen)) = self.dialog.as_mut().and_then(|(sound, dialog)| Some((*sound, dialog.poll()?)))
-        else {
-            return;
-        };
-        self.dialog = None;
-        let Some(path) = chosen.map(with_extension) else { return };
-        let channels = match sound {
-            Sound::Drive => monitor.take.drive(),
-            Sound::Output => monitor.take.output(),
-            Sound::Recording => {
-                loader.save_part(path);
-                return;
-            }
-        };
-        let rate_hz = rate_hz.unwrap_or(44_100.0) as u32;
-        let work = move || match write_wav_f32(&path, &channels, rate_hz) {
-            Ok(()) => Ok(path),
-            Err(error) => Err(error.to_string()),
-        };
-        let notifier = self.notifier.clone();
-        self.saving = Task::start("pyrophone-save", work, move || notifier.request_repaint());
     }
 }
 
-/// What is heard.
-fn listening(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &View) {
+/// Buttons for what is heard.
+pub fn monitoring(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &View) {
     let heard = monitor.listen();
     for (name, listen, hint) in [
-        ("drive", Listen::Drive, "Hear what drives the engines, alone"),
+        ("flame", Listen::Drive, "Hear what drives the engines, alone"),
         ("rec.", Listen::Recording, "Hear the part of the recording that is learnt from, over and over"),
         ("output", Listen::Output, "Hear the output, as always"),
     ] {
@@ -171,20 +198,6 @@ fn listening(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &View)
         if button.on_hover_text(format!("{hint}, until the window closes. Not saved, not automated.")).clicked() {
             monitor.listen_to(listen);
             loader.audition(listen == Listen::Recording);
-        }
-    }
-}
-
-fn taking(ui: &mut Ui, monitor: &mut Monitor, rate_hz: Option<f32>) {
-    let is_on = monitor.take.is_on();
-    let text = if is_on { RichText::new("Stop").color(theme::ALARM) } else { RichText::new("Take") };
-    let button = ui.add_enabled(rate_hz.is_some(), Button::new(text).selected(is_on));
-    map::note(ui, "button.Take", button.rect);
-    let hint = "Keeps drive and output, in time with each other, until it is pressed again: five minutes at most. Then save them.";
-    if button.on_hover_text(hint).clicked() {
-        match rate_hz {
-            Some(rate_hz) if !is_on => monitor.take.start(f64::from(rate_hz)),
-            _ => monitor.take.stop(),
         }
     }
 }

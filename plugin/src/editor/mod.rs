@@ -1,30 +1,38 @@
-//! The window: what goes in, what the recording is, what comes out; and every parameter.
+//! The window: what burns, what it sounds like, and every parameter.
 //!
 //! | module | shows |
 //! |---|---|
 //! | [`frame`] | the window itself, whose size a session keeps |
-//! | [`header`] | presets, undo, A and B, bypass, cost |
+//! | [`header`] | presets, undo, A and B, pages, bypass, cost |
 //! | [`presets`] | the list of presets; saving them |
+//! | [`play`] | the first page: flame, output, recording, layers, macros, takes |
+//! | [`engines`] | the other pages: pictures of what the engines do, and their parameters |
 //! | [`plots`] | spectra with handles, running spectrograms, the recording's outline, what the engines do |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
-//! | [`controls`] | parameters, as [`widgets`] |
-//! | [`levels`] | level meters; solo and mute of layers |
-//! | [`listen`] | listening to one sound alone, a burst, [takes](take) and saving them |
+//! | [`controls`] | parameters by page, as [`widgets`] |
+//! | [`meter_bridge`] | level meters; solo and mute of layers |
+//! | [`listen`] | monitoring one sound alone, a burst, [recording](take) what is played and saving it |
 //!
-//! [`cure`] is what one click does against a fault. [`monitor`] follows the sound, [`hand`] moves parameters, [`theme`] is how it looks, [`dialog`] the system's file dialog,
+//! [`cure`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
+//! sound, [`hand`] moves parameters and [`history`] keeps what it did, [`theme`] is how it looks, [`dialog`] the system's file dialog,
 //! [`mod@drop`] takes files that are dropped, [`task`] work with files, [`map`] tells tests where things are.
 
 pub mod controls;
 pub mod cure;
 pub mod dialog;
 pub mod drop;
+pub mod engines;
 pub mod frame;
 pub mod hand;
 pub mod header;
+pub mod history;
+pub mod inert;
 pub mod levels;
 pub mod listen;
 pub mod map;
+pub mod meter_bridge;
 pub mod monitor;
+pub mod play;
 pub mod plots;
 pub mod presets;
 pub mod recording;
@@ -52,16 +60,23 @@ use crate::meters::Meters;
 use crate::parameters::EffectParams;
 use crate::probe::ProbeOut;
 use controls::Page;
-use hand::{Hand, History};
+use hand::Hand;
 use header::Header;
+use history::History;
+use inert::{Circumstances, reasons};
 use levels::Levels;
 use listen::ListenPanel;
 use monitor::Monitor;
+use play::pad::Pad;
 use plots::spectrum::Told;
 use recording::RecordingPanel;
 
 /// The smallest size in points at which everything can be reached.
 const SMALLEST: (f32, f32) = (700.0, 450.0);
+/// Between parts, in points.
+const GAP: f32 = 6.0;
+/// Height of the head, in points.
+const HEAD: f32 = 26.0;
 
 /// The window's contents.
 pub struct Window {
@@ -75,6 +90,7 @@ pub struct Window {
     history: History,
     levels: Levels,
     listen: ListenPanel,
+    pad: Pad,
     /// Whether a frame was drawn since it was opened.
     is_seen: bool,
 }
@@ -99,6 +115,7 @@ impl Window {
             history: History::default(),
             levels: Levels::default(),
             listen: ListenPanel::new(notifier),
+            pad: Pad::default(),
             is_seen: false,
         }
     }
@@ -146,7 +163,7 @@ impl Window {
         self.is_seen = false;
     }
 
-    /// Shows this page of parameters.
+    /// Shows this page.
     pub fn turn_to(&mut self, page: Page) {
         self.header.page = page;
     }
@@ -169,100 +186,43 @@ impl Window {
         });
         map::end(ui.ctx(), began);
     }
-}
 
-/// Between parts, in points.
-const GAP: f32 = 6.0;
-/// Heights of the head, and of the recording's words without and with a message, in points.
-const HEAD: f32 = 26.0;
-const WORDS: f32 = 80.0;
-const MESSAGE: f32 = 30.0;
-/// Width of the meters, in points.
-const METERS: f32 = 180.0;
-/// Height that the parameters like to have, in points.
-const CONTROLS: f32 = 388.0;
-/// Height of the pictures of what the engines do; below this height of all pictures there is no room for them.
-const ENGINES: f32 = 84.0;
-const ROOM_FOR_ENGINES: f32 = 270.0;
-
-impl Window {
     fn contents(&mut self, ui: &mut egui::Ui, all: Rect, setter: &ParamSetter) {
         let now_s = ui.input(|input| input.time);
         let load = self.monitor.load(now_s);
         let view = self.loader.status.view();
+        let rate_hz = self.meters.engine().map(|(_, rate_hz)| rate_hz);
+        self.recording.follow(&self.loader, &view, rate_hz);
+        self.listen.follow(&self.monitor, &self.loader, rate_hz);
+        self.levels.follow(&self.meters, now_s);
+
         let (head, rest) = all.split_top_bottom_at_y(all.top() + HEAD);
         let rest = rest.with_min_y(rest.top() + GAP);
-        // Pictures take what the parameters leave, and at least two fifths.
-        let split = rest.top() + (rest.height() - CONTROLS).clamp(0.4 * rest.height(), 0.62 * rest.height());
-        let (upper, lower) = rest.split_top_bottom_at_y(split);
-        let middle = upper.left() + 0.54 * (upper.width() - METERS);
-        let left = upper.with_max_x(middle);
-        let right = upper.with_min_x(middle + GAP).with_max_x(upper.right() - METERS - GAP);
-        let meters = upper.with_min_x(upper.right() - METERS);
-
-        let mut hand = Hand { params: &self.params, setter, history: &mut self.history };
+        let inert = reasons(&self.params.values(), Circumstances { has_recording: view.recording.is_some() });
+        let mut hand = Hand { params: &self.params, setter, history: &mut self.history, inert: &inert };
         part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
+
         let portrait = view.portrait.as_deref();
         self.monitor.follow_traces(portrait.map(|portrait| [portrait.duration_s, portrait.start_s]), now_s);
-        let shows_engines = left.height() >= ROOM_FOR_ENGINES;
-        let spectra = if shows_engines { left.with_max_y(left.bottom() - ENGINES - GAP) } else { left };
         let figures = self.monitor.figures(portrait.map(|portrait| &portrait.character));
         let fault = figures.fault().or_else(|| foreseen(&mut self.monitor, &view, &hand, now_s));
         let told = Told { figures, fault, scaling_alpha: self.meters.scaling_alpha() };
-        self.monitor.spectra.show(ui, spectra, portrait, &told, &mut hand);
-        if shows_engines {
-            self.engines(ui, left.with_min_y(left.bottom() - ENGINES), &view);
+        let mut parts = play::Parts {
+            monitor: &mut self.monitor,
+            levels: &mut self.levels,
+            recording: &mut self.recording,
+            listen: &mut self.listen,
+            pad: &mut self.pad,
+            loader: &self.loader,
+            meters: &self.meters,
+            view: &view,
+            told,
+        };
+        match self.header.page {
+            Page::Play => play::show(ui, rest, &mut parts, &mut hand),
+            page => engines::show(ui, rest, page, &mut parts, &mut hand),
         }
-        self.sounds(ui, right, &view);
-
-        let mut hand = Hand { params: &self.params, setter, history: &mut self.history };
-        self.levels.show(ui, meters.with_max_y(meters.bottom() - listen::HEIGHT - GAP), &self.meters);
         self.monitor.silence(self.levels.silenced());
-        let rate_hz = self.meters.engine().map(|(_, rate_hz)| rate_hz);
-        part(ui, listen::place(meters), "listen", |ui| {
-            self.listen.show(ui, &mut self.monitor, &self.loader, &view, rate_hz, &hand);
-        });
-        let controls = lower.with_min_y(lower.top() + GAP);
-        let page = self.header.page;
-        part(ui, controls, "controls", |ui| controls::show(ui, page, &mut hand));
-    }
-
-    /// What the engines do: extension's factors, texture's levels, and how loudness is matched.
-    fn engines(&mut self, ui: &egui::Ui, rect: Rect, view: &View) {
-        let width = (rect.width() - 2.0 * GAP) / 3.0;
-        let place = |index: f32| {
-            let left = rect.left() + index * (width + GAP);
-            rect.with_min_x(left).with_max_x(left + width)
-        };
-        let uses_learned = DYNAMIC_RANGES[self.params.value(Id::DynamicRange as usize) as usize] == "learned";
-        let [recording, learned] = &view.amplitudes;
-        let learned = learned.as_deref().filter(|_| uses_learned);
-        self.monitor.betas.show(ui, place(0.0));
-        self.monitor.levels.show(ui, place(1.0));
-        self.monitor.dynamics.show(ui, place(2.0), recording.as_deref(), learned);
-    }
-
-    /// Drive, output and recording in the course of time, and the recording's words.
-    fn sounds(&mut self, ui: &mut egui::Ui, rect: Rect, view: &View) {
-        let has_message = view.error.is_some() || view.notice.is_some() || self.meters.input_cancels();
-        let height = WORDS + if has_message { MESSAGE } else { 0.0 };
-        let words = rect.with_min_y(rect.bottom() - height);
-        let course = (rect.height() - height - 4.0 * GAP) / 4.0;
-        let row = |index: f32| {
-            let top = rect.top() + index * (course + GAP);
-            rect.with_min_y(top).with_max_y(top + course)
-        };
-        self.monitor.drive.show(ui, row(0.0), theme::BLUE);
-        self.monitor.output.show(ui, row(1.0), theme::EMBER);
-        self.recording.show_pictures(ui, [row(2.0), row(3.0)], &self.loader, view);
-        self.monitor.heat.show(ui, row(2.0));
-        part(ui, words, "recording", |ui| {
-            self.recording.show(ui, &self.loader, &self.params, view);
-            if self.meters.input_cancels() && view.error.is_none() {
-                let warning = "The input's channels cancel each other: turn one's phase, or use mono.";
-                ui.label(egui::RichText::new(warning).font(theme::small()).color(theme::ALARM));
-            }
-        });
     }
 }
 

@@ -10,6 +10,7 @@ use super::plots::dynamics::Dynamics;
 use super::plots::heat::Heat;
 use super::plots::pyramid::Levels;
 use super::plots::spectrum::Spectra;
+use super::plots::trace::Outline;
 use super::take::Take;
 use crate::analysis::{Analyser, Character, Fidelity, Figures};
 use crate::probe::{LAYERS, Listen, ProbeOut};
@@ -35,6 +36,8 @@ pub struct Monitor {
     sides: Option<Sides>,
     /// Spectra, for the plot.
     pub spectra: Spectra,
+    /// Outline of the drive.
+    pub trace: Outline,
     /// Course of the drive.
     pub drive: Course,
     /// Course of the output.
@@ -84,6 +87,7 @@ impl Monitor {
             engine: None,
             sides: None,
             spectra,
+            trace: Outline::default(),
             drive,
             output,
             heat: Heat::default(),
@@ -101,6 +105,7 @@ impl Monitor {
         self.sides = None;
         self.engine = None;
         self.spectra = Spectra::default();
+        self.trace = Outline::default();
         self.drive.clear();
         self.output.clear();
         self.heat = Heat::default();
@@ -128,6 +133,7 @@ impl Monitor {
         };
         let (spectra, drive_course, output_course) = (&mut self.spectra, &mut self.drive, &mut self.output);
         let (take, channels) = (&mut self.take, self.probe.channels());
+        let (trace, rate_hz) = (&mut self.trace, self.engine.map_or(44_100.0, |(_, rate_hz)| f64::from(rate_hz)));
         take.lose(self.probe.take_lost());
         self.probe.take(|frame| {
             sides.waiting.push_back(frame.drive);
@@ -136,6 +142,7 @@ impl Monitor {
             }
             let drive = sides.waiting.pop_front().unwrap_or(0.0);
             take.push(drive, &frame.output[..channels]);
+            trace.push(drive, rate_hz);
             let output = frame.mean(channels);
             sides.fidelity.push(drive, output);
             if let Some(density) = sides.drive.spectrum.push(drive) {

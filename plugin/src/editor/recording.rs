@@ -5,7 +5,7 @@ mod region;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use egui::{Button, DragValue, Label, Rect, RichText, StrokeKind, TextEdit, Ui, Vec2};
+use egui::{Button, DragValue, Label, Rect, RichText, ScrollArea, StrokeKind, TextEdit, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::Id;
 use pyrophone_settings::session::{Cut, MAX_CUT_GAIN_DB};
@@ -14,12 +14,12 @@ use raw_window_handle::HasWindowHandle;
 
 use super::dialog::{Ask, Dialog};
 use super::drop::DropTarget;
+use super::hand::Hand;
 use super::plots::course::{Still, label};
 use super::plots::outline;
 use super::{map, theme};
 use crate::loader::LoaderHandle;
 use crate::loader::status::View;
-use crate::parameters::EffectParams;
 use region::{Change, Region, SHORTEST_S};
 
 /// How the names of speed fields end.
@@ -36,6 +36,8 @@ pub struct RecordingPanel {
     region: Region,
     /// The part and level as they are being typed or dragged.
     held: Option<Cut>,
+    /// Sample rate of the engine in Hz, while one runs.
+    rate_hz: Option<f32>,
     notifier: RepaintNotifier,
 }
 
@@ -50,6 +52,7 @@ impl RecordingPanel {
             course: Still::default(),
             region: Region::default(),
             held: None,
+            rate_hz: None,
             notifier,
         }
     }
@@ -76,8 +79,9 @@ impl RecordingPanel {
         self.course.clear();
     }
 
-    /// The panel. A file that is dropped on the window is loaded: as a speed field by its name, else as the recording.
-    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams, view: &View) {
+    /// Takes what was dropped on the window or chosen in a dialog: a speed field by its name, else a recording.
+    pub fn follow(&mut self, loader: &LoaderHandle, view: &View, rate_hz: Option<f32>) {
+        self.rate_hz = rate_hz;
         if view.path != self.followed {
             self.path = view.path.clone().unwrap_or_default();
             self.followed = view.path.clone();
@@ -94,10 +98,19 @@ impl RecordingPanel {
                 (_, None) => {}
             }
         }
-        ui.horizontal(|ui| self.loading(ui, loader, view));
-        ui.horizontal(|ui| self.cutting(ui, loader, view));
-        ui.horizontal(|ui| {
-            self.learning(ui, loader, params, view);
+    }
+
+    /// The panel, with the part that is learnt from in figures, and learning.
+    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut Hand<'_>, view: &View) {
+        ScrollArea::vertical().id_salt("recording").auto_shrink(false).show(ui, |ui| self.rows(ui, loader, hand, view));
+    }
+
+    fn rows(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut Hand<'_>, view: &View) {
+        // Narrow windows break the rows, and scroll.
+        ui.horizontal_wrapped(|ui| self.loading(ui, loader, view));
+        ui.horizontal_wrapped(|ui| self.cutting(ui, loader, view));
+        ui.horizontal_wrapped(|ui| {
+            self.learning(ui, loader, hand, view);
             if let Some(field) = &view.field {
                 ui.separator();
                 ui.label(RichText::new(field).color(theme::WEAK)).on_hover_text("Speed field: set Flow to field");
@@ -106,18 +119,7 @@ impl RecordingPanel {
                 }
             }
         });
-        let (message, color) = match (&view.error, &view.notice) {
-            (Some(error), _) => (error, theme::ALARM),
-            (None, Some(notice)) => (notice, theme::WEAK),
-            (None, None) => return,
-        };
-        ui.horizontal_top(|ui| {
-            if ui.small_button("×").on_hover_text("Read").clicked() {
-                loader.status.update(|view| (view.error, view.notice) = (None, None));
-            }
-            let text = RichText::new(message).font(theme::small()).color(color);
-            ui.add(Label::new(text).wrap()).on_hover_text(message);
-        });
+        message(ui, loader, view);
     }
 
     /// Loads a file that was dropped, chosen or typed.
@@ -134,7 +136,8 @@ impl RecordingPanel {
         self.dialog = Some((ask.clone(), Dialog::open(ask, &self.path, self.notifier.clone())));
     }
 
-    fn loading(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
+    /// Buttons that load a recording.
+    pub fn buttons(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
         let is_missing = view.recording.is_none() && view.path.is_some() && view.progress.is_none();
         let (words, hint) = if is_missing {
             (RichText::new("Locate…").color(theme::ALARM), "Choose where the recording is now: its part and level stay")
@@ -159,7 +162,11 @@ impl RecordingPanel {
             })
         });
         map::note(ui, "button.Recent", recent.response.rect);
-        let width = (ui.available_width() - 76.0).max(60.0);
+    }
+
+    fn loading(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
+        self.buttons(ui, loader, view);
+        let width = (ui.available_size_before_wrap().x - 76.0).max(70.0);
         let field = TextEdit::singleline(&mut self.path).hint_text("or the path of a sound file").desired_width(width);
         let typed = ui.add(field);
         map::note(ui, "field.Path", typed.rect);
@@ -236,13 +243,22 @@ impl RecordingPanel {
 
     /// Outline and course of the recording, or what is in their way.
     pub fn show_pictures(&mut self, ui: &Ui, [above, below]: [Rect; 2], loader: &LoaderHandle, view: &View) {
+        ui.painter().rect_filled(below, 3.0, theme::WELL);
+        self.show_outline(ui, above, loader, view);
+        if let Some(portrait) = &view.portrait {
+            self.course.show(ui, below, portrait);
+            if let Some(recording) = &view.recording {
+                label(ui, above, recording, theme::ASH);
+            }
+        }
+    }
+
+    /// Outline of the recording with the part that is learnt from, or what is in its way.
+    pub fn show_outline(&mut self, ui: &Ui, above: Rect, loader: &LoaderHandle, view: &View) {
         let painter = ui.painter();
-        [above, below].iter().for_each(|rect| {
-            painter.rect_filled(*rect, 3.0, theme::WELL);
-        });
+        painter.rect_filled(above, 3.0, theme::WELL);
         if let Some(portrait) = &view.portrait {
             outline::show(ui, above, portrait);
-            self.course.show(ui, below, portrait);
             let shown = self.held.unwrap_or(view.cut).region_s;
             let change = self.region.show(ui, above, portrait.duration_s, shown);
             if let Some(change) = change {
@@ -250,7 +266,7 @@ impl RecordingPanel {
                 loader.set_cut(Cut { region_s, ..view.cut });
             }
         }
-        let centre = above.union(below).center();
+        let centre = above.center();
         let word = |text: &str, color| {
             let width = above.width() - 20.0;
             let galley = painter.layout(text.to_owned(), egui::FontId::proportional(12.5), color, width);
@@ -259,45 +275,38 @@ impl RecordingPanel {
             painter.galley(place.min, galley, color);
         };
         if let Some((what, done)) = &view.progress {
-            let bar = Rect::from_min_max(below.left_bottom() - Vec2::new(0.0, 4.0), below.right_bottom());
+            let bar = Rect::from_min_max(above.left_bottom() - Vec2::new(0.0, 4.0), above.right_bottom());
             painter.rect_filled(bar, 0.0, theme::LINE);
             let done_at = bar.left() + bar.width() * done.clamp(0.0, 1.0);
             painter.rect_filled(bar.with_max_x(done_at), 0.0, theme::EMBER);
             word(&format!("{what} … {:.0} %", 100.0 * done), theme::TEXT);
-        } else {
-            match (&view.recording, &view.path) {
-                (Some(recording), _) => label(ui, above, recording, theme::ASH),
-                (None, Some(path)) => word(
-                    &format!(
-                        "Not loaded: {path}\nLocate it where it is now; extension stands in for companded texture."
-                    ),
-                    theme::ALARM,
-                ),
-                (None, None) => {
-                    word(
-                        "No recording yet: extension stands in for companded texture.\nDrop a recording of fire here.",
-                        theme::WEAK,
-                    );
-                }
-            }
+        } else if let Some(path) = view.path.as_ref().filter(|_| view.recording.is_none()) {
+            word(
+                &format!("Not found: {path}\nLocate it where it is now. Noise stands in for it until then."),
+                theme::ALARM,
+            );
+        } else if view.recording.is_none() {
+            word("Drop a recording of fire here, or load one.\nNoise stands in for it until then.", theme::WEAK);
         }
         if self.drops.as_ref().is_some_and(DropTarget::is_hovered) {
-            painter.rect_stroke(above.union(below), 3.0, egui::Stroke::new(2.0, theme::EMBER), StrokeKind::Inside);
+            painter.rect_stroke(above, 3.0, egui::Stroke::new(2.0, theme::EMBER), StrokeKind::Inside);
         }
     }
 
-    fn learning(&mut self, ui: &mut Ui, loader: &LoaderHandle, params: &EffectParams, view: &View) {
+    fn learning(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut Hand<'_>, view: &View) {
         let learning = &loader.shared.learning;
         let is_on = learning.load(Ordering::Relaxed);
-        let text = if is_on { "Learning: press when it has played" } else { "Learn the drive" };
+        let text = if is_on { "Learning: press when it has played" } else { "Learn the flame" };
         let learn = ui.add(Button::new(text).selected(is_on));
         map::note(ui, "button.Learn the drive", learn.rect);
         let hint = "Press, play the track once, press again: the texture then follows its loudness";
         if learn.on_hover_text(hint).clicked() {
+            loader.shared.learned_samples.store(0, Ordering::Relaxed);
             learning.store(!is_on, Ordering::Relaxed);
         }
-        if let Some(values) = view.learning {
-            ui.label(format!("{values} amplitudes so far"));
+        if view.learning.is_some() {
+            let samples = loader.shared.learned_samples.load(Ordering::Relaxed) as f32;
+            ui.label(self.rate_hz.map_or_else(String::new, |rate_hz| format!("{:.1} s so far", samples / rate_hz)));
             return;
         }
         let from_file = ui.add_enabled(self.dialog.is_none(), Button::new("from file…"));
@@ -306,13 +315,39 @@ impl RecordingPanel {
         if from_file.on_hover_text(hint).clicked() {
             self.ask(Ask::Drive);
         }
+        let learned_range = DYNAMIC_RANGES.iter().position(|range| *range == "learned").unwrap_or(0);
+        let is_used = hand.get(Id::DynamicRange) as usize == learned_range;
         if let Some(learned) = &view.learned {
-            ui.label(RichText::new(learned).font(theme::small()).color(theme::WEAK));
+            if !is_used {
+                let use_it = ui.small_button("Use it").on_hover_text("Sets Dynamic range to learned");
+                map::note(ui, "button.Use learned", use_it.rect);
+                if use_it.clicked() {
+                    hand.set_once(Id::DynamicRange as usize, learned_range as f64);
+                }
+            }
             if ui.small_button("Forget").clicked() {
                 loader.forget_learned();
             }
-        } else if DYNAMIC_RANGES[params.value(Id::DynamicRange as usize) as usize] == "learned" {
+            let text = RichText::new(learned).font(theme::small()).color(theme::WEAK);
+            ui.add(Label::new(text).truncate()).on_hover_text(learned);
+        } else if is_used {
             ui.label(RichText::new("Nothing was learned yet.").font(theme::small()).color(theme::ALARM));
         }
     }
+}
+
+/// What went wrong or is worth a word, until it was read.
+pub fn message(ui: &mut Ui, loader: &LoaderHandle, view: &View) {
+    let (message, color) = match (&view.error, &view.notice) {
+        (Some(error), _) => (error, theme::ALARM),
+        (None, Some(notice)) => (notice, theme::WEAK),
+        (None, None) => return,
+    };
+    ui.horizontal_top(|ui| {
+        if ui.small_button("×").on_hover_text("Read").clicked() {
+            loader.status.update(|view| (view.error, view.notice) = (None, None));
+        }
+        let text = RichText::new(message).font(theme::small()).color(color);
+        ui.add(Label::new(text).wrap()).on_hover_text(message);
+    });
 }

@@ -23,6 +23,13 @@ pub const ASH: Color32 = Color32::from_rgb(0xd8, 0xc6, 0xb2);
 /// What went wrong; 6:1 on the panel.
 pub const ALARM: Color32 = Color32::from_rgb(0xff, 0x7d, 0x66);
 
+/// Crackle.
+pub const SPARK: Color32 = Color32::from_rgb(0xff, 0xd0, 0x6b);
+/// Vortex sound.
+pub const VIOLET: Color32 = Color32::from_rgb(0xb5, 0x97, 0xff);
+/// All is well.
+pub const WELL_DONE: Color32 = Color32::from_rgb(0x7f, 0xd8, 0x8f);
+
 /// Corners of panels and buttons.
 pub const ROUNDING: u8 = 5;
 
@@ -34,6 +41,11 @@ pub fn small() -> FontId {
 /// Heads of groups.
 pub fn head() -> FontId {
     FontId::new(11.5, FontFamily::Proportional)
+}
+
+/// Names that stand out.
+pub fn strong() -> FontId {
+    FontId::new(12.5, FontFamily::Proportional)
 }
 
 /// Puts the look on a window.
@@ -114,7 +126,7 @@ mod tests {
 
     #[test]
     fn words_can_be_read() {
-        for words in [TEXT, WEAK, EMBER, BLUE, ASH, ALARM] {
+        for words in [TEXT, WEAK, EMBER, BLUE, ASH, ALARM, SPARK, VIOLET, WELL_DONE] {
             for behind in [GROUND, PANEL, WELL] {
                 let contrast = (luminance(words) + 0.05) / (luminance(behind) + 0.05);
                 assert!(contrast >= 4.5, "{words:?} on {behind:?}: {contrast}");

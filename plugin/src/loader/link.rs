@@ -66,6 +66,8 @@ impl<T> Pop<T> for HeapCons<T> {
 pub struct Shared {
     /// Whether the amplitudes that pass are to be learned.
     pub learning: AtomicBool,
+    /// Samples that were learned from so far.
+    pub learned_samples: AtomicU64,
     /// Whether some of them were lost on the way.
     pub magnitudes_lost: AtomicBool,
     /// Whether a window is open: what is drawn of a recording is made for it alone.

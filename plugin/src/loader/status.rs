@@ -18,6 +18,8 @@ pub struct View {
     pub cut: Cut,
     /// Amplitudes at equal steps of probability of what is matched: of the recording, and of the drive where it was learned.
     pub amplitudes: [Option<Arc<[f32]>>; 2],
+    /// Crackles a second that were split off it, where there are any.
+    pub crackles_per_s: Option<f32>,
     /// Whether it is ready to be listened to.
     pub has_tape: bool,
     /// Recordings that were loaded of late, the latest first.

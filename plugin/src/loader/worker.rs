@@ -563,9 +563,11 @@ impl Worker {
 
     fn send_dictionary(&mut self, dictionary: Arc<Dictionary>) {
         let amplitudes = shown_amplitudes(dictionary.distribution());
+        let crackles = dictionary.crackles().map(|crackles| crackles.summary().per_second as f32);
         let warning = dictionary.is_impulsive().then(|| IMPULSIVE.to_owned());
         self.status.update(|view| {
             view.amplitudes[0] = amplitudes;
+            view.crackles_per_s = crackles;
             view.notice = warning.or_else(|| view.notice.take());
         });
         self.dictionary_is_sent = self.link.send(Update::Dictionary(Some(dictionary)));
@@ -580,7 +582,7 @@ impl Worker {
                 Some((_, dictionary)) if self.has_fitting_dictionary() => self.send_dictionary(dictionary.clone()),
                 Some(_) => {}
                 None => {
-                    self.status.update(|view| view.amplitudes[0] = None);
+                    self.status.update(|view| (view.amplitudes[0], view.crackles_per_s) = (None, None));
                     self.dictionary_is_sent = self.link.send(Update::Dictionary(None));
                 }
             }

@@ -305,7 +305,8 @@ impl Chain {
         if samples == 0 || main.len() < self.channels.output {
             return;
         }
-        self.tail_samples = self.voices[0].tail_samples(controls) + self.crossfade_samples;
+        self.tail_samples =
+            self.voices[0].tail_samples(controls) + self.crossfade_samples + self.mix.tail_samples(&controls.mix);
         self.burns = self.voices[0].is_self_driven(controls);
         self.endless = self.voices[0].is_endless(controls) || (self.has_dictionary && controls.texture.gate <= 0.0);
         let controls = &self.levelled(controls);

@@ -8,6 +8,7 @@ mod flame;
 mod high_pass;
 mod kernel;
 mod rumble;
+mod swell;
 
 pub use flame::SCENES;
 pub use kernel::mitchell_netravali;
@@ -16,6 +17,7 @@ use envelope::Envelope;
 use flame::Flame;
 use high_pass::HighPass;
 use rumble::Rumble;
+use swell::Swell;
 
 use crate::controls::{DriveControls, DriveMode};
 use crate::error::{Error, in_range, within};
@@ -46,6 +48,7 @@ pub struct Drive {
     envelope: Envelope,
     rumble: Rumble,
     flame: Flame,
+    swell: Swell,
     high_pass: HighPass,
     /// Smoothed power of the channels' mean, and mean power of the channels.
     powers: [f64; 2],
@@ -64,6 +67,7 @@ impl Drive {
             envelope: Envelope::new(sample_rate_hz),
             rumble: Rumble::new(sample_rate_hz),
             flame: Flame::new(sample_rate_hz)?,
+            swell: Swell::new(sample_rate_hz),
             high_pass: HighPass::new(sample_rate_hz),
             powers: [0.0; 2],
             power_step: 1.0 - (-1.0 / (CANCEL_S * sample_rate_hz)).exp(),
@@ -96,6 +100,7 @@ impl Drive {
         self.previous = None;
         self.envelope.reset();
         self.flame.reset();
+        self.swell.reset();
         self.high_pass.reset();
         self.powers = [0.0; 2];
         self.position = position;
@@ -139,6 +144,7 @@ impl Drive {
             let gain = within(controls.gain, 0.0, f64::MAX);
             drive.iter_mut().for_each(|sample| *sample *= gain);
         }
+        self.swell.process(controls.swell, drive);
         self.high_pass.process(controls.high_pass_hz, drive);
         self.position = self.position.wrapping_add(drive.len() as i64);
     }

@@ -22,6 +22,7 @@ use crate::companding::Profile;
 use crate::controls::{DynamicRange, Quality, TextureControls};
 use crate::crackle::Crackles;
 use crate::error::within;
+use crate::noise::White;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
 
@@ -110,6 +111,10 @@ const CONTINUOUS_LEVELS: usize = 3;
 const LONGEST_RUN_S: f64 = 0.034;
 /// Time constant in seconds with which the part of the recording's own dynamics follows its control.
 const DYNAMICS_S: f64 = 0.02;
+
+/// Streams of noise that no other stage uses, one for each level, and the share of it that the coarse half of a feature has.
+const VARIETY_STREAM: u32 = 0x5641_5200;
+const COARSE_VARIETY: f64 = 0.5;
 
 /// Most matches that are kept until they are taken; later ones are lost.
 const MATCH_CAPACITY: usize = 512;
@@ -424,6 +429,7 @@ impl Texture {
         let w = self.shape.window as i64;
         let controls = self.controls_at((window * w) << l);
         self.gather(l, window);
+        self.vary(l, window, &controls);
         let is_mapped = l + 1 == self.shape.top();
         let (magnitude, factor) = if is_mapped { self.map_dynamic_range(&controls, dictionary) } else { (0.0, 1.0) };
         let budget = match controls.quality {
@@ -496,6 +502,26 @@ impl Texture {
             ring.copy(place.coarse, coarse_floor, coarse);
         }
         self.query.iter_mut().zip(&self.weights).for_each(|(x, weight)| *x *= weight);
+    }
+
+    /// Adds noise to `query`, so that another seed finds another window of the same kind. The coarse half, which says what
+    /// the drive does, has less of it.
+    fn vary(&mut self, l: usize, window: i64, controls: &TextureControls) {
+        let variety = within(controls.variety, 0.0, 1.0);
+        if variety == 0.0 {
+            return;
+        }
+        let noise = White::new(controls.seed, VARIETY_STREAM + l as u32);
+        let mut position = window.wrapping_mul(self.query.len() as i64);
+        let (causal, coarse) = self.query.split_at_mut(self.shape.causal_len());
+        for (part, share) in [(causal, 1.0), (coarse, COARSE_VARIETY)] {
+            let power = part.iter().map(|x| x * x).sum::<f64>() / part.len().max(1) as f64;
+            let level = variety * share * power.sqrt();
+            for x in part {
+                *x += level * noise.at(position);
+                position = position.wrapping_add(1);
+            }
+        }
     }
 
     /// Maps the coarse half of `query` into the recording's range (§5.3); answers its mean magnitude, and the factor, which

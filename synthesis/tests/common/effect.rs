@@ -7,7 +7,7 @@ use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
     CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
-    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, TextureControls, VortexControls,
+    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, TextureControls, ToneControls, VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
@@ -37,6 +37,15 @@ pub fn chain(rate_hz: f64, channels: Channels, dynamics: Dynamics) -> Chain {
     chain
 }
 
+/// A tone, or none.
+fn any_tone(random: &mut Random) -> ToneControls {
+    if random.below(3) == 0 {
+        return ToneControls::default();
+    }
+    let mut factor = || 3.0 * random.unit();
+    ToneControls { low: factor(), high: factor(), air: factor(), hiss: factor() }
+}
+
 /// Some controls, every one of them moved.
 pub fn any_controls(random: &mut Random) -> Controls {
     let mode = [DriveMode::Pressure, DriveMode::Flux, DriveMode::Envelope, DriveMode::InputEnvelope, DriveMode::Flame]
@@ -48,6 +57,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
         drive: DriveControls {
             mode,
             gain: level(random),
+            swell: [0.0, 0.8, -0.6][random.below(3)],
             attack_s: 0.001 + random.unit() * 0.1,
             release_s: 0.001 + random.unit(),
             threshold: random.unit() * 0.1,
@@ -74,6 +84,8 @@ pub fn any_controls(random: &mut Random) -> Controls {
             dynamic_range,
             gate: if random.below(2) == 0 { 0.0 } else { 1e-3 },
             quality,
+            seed: random.below(3) as u32,
+            variety: if random.below(2) == 0 { 0.0 } else { random.unit() },
             companding: CompandingControls {
                 dynamics: random.unit(),
                 drive_match: 0.2 + 3.0 * random.unit(),
@@ -131,6 +143,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
             hiss: level(random),
             body: level(random),
             width: random.unit(),
+            tone: any_tone(random),
             output: level(random),
             loudness_lufs: (random.below(2) == 0).then(|| -40.0 * random.unit()),
             ceiling: random.below(2) == 0,

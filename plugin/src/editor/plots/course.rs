@@ -51,8 +51,14 @@ impl Course {
 
     /// Draws it, with its name in a corner.
     pub fn show(&mut self, ui: &Ui, rect: Rect, color: Color32) {
-        // Nothing louder than -100 dB per Hz is silence, and stays dark.
-        let top_db = self.loudest_db.max(-100.0);
+        self.show_picture(ui, rect);
+        label(ui, rect, self.name, color);
+    }
+
+    /// Draws it alone.
+    pub fn show_picture(&mut self, ui: &Ui, rect: Rect) {
+        // Nothing louder than this is silence, and stays dark.
+        let top_db = self.loudest_db.max(FLOOR_DB + RANGE_DB);
         let picture = self.picture.get_or_insert_with(|| {
             let black = ColorImage::filled([COLUMNS, BANDS], theme::glow(0.0));
             ui.ctx().load_texture(self.name, black, TextureOptions::LINEAR)
@@ -71,7 +77,6 @@ impl Course {
         };
         part(rect.left(), split, seam, 1.0);
         part(split, rect.right(), 0.0, seam);
-        label(ui, rect, self.name, color);
     }
 }
 

@@ -7,3 +7,4 @@ pub mod heat;
 pub mod outline;
 pub mod pyramid;
 pub mod spectrum;
+pub mod trace;

@@ -115,7 +115,10 @@ impl Spectra {
             curve(&painter, &axes, &track.peak_db, Stroke::new(0.8, color.gamma_multiply(0.35)));
             curve(&painter, &axes, levels, Stroke::new(1.6, color));
         }
-        extension(ui, &painter, &axes, &drive, hand);
+        // Handles that move nothing would lie.
+        if hand.inert(Id::Alpha as usize).is_none() {
+            extension(ui, &painter, &axes, &drive, hand);
+        }
         told.show(ui, &painter, rect, hand);
         legend(&painter, rect, matched.as_ref().and_then(|(_, likeness)| *likeness), recording.is_some());
         read_out(ui, &painter, &axes, &drive, &output);
@@ -132,7 +135,7 @@ fn grid(painter: &egui::Painter, axes: &Axes) {
         (1000.0, "1k"),
         (2000.0, "2k"),
         (5000.0, "5k"),
-        (10_000.0, "10k Hz"),
+        (10_000.0, "10k"),
     ] {
         let x = axes.x(frequency_hz);
         painter.line_segment([Pos2::new(x, axes.rect.top()), Pos2::new(x, axes.rect.bottom())], rule);

@@ -1,8 +1,20 @@
 //! What parameters are set with.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`turn`](mod@turn) | what moves a parameter: pointer, wheel, keys, menu |
+//! | [`knob`](mod@knob), [`fader`](mod@fader) | what is turned |
+//! | [`value`](mod@value) | the value as text, to be typed |
+//! | [`pick`] | choices and switches |
+//! | [`section`](mod@section) | panels, and places in them |
 
+pub mod fader;
 mod keys;
-mod knob;
-mod pick;
+pub mod knob;
+pub mod pick;
+pub mod section;
+pub mod turn;
+pub mod value;
 
 pub use keys::notches;
 pub use knob::{SIZE as KNOB, knob};

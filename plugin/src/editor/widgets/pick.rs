@@ -1,6 +1,6 @@
 //! Choices and switches.
 
-use egui::{ComboBox, RichText, Ui, Vec2};
+use egui::{ComboBox, Response, RichText, Ui, Vec2};
 use pyrophone_settings::{PARAMETERS, Parameter};
 
 use super::super::hand::Hand;
@@ -9,32 +9,42 @@ use super::notches;
 
 /// Width of a choice, in points.
 pub const WIDTH: f32 = 112.0;
+/// What is left of the colour of a parameter without effect.
+const DIMMED: f32 = 0.45;
 
 /// A list to choose from, under its name.
 pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
     let parameter = &PARAMETERS[index];
-    let mut chosen = hand.value(index) as usize;
-    let before = chosen;
     ui.allocate_ui(Vec2::new(WIDTH, 42.0), |ui| {
         ui.vertical(|ui| {
-            name(ui, parameter);
-            let choice = ComboBox::from_id_salt(parameter.id)
-                .width(WIDTH - 12.0)
-                .selected_text(names[chosen.min(names.len() - 1)])
-                .show_ui(ui, |ui| {
-                    for (index, name) in names.iter().enumerate() {
-                        let line = ui.selectable_value(&mut chosen, index, *name);
-                        map::note(ui, format_args!("choice.{}.{name}", parameter.id), line.rect);
-                    }
-                })
-                .response
-                .on_hover_text(parameter.help);
-            map::note(ui, format_args!("choice.{}", parameter.id), choice.rect);
-            // Without opening the list, as the host's own menus do.
-            let next = (chosen as f64 - notches(ui, &choice)).clamp(0.0, (names.len() - 1) as f64);
-            chosen = next as usize;
+            let reason = hand.inert(index);
+            let color = if reason.is_some() { theme::WEAK.gamma_multiply(DIMMED) } else { theme::WEAK };
+            let name = ui.label(RichText::new(parameter.name).font(theme::small()).color(color));
+            explain(name, parameter, reason);
+            list(ui, index, names, WIDTH - 12.0, hand);
         });
     });
+}
+
+/// The list of a choice alone, `width` points wide.
+pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut Hand<'_>) {
+    let parameter = &PARAMETERS[index];
+    let mut chosen = hand.value(index) as usize;
+    let before = chosen;
+    let reason = hand.inert(index);
+    let shown = RichText::new(names[chosen.min(names.len() - 1)]);
+    let shown = if reason.is_some() { shown.color(theme::TEXT.gamma_multiply(DIMMED)) } else { shown };
+    let list = ComboBox::from_id_salt(parameter.id).width(width).truncate().selected_text(shown).show_ui(ui, |ui| {
+        for (index, name) in names.iter().enumerate() {
+            let line = ui.selectable_value(&mut chosen, index, *name);
+            map::note(ui, format_args!("choice.{}.{name}", parameter.id), line.rect);
+        }
+    });
+    let response = explain(list.response, parameter, reason);
+    map::note(ui, format_args!("choice.{}", parameter.id), response.rect);
+    // Without opening the list, as the host's own menus do.
+    let next = (chosen as f64 - notches(ui, &response)).clamp(0.0, (names.len() - 1) as f64);
+    chosen = next as usize;
     if chosen != before {
         hand.set_once(index, chosen as f64);
     }
@@ -44,14 +54,24 @@ pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
 pub fn toggle(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
     let parameter = &PARAMETERS[index];
     let mut is_on = hand.value(index) > 0.5;
-    let text = RichText::new(parameter.name).color(if is_on { theme::TEXT } else { theme::WEAK });
-    let switch = ui.checkbox(&mut is_on, text).on_hover_text(parameter.help);
+    let reason = hand.inert(index);
+    let color = if is_on { theme::TEXT } else { theme::WEAK };
+    let color = if reason.is_some() { color.gamma_multiply(DIMMED) } else { color };
+    let switch = ui.checkbox(&mut is_on, RichText::new(parameter.name).color(color));
+    let switch = explain(switch, parameter, reason);
     map::note(ui, format_args!("toggle.{}", parameter.id), switch.rect);
     if switch.changed() {
         hand.set_once(index, f64::from(u8::from(is_on)));
     }
 }
 
-fn name(ui: &mut Ui, parameter: &Parameter) {
-    ui.label(RichText::new(parameter.name).font(theme::small()).color(theme::WEAK)).on_hover_text(parameter.help);
+/// Says what a parameter does, and why it has no effect where it has none.
+fn explain(response: Response, parameter: &Parameter, reason: Option<&str>) -> Response {
+    response.on_hover_ui(|ui| {
+        ui.set_max_width(320.0);
+        ui.label(parameter.help);
+        if let Some(reason) = reason {
+            ui.label(RichText::new(format!("No effect at present: {reason}.")).color(theme::ALARM));
+        }
+    })
 }

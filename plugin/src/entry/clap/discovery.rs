@@ -140,7 +140,7 @@ unsafe fn tell(
     flags: u32,
 ) -> bool {
     let text = |text: &str| CString::new(text.replace('\0', " ")).unwrap_or_default();
-    let name = text(&preset.name);
+    let name = text(preset.title());
     let key = key.map(text);
     let key = key.as_ref().map_or(std::ptr::null(), |key| key.as_ptr());
     let plugin = clap_universal_plugin_id { abi: c"clap".as_ptr(), id: super::descriptor().clap_id().as_ptr() };

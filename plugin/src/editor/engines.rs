@@ -1,0 +1,96 @@
+//! The pages of the engines: spectra and what the engines do above, their parameters below.
+
+use egui::Rect;
+use pyrophone_settings::Id;
+use pyrophone_settings::table::DYNAMIC_RANGES;
+
+use super::controls::{self, Page};
+use super::hand::Hand;
+use super::play::Parts;
+use super::{GAP, listen, meter_bridge, part, theme};
+
+/// Heights of the recording's words without and with a message, in points.
+const WORDS: f32 = 80.0;
+const MESSAGE: f32 = 30.0;
+/// Width of the meters, in points.
+const METERS: f32 = 190.0;
+/// Height that the parameters like to have, in points.
+const CONTROLS: f32 = 388.0;
+/// Height of the pictures of what the engines do; below this height of all pictures there is no room for them.
+const ENGINES: f32 = 84.0;
+const ROOM_FOR_ENGINES: f32 = 270.0;
+
+/// A page.
+pub fn show(ui: &mut egui::Ui, rest: Rect, page: Page, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+    // Pictures take what the parameters leave, and at least two fifths.
+    let split = rest.top() + (rest.height() - CONTROLS).clamp(0.4 * rest.height(), 0.62 * rest.height());
+    let (upper, lower) = rest.split_top_bottom_at_y(split);
+    let middle = upper.left() + 0.54 * (upper.width() - METERS);
+    let left = upper.with_max_x(middle);
+    let right = upper.with_min_x(middle + GAP).with_max_x(upper.right() - METERS - GAP);
+    let meters = upper.with_min_x(upper.right() - METERS);
+
+    let shows_engines = left.height() >= ROOM_FOR_ENGINES;
+    let spectra = if shows_engines { left.with_max_y(left.bottom() - ENGINES - GAP) } else { left };
+    let (told, portrait) = (parts.told, parts.view.portrait.clone());
+    parts.monitor.spectra.show(ui, spectra, portrait.as_deref(), &told, hand);
+    if shows_engines {
+        engines(ui, left.with_min_y(left.bottom() - ENGINES), parts, hand);
+    }
+    sounds(ui, right, parts, hand);
+    meter_bridge::show(ui, meters.with_max_y(meters.bottom() - listen::HEIGHT - GAP), parts.levels);
+    part(ui, listen::place(meters), "listen", |ui| {
+        parts.listen.show(ui, parts.monitor, parts.loader, parts.view, hand);
+    });
+    let controls = lower.with_min_y(lower.top() + GAP);
+    part(ui, controls, "controls", |ui| controls::show(ui, page, hand));
+}
+
+/// What the engines do: extension's factors, texture's levels, and how loudness is matched.
+fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &Hand<'_>) {
+    let width = (rect.width() - 2.0 * GAP) / 3.0;
+    let place = |index: f32| {
+        let left = rect.left() + index * (width + GAP);
+        rect.with_min_x(left).with_max_x(left + width)
+    };
+    let uses_learned = DYNAMIC_RANGES.get(hand.get(Id::DynamicRange) as usize) == Some(&"learned");
+    let [recording, learned] = &parts.view.amplitudes;
+    let learned = learned.as_deref().filter(|_| uses_learned);
+    parts.monitor.betas.show(ui, place(0.0));
+    parts.monitor.levels.show(ui, place(1.0));
+    parts.monitor.dynamics.show(ui, place(2.0), recording.as_deref(), learned);
+    let explanations = [
+        "Noise factor of every window of extension (beta of Chadwick & James, Algorithm 1): by how much the noise was scaled to go on where the flame ends",
+        "The levels of texture synthesis, the coarsest on top: that one is the flame's own, all others come from the recording",
+        "What part of the flame's windows (blue) and of the recording's (grey) lie below which level; the line is the present window, from its level to the one it is brought to",
+    ];
+    for (index, words) in explanations.into_iter().enumerate() {
+        let id = egui::Id::unique(("engines", index));
+        ui.interact(place(index as f32), id, egui::Sense::hover()).on_hover_text(words);
+    }
+}
+
+/// Flame, output and recording over time, and the recording's words.
+fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+    let view = parts.view;
+    let cancels = parts.meters.input_cancels();
+    let has_message = view.error.is_some() || view.notice.is_some() || cancels;
+    let height = WORDS + if has_message { MESSAGE } else { 0.0 };
+    let words = rect.with_min_y(rect.bottom() - height);
+    let course = (rect.height() - height - 4.0 * GAP) / 4.0;
+    let row = |index: f32| {
+        let top = rect.top() + index * (course + GAP);
+        rect.with_min_y(top).with_max_y(top + course)
+    };
+    parts.monitor.drive.show(ui, row(0.0), theme::BLUE);
+    parts.monitor.output.show(ui, row(1.0), theme::EMBER);
+    parts.recording.show_pictures(ui, [row(2.0), row(3.0)], parts.loader, view);
+    parts.monitor.heat.show(ui, row(2.0));
+    part(ui, words, "recording", |ui| {
+        parts.recording.show(ui, parts.loader, hand, view);
+        if cancels && view.error.is_none() {
+            let warning = "The input's channels cancel each other: turn one's phase, or use mono.";
+            ui.label(egui::RichText::new(warning).font(theme::small()).color(theme::ALARM));
+        }
+    });
+}

@@ -1,0 +1,169 @@
+//! Which parameters have no effect at present, and why: the window dims them and says so.
+
+use pyrophone_settings::{COUNT, Id, PARAMETERS, Parameter, Values};
+use pyrophone_synthesis::Controls;
+use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow};
+use pyrophone_synthesis::structure::Dynamics;
+
+/// What decides that besides the parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Circumstances {
+    /// Whether a recording is loaded.
+    pub has_recording: bool,
+}
+
+const EXTENSION_OFF: &str = "Extension level is off";
+const TEXTURE_OFF: &str = "Texture level is off";
+const NO_RECORDING: &str = "There is no recording";
+const PAPER: &str = "Dynamics mode is paper";
+const CRACKLE_OFF: &str = "Crackle level is off";
+const VORTEX_OFF: &str = "Vortex level is off";
+
+/// Why each parameter of the table has no effect; none where it has one.
+pub type Reasons = [Option<&'static str>; COUNT];
+
+/// The reasons for these values.
+pub fn reasons(values: &Values, circumstances: Circumstances) -> Reasons {
+    let situation = Situation {
+        controls: values.controls(),
+        is_companded: values.structure().dynamics == Dynamics::Companded,
+        has_recording: circumstances.has_recording,
+        values,
+    };
+    std::array::from_fn(|index| situation.reason(&PARAMETERS[index]))
+}
+
+struct Situation<'a> {
+    controls: Controls,
+    is_companded: bool,
+    has_recording: bool,
+    values: &'a Values,
+}
+
+impl Situation<'_> {
+    fn reason(&self, parameter: &Parameter) -> Option<&'static str> {
+        match parameter.group {
+            "Extension" => self.extension(parameter.id),
+            "Texture" => self.texture(parameter.id),
+            "Crackle" => self.crackle(),
+            "Vortex" => self.vortex(parameter.id),
+            "Flame" => self.flame(),
+            "Drive" => self.drive(parameter.id),
+            "Levels" => self.levels(parameter.id),
+            "Character" => self.character(parameter.id),
+            _ => None,
+        }
+    }
+
+    /// Whether extension is heard in texture's place.
+    fn stands_in(&self) -> bool {
+        self.is_companded && !self.has_recording && self.controls.mix.texture != 0.0
+    }
+
+    fn extension(&self, id: &str) -> Option<&'static str> {
+        let mix = &self.controls.mix;
+        let shapes_low = matches!(id, "cutoff" | "blend_width") && mix.low != 0.0;
+        // The rumble of envelope drives has the same seed.
+        let seeds_rumble = id == "extension_seed"
+            && matches!(self.controls.drive.mode, DriveMode::Envelope | DriveMode::InputEnvelope);
+        let is_heard = mix.extension != 0.0 || self.stands_in() || shapes_low || seeds_rumble;
+        (!is_heard).then_some(EXTENSION_OFF)
+    }
+
+    fn texture(&self, id: &str) -> Option<&'static str> {
+        let texture = &self.controls.texture;
+        match id {
+            _ if self.controls.mix.texture == 0.0 => Some(TEXTURE_OFF),
+            _ if !self.has_recording => Some(NO_RECORDING),
+            "dynamics" | "drive_match" | "low_end" | "spectrum_match" if !self.is_companded => Some(PAPER),
+            "scaling_alpha" | "scaling_auto" if texture.dynamic_range == DynamicRange::Off => {
+                Some("Dynamic range is off")
+            }
+            "scaling_auto" if texture.scaling_alpha == 0.0 => Some("Scaling alpha is 0"),
+            "gate_threshold" if texture.gate == 0.0 => Some("Gate is off"),
+            _ => None,
+        }
+    }
+
+    fn crackle(&self) -> Option<&'static str> {
+        if !self.is_companded {
+            Some(PAPER)
+        } else if !self.has_recording {
+            Some(NO_RECORDING)
+        } else {
+            (self.controls.mix.crackle == 0.0).then_some(CRACKLE_OFF)
+        }
+    }
+
+    fn vortex(&self, id: &str) -> Option<&'static str> {
+        match id {
+            _ if self.controls.mix.vortex == 0.0 => Some(VORTEX_OFF),
+            "vortex_curve" if self.controls.vortex.flow == Flow::Field => Some("Flow is field"),
+            _ => None,
+        }
+    }
+
+    fn flame(&self) -> Option<&'static str> {
+        (self.controls.drive.mode != DriveMode::Flame).then_some("Drive is not flame")
+    }
+
+    fn drive(&self, id: &str) -> Option<&'static str> {
+        let drive = &self.controls.drive;
+        let follows = matches!(drive.mode, DriveMode::Envelope | DriveMode::InputEnvelope)
+            || self.controls.mix.vortex != 0.0 && self.controls.vortex.flow != Flow::Field;
+        let is_envelope = matches!(id, "attack" | "release" | "threshold");
+        (is_envelope && !follows).then_some("Nothing follows an envelope: Drive is not one, and no vortex sound does")
+    }
+
+    fn levels(&self, id: &str) -> Option<&'static str> {
+        match id {
+            "crackle_level" if !self.is_companded => Some(PAPER),
+            "crackle_level" if !self.has_recording => Some(NO_RECORDING),
+            "texture_level" if !self.is_companded && !self.has_recording => Some(NO_RECORDING),
+            "loudness" if !self.is_companded => Some(PAPER),
+            "loudness" if !self.has_recording => Some(NO_RECORDING),
+            _ => None,
+        }
+    }
+
+    fn character(&self, id: &str) -> Option<&'static str> {
+        match id {
+            "macro_crackle" | "macro_sharpness" => self.crackle(),
+            "macro_tightness" => self.texture("").filter(|_| self.crackle().is_some()),
+            "take_amount" if self.values.get(Id::Take) == 0.0 => Some("Take 0 plays the seeds as they are set"),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pyrophone_settings::index_of;
+
+    fn why(id: &str, changes: &[(&str, &str)], has_recording: bool) -> Option<&'static str> {
+        let mut values = Values::default();
+        changes.iter().for_each(|(id, text)| values.set_text(id, text).expect("known"));
+        reasons(&values, Circumstances { has_recording })[index_of(id).expect("known")]
+    }
+
+    #[test]
+    fn what_has_no_effect_says_why() {
+        assert_eq!(why("alpha", &[], true), Some(EXTENSION_OFF));
+        assert_eq!(why("alpha", &[], false), None, "extension stands in for texture");
+        assert_eq!(why("alpha", &[("extension_level", "-20")], true), None);
+        assert_eq!(why("cutoff", &[("low_level", "0")], true), None, "it bounds the low layer");
+        assert_eq!(why("dynamics", &[], false), Some(NO_RECORDING));
+        assert_eq!(why("dynamics", &[("dynamics_mode", "paper")], true), Some(PAPER));
+        assert_eq!(why("dynamics", &[("texture_level", "off")], true), Some(TEXTURE_OFF));
+        assert_eq!(why("crackle_density", &[("crackle_level", "off")], true), Some(CRACKLE_OFF));
+        assert_eq!(why("vortex_speed", &[], true), Some(VORTEX_OFF));
+        assert_eq!(why("vortex_speed", &[("macro_whoosh", "50")], true), None, "the macro lets it be heard");
+        assert_eq!(why("flame_wind", &[], true), Some("Drive is not flame"));
+        assert_eq!(why("attack", &[("drive_mode", "envelope")], true), None);
+        assert!(why("attack", &[], true).is_some());
+        assert!(why("take_amount", &[], true).is_some());
+        assert_eq!(why("macro_size", &[], false), None);
+        assert_eq!(why("output_level", &[], false), None);
+    }
+}

@@ -1,0 +1,83 @@
+//! The Play page: what burns, what is heard of it, and what it is like.
+//!
+//! | module | shows |
+//! |---|---|
+//! | [`flame`] | what the sound follows: track, sidechain or a built-in flame |
+//! | [`output`] | the output's running spectrogram, and how well it matches |
+//! | [`recording`] | the recording, and the part that is learnt from |
+//! | [`layers`] | faders, meters, solo and mute; what is monitored |
+//! | [`character`] | the eight macros, and a [pad](pad) for two of them |
+//! | [`variations`] | takes; recording what is played |
+
+pub mod character;
+pub mod flame;
+pub mod layers;
+pub mod output;
+pub mod pad;
+pub mod recording;
+pub mod variations;
+
+use egui::{Rect, Ui};
+
+use super::hand::Hand;
+use super::levels::Levels;
+use super::listen::ListenPanel;
+use super::monitor::Monitor;
+use super::plots::spectrum::Told;
+use super::recording::RecordingPanel;
+use crate::loader::LoaderHandle;
+use crate::loader::status::View;
+use crate::meters::Meters;
+use pad::Pad;
+
+/// Between panels, in points.
+const GAP: f32 = 8.0;
+/// Shares of the page's width of the columns left and right, with their bounds in points.
+const LEFT: (f32, f32, f32) = (0.208, 164.0, 290.0);
+const RIGHT: (f32, f32, f32) = (0.236, 188.0, 300.0);
+/// Shares of the height of the upper row, and of the spectrogram in it.
+const UPPER: f32 = 0.55;
+const SPECTROGRAM: f32 = 0.58;
+
+/// What the page shows and moves besides the parameters.
+pub struct Parts<'a> {
+    /// What is seen and heard of the sound.
+    pub monitor: &'a mut Monitor,
+    /// Meters, solo and mute.
+    pub levels: &'a mut Levels,
+    /// The recording's panel.
+    pub recording: &'a mut RecordingPanel,
+    /// Monitoring, and recording what is played.
+    pub listen: &'a mut ListenPanel,
+    /// The pad.
+    pub pad: &'a mut Pad,
+    /// The loader.
+    pub loader: &'a LoaderHandle,
+    /// What the audio thread tells.
+    pub meters: &'a Meters,
+    /// What the loader tells.
+    pub view: &'a View,
+    /// How well the output matches.
+    pub told: Told,
+}
+
+/// The page.
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+    let (upper, lower) = rect.split_top_bottom_at_fraction(UPPER);
+    let (upper, lower) = (upper.with_max_y(upper.bottom() - 0.5 * GAP), lower.with_min_y(lower.top() + 0.5 * GAP));
+    let left = rect.left() + column(LEFT, rect.width());
+    let right = rect.right() - column(RIGHT, rect.width());
+    let middle = upper.with_min_x(left + GAP).with_max_x(right - GAP);
+    let (above, below) = middle.split_top_bottom_at_fraction(SPECTROGRAM);
+
+    flame::show(ui, upper.with_max_x(left), parts, hand);
+    output::show(ui, above.with_max_y(above.bottom() - 0.5 * GAP), parts, hand);
+    recording::show(ui, below.with_min_y(below.top() + 0.5 * GAP), parts);
+    layers::show(ui, upper.with_min_x(right), parts, hand);
+    character::show(ui, lower.with_max_x(right - GAP), parts, hand);
+    variations::show(ui, lower.with_min_x(right), parts, hand);
+}
+
+fn column((share, least, most): (f32, f32, f32), width: f32) -> f32 {
+    (share * width).clamp(least, most)
+}

@@ -1,0 +1,142 @@
+//! A pad that moves two macros at once.
+
+use std::collections::VecDeque;
+
+use egui::{
+    Align2, ComboBox, CursorIcon, Id as Place, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
+};
+use pyrophone_settings::macros::MACROS;
+
+use super::super::hand::Hand;
+use super::super::widgets::section::{columns, within};
+use super::super::{map, theme};
+
+/// Height of the row of choices, in points, and lines of the grid.
+const CHOICES: f32 = 22.0;
+const LINES: usize = 4;
+/// Places that the trail keeps.
+const TRAIL: usize = 90;
+const DOT: f32 = 7.0;
+
+/// Which macros it moves, across and up, by their places in [`MACROS`], and where it has been.
+#[derive(Debug)]
+pub struct Pad {
+    axes: [usize; 2],
+    trail: VecDeque<[f64; 2]>,
+    is_held: bool,
+}
+
+impl Default for Pad {
+    /// Fury across, Crackle up.
+    fn default() -> Self {
+        Self { axes: [1, 2], trail: VecDeque::new(), is_held: false }
+    }
+}
+
+impl Pad {
+    /// Shows the pad, and below it what it moves.
+    pub fn show(&mut self, ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
+        let (pad, choices) = rect.split_top_bottom_at_y(rect.bottom() - CHOICES);
+        let pad = pad.with_max_y(pad.bottom() - 4.0);
+        self.choices(ui, choices, hand);
+        self.follow(ui, pad, hand);
+        self.draw(ui, pad, hand);
+    }
+
+    fn choices(&mut self, ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
+        for (axis, place) in columns(rect, 2, 4.0).enumerate() {
+            let before = self.axes[axis];
+            within(ui, place, ["across", "up"][axis], |ui| {
+                ui.spacing_mut().icon_width = 8.0;
+                ui.spacing_mut().button_padding.x = 4.0;
+                let shown = RichText::new(MACROS[before].name).font(theme::small());
+                let list = ComboBox::from_id_salt(("pad", axis)).width(place.width()).truncate();
+                let list = list.selected_text(shown).show_ui(ui, |ui| {
+                    for (index, line) in MACROS.iter().enumerate() {
+                        ui.selectable_value(&mut self.axes[axis], index, line.name);
+                    }
+                });
+                map::note(ui, format_args!("pad axis {axis}"), list.response.rect);
+                list.response.on_hover_text(["What the pad moves across", "What the pad moves up and down"][axis]);
+            });
+            if self.axes[axis] != before {
+                self.let_go(hand);
+                if self.axes[1 - axis] == self.axes[axis] {
+                    // Each axis keeps a macro of its own.
+                    self.axes[1 - axis] = before;
+                }
+                self.trail.clear();
+            }
+        }
+    }
+
+    fn follow(&mut self, ui: &Ui, pad: Rect, hand: &mut Hand<'_>) {
+        let response = ui.interact(pad, Place::unique("pad"), Sense::click_and_drag());
+        map::note(ui, "pad", pad);
+        let pressed = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
+        if pressed && !self.is_held {
+            self.is_held = true;
+            self.indices().into_iter().for_each(|index| hand.begin(index));
+        }
+        if let (true, Some(at)) = (self.is_held && pressed, response.interact_pointer_pos()) {
+            let across = f64::from((at.x - pad.left()) / pad.width());
+            let up = f64::from((pad.bottom() - at.y) / pad.height());
+            for (index, share) in self.indices().into_iter().zip([across, up]) {
+                hand.set(index, 200.0 * share.clamp(0.0, 1.0) - 100.0);
+            }
+        } else if self.is_held {
+            self.let_go(hand);
+        }
+        if response.double_clicked() {
+            self.indices().into_iter().for_each(|index| hand.set_once(index, 0.0));
+        }
+        if !response.dragged() {
+            let response = response.on_hover_cursor(CursorIcon::Crosshair);
+            response.on_hover_text("Drag to perform: two macros at once. Double click: both to 0 %.");
+        }
+    }
+
+    fn let_go(&mut self, hand: &mut Hand<'_>) {
+        if std::mem::take(&mut self.is_held) {
+            self.indices().into_iter().for_each(|index| hand.end(index));
+        }
+    }
+
+    fn indices(&self) -> [usize; 2] {
+        self.axes.map(|axis| MACROS[axis].id as usize)
+    }
+
+    fn draw(&mut self, ui: &Ui, pad: Rect, hand: &Hand<'_>) {
+        let painter = ui.painter().with_clip_rect(pad);
+        painter.rect_filled(pad, 4.0, theme::WELL);
+        for n in 1..LINES {
+            let share = n as f32 / LINES as f32;
+            let middle = if 2 * n == LINES { 1.0 } else { 0.5 };
+            let rule = Stroke::new(1.0, theme::LINE.gamma_multiply(middle));
+            painter.vline(pad.left() + share * pad.width(), pad.y_range(), rule);
+            painter.hline(pad.x_range(), pad.top() + share * pad.height(), rule);
+        }
+        painter.rect_stroke(pad, 4.0, Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
+        let names = self.axes.map(|axis| MACROS[axis].name);
+        let weak = theme::WEAK.gamma_multiply(0.7);
+        painter.text(pad.right_bottom() - Vec2::splat(5.0), Align2::RIGHT_BOTTOM, names[0], theme::small(), weak);
+        painter.text(pad.left_top() + Vec2::splat(5.0), Align2::LEFT_TOP, names[1], theme::small(), weak);
+        let now = self.indices().map(|index| hand.value(index));
+        if self.trail.back() != Some(&now) {
+            if self.trail.len() == TRAIL {
+                self.trail.pop_front();
+            }
+            self.trail.push_back(now);
+        }
+        let inner = pad.shrink(DOT + 2.0);
+        let place = |[x, y]: [f64; 2]| {
+            inner.left_bottom()
+                + Vec2::new((x + 100.0) as f32 * inner.width(), -(y + 100.0) as f32 * inner.height()) / 200.0
+        };
+        let points: Vec<Pos2> = self.trail.iter().copied().map(place).collect();
+        painter.add(Shape::line(points, Stroke::new(1.2, theme::EMBER.gamma_multiply(0.5))));
+        let at = place(now);
+        painter.circle_filled(at, DOT, theme::EMBER);
+        painter.circle_stroke(at, DOT + 4.0, Stroke::new(1.0, theme::EMBER.gamma_multiply(0.5)));
+    }
+}

@@ -1,0 +1,149 @@
+//! Turning a parameter: drag (finer with Shift), wheel, arrow keys, double click for the default, a menu on the right button.
+
+use egui::{Key, Response, Ui, WidgetInfo};
+use pyrophone_settings::{Kind, PARAMETERS, Parameter};
+
+use super::super::hand::Hand;
+use super::super::map;
+use super::value;
+
+/// Points that a full turn takes.
+const TRAVEL: f32 = 180.0;
+/// How much slower Shift makes it.
+const FINE: f64 = 0.1;
+/// Part of the range that a notch of the wheel or an arrow key moves.
+const NOTCH: f64 = 0.02;
+
+/// Which way the pointer moves a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Travel {
+    /// Up and to the right is more; a full turn takes the same way whatever the widget's size.
+    Knob,
+    /// Along a vertical track of this length in points.
+    Fader(f32),
+}
+
+/// Follows mouse and keys; the value as it is then. What has no effect is not moved by the pointer.
+pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut Hand<'_>) -> f64 {
+    let parameter = &PARAMETERS[index];
+    let is_held = ui.data(|data| data.get_temp::<f64>(response.id)).is_some();
+    if is_held || hand.inert(index).is_none() {
+        drag(ui, response, index, travel, hand);
+        notches(ui, response, index, hand);
+    }
+    if response.double_clicked() {
+        hand.set_once(index, parameter.default_value());
+    } else if response.clicked() {
+        response.request_focus();
+    }
+    if response.has_focus() && ui.input(|input| input.key_pressed(Key::Delete) || input.key_pressed(Key::Backspace)) {
+        hand.set_once(index, parameter.default_value());
+    }
+    menu(response, index, hand);
+    let plain = hand.value(index);
+    response.widget_info(|| {
+        let mut info = WidgetInfo::slider(true, plain, parameter.name);
+        info.current_text_value = Some(parameter.to_text(plain));
+        info
+    });
+    plain
+}
+
+fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut Hand<'_>) {
+    let parameter = &PARAMETERS[index];
+    let plain = hand.value(index);
+    let place = parameter.to_normalised(plain);
+    let id = response.id;
+    let by_primary = ui.input(|input| input.pointer.primary_down());
+    if response.drag_started() && by_primary {
+        response.request_focus();
+        hand.begin(index);
+        ui.data_mut(|data| data.insert_temp(id, place));
+    }
+    let Some(held) = ui.data(|data| data.get_temp::<f64>(id)) else { return };
+    if response.dragged() {
+        let delta = response.drag_delta();
+        let moved = match travel {
+            Travel::Knob => (delta.x - delta.y) / TRAVEL,
+            Travel::Fader(length) => -delta.y / length.max(1.0),
+        };
+        let held = (held + fine(ui) * f64::from(moved)).clamp(0.0, 1.0);
+        ui.data_mut(|data| data.insert_temp(id, held));
+        let next = parameter.from_normalised(held);
+        if next != plain {
+            hand.set(index, next);
+        }
+    }
+    if response.drag_stopped() {
+        ui.data_mut(|data| data.remove::<f64>(id));
+        hand.end(index);
+    }
+}
+
+/// Notches of the wheel, where the pointer rests on what has the focus or Ctrl is held, and of arrow keys: without focus
+/// the wheel is the page's.
+fn notches(ui: &Ui, response: &Response, index: usize, hand: &mut Hand<'_>) {
+    let parameter = &PARAMETERS[index];
+    let mut notches = 0.0;
+    if response.hovered() && (response.has_focus() || ui.input(|input| input.modifiers.command)) {
+        notches += ui.input(wheel);
+        ui.input_mut(|input| input.smooth_scroll_delta = egui::Vec2::ZERO);
+    }
+    notches += super::notches(ui, response);
+    if notches == 0.0 {
+        return;
+    }
+    let plain = hand.value(index);
+    let next = match parameter.kind {
+        Kind::Int { .. } => (plain + notches.signum()).clamp(parameter.low(), parameter.high()),
+        _ => parameter.from_normalised((parameter.to_normalised(plain) + notches * NOTCH * fine(ui)).clamp(0.0, 1.0)),
+    };
+    if next != plain {
+        hand.set_once(index, next);
+    }
+}
+
+fn fine(ui: &Ui) -> f64 {
+    if ui.input(|input| input.modifiers.shift) { FINE } else { 1.0 }
+}
+
+/// Notches of the wheel since the last frame.
+fn wheel(input: &egui::InputState) -> f64 {
+    let notches = input.events.iter().filter_map(|event| match event {
+        egui::Event::MouseWheel { unit, delta, .. } => Some(match unit {
+            egui::MouseWheelUnit::Point => delta.y / 40.0,
+            egui::MouseWheelUnit::Line | egui::MouseWheelUnit::Page => delta.y,
+        }),
+        _ => None,
+    });
+    f64::from(notches.sum::<f32>())
+}
+
+/// What the right button offers.
+fn menu(response: &Response, index: usize, hand: &mut Hand<'_>) {
+    let parameter: &Parameter = &PARAMETERS[index];
+    response.context_menu(|ui| {
+        let text = parameter.to_text(hand.value(index));
+        let mut entry = |words: String, name: &str| {
+            let button = ui.button(words);
+            map::note(ui, format_args!("menu.{name}"), button.rect);
+            let is_clicked = button.clicked();
+            if is_clicked {
+                ui.close();
+            }
+            is_clicked
+        };
+        let default = parameter.to_text(parameter.default_value());
+        if entry(format!("Reset to {default}"), "Reset") {
+            hand.set_once(index, parameter.default_value());
+        }
+        let is_typing = entry("Type a value".to_owned(), "Type");
+        let is_copied = entry(format!("Copy {text}"), "Copy");
+        if is_typing {
+            value::begin_typing(ui, index, &text);
+        }
+        if is_copied {
+            ui.ctx().copy_text(text);
+        }
+    });
+}

@@ -1,0 +1,154 @@
+//! A window without a screen: its shapes, and pictures of them.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::epaint::{ClippedShape, ImageData, Mesh, Primitive, TextureId, Vertex};
+use egui::{Color32, ColorImage, Context, Pos2, RawInput, Rect, Vec2};
+use nice_plug::prelude::*;
+use nice_plug_core::context::gui::{GuiContext, GuiContextInner};
+use pyrophone::editor::Window;
+use pyrophone::editor::controls::Page;
+
+const FRAMES_HZ: f64 = 60.0;
+
+/// A host that takes no notice.
+struct Host;
+
+impl GuiContextInner for Host {
+    fn plugin_api(&self) -> PluginApi {
+        PluginApi::Clap
+    }
+    unsafe fn raw_begin_set_parameter(&self, _: ParamPtr) {}
+    unsafe fn raw_set_parameter_normalized(&self, _: ParamPtr, _: f32) {}
+    unsafe fn raw_end_set_parameter(&self, _: ParamPtr) {}
+    fn get_state(&self) -> PluginState {
+        PluginState { version: String::new(), params: Default::default(), fields: Default::default() }
+    }
+    fn set_state(&self, _: PluginState) {}
+    fn request_restart(&self) {}
+}
+
+/// The window, what it was drawn with, and what it drew last.
+pub struct Screen {
+    window: Window,
+    context: Context,
+    textures: HashMap<TextureId, ColorImage>,
+    shapes: Vec<ClippedShape>,
+    size: Vec2,
+    frame: usize,
+}
+
+impl Screen {
+    /// An open window.
+    pub fn new(window: Window) -> Self {
+        let (context, textures) = (Context::default(), HashMap::new());
+        let mut screen = Self { window, context, textures, shapes: vec![], size: Vec2::ZERO, frame: 0 };
+        screen.window.open(&screen.context, GuiContext::new(Arc::new(Host)));
+        screen
+    }
+
+    /// Shows this page from now on, in this size in points, with `scale` pixels a point.
+    pub fn turn_to(&mut self, page: Page, size: Vec2, scale: f32) {
+        self.window.turn_to(page);
+        self.context.set_pixels_per_point(scale);
+        self.size = size;
+    }
+
+    /// Draws a frame.
+    pub fn draw(&mut self) -> Vec<ClippedShape> {
+        let input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
+            time: Some(self.frame as f64 / FRAMES_HZ),
+            focused: true,
+            ..RawInput::default()
+        };
+        self.frame += 1;
+        let mut output = self.context.run_ui(input, |ui| self.window.show(ui));
+        for (id, deltas) in &output.textures_delta.set {
+            for delta in deltas {
+                let ImageData::Color(image) = &delta.image;
+                match (delta.pos, self.textures.get_mut(id)) {
+                    (Some(at), Some(texture)) => patch(texture, at, image),
+                    _ => drop(self.textures.insert(*id, (**image).clone())),
+                }
+            }
+        }
+        output.textures_delta.clear();
+        self.shapes = output.shapes.clone();
+        output.shapes
+    }
+
+    /// Writes a picture of the last frame.
+    pub fn save(&self, path: &Path) {
+        let scale = self.context.pixels_per_point();
+        let (width, height) = ((self.size.x * scale) as usize, (self.size.y * scale) as usize);
+        let mut picture = ColorImage::filled([width, height], Color32::BLACK);
+        for clipped in self.context.tessellate(self.shapes.clone(), scale) {
+            if let Primitive::Mesh(mesh) = &clipped.primitive
+                && let Some(texture) = self.textures.get(&mesh.texture_id)
+            {
+                let clip = Rect::from_min_max(scale * clipped.clip_rect.min, scale * clipped.clip_rect.max);
+                fill(&mut picture, mesh, texture, clip, scale);
+            }
+        }
+        let file = std::fs::File::create(path).expect("a file");
+        let mut encoder = png::Encoder::new(file, width as u32, height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        let pixels: Vec<u8> = picture.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
+        encoder.write_header().expect("a head").write_image_data(&pixels).expect("pixels");
+    }
+}
+
+fn patch(texture: &mut ColorImage, [x, y]: [usize; 2], image: &ColorImage) {
+    let (width, height) = (image.size[0], image.size[1]);
+    for row in 0..height {
+        let to = (y + row) * texture.size[0] + x;
+        texture.pixels[to..to + width].copy_from_slice(&image.pixels[row * width..(row + 1) * width]);
+    }
+}
+
+/// Fills the triangles of a mesh.
+fn fill(picture: &mut ColorImage, mesh: &Mesh, texture: &ColorImage, clip: Rect, scale: f32) {
+    for corners in mesh.indices.chunks_exact(3) {
+        let corners = [0, 1, 2].map(|n| mesh.vertices[corners[n] as usize]);
+        triangle(picture, corners, texture, clip, scale);
+    }
+}
+
+fn triangle(picture: &mut ColorImage, corners: [Vertex; 3], texture: &ColorImage, clip: Rect, scale: f32) {
+    let [a, b, c] = corners.map(|corner| scale * corner.pos);
+    let cross = |from: Pos2, to: Pos2, at: Pos2| (to.x - from.x) * (at.y - from.y) - (to.y - from.y) * (at.x - from.x);
+    let area = cross(a, b, c);
+    if area == 0.0 {
+        return;
+    }
+    let bounds = Rect::from_points(&[a, b, c]).intersect(clip);
+    let [width, height] = picture.size;
+    let columns = bounds.left().max(0.0).floor() as usize..(bounds.right().max(0.0).ceil() as usize).min(width);
+    for y in bounds.top().max(0.0).floor() as usize..(bounds.bottom().max(0.0).ceil() as usize).min(height) {
+        for x in columns.clone() {
+            let at = Pos2::new(x as f32 + 0.5, y as f32 + 0.5);
+            let weights = [cross(b, c, at) / area, cross(c, a, at) / area, cross(a, b, at) / area];
+            if !clip.contains(at) || weights.iter().any(|weight| *weight < 0.0) {
+                continue;
+            }
+            let mix = |value: &dyn Fn(&Vertex) -> f32| -> f32 {
+                weights.iter().zip(&corners).map(|(weight, corner)| weight * value(corner)).sum()
+            };
+            let texel = sample(texture, mix(&|corner| corner.uv.x), mix(&|corner| corner.uv.y));
+            let source = [0, 1, 2, 3].map(|n| mix(&|corner| f32::from(corner.color[n])) * f32::from(texel[n]) / 255.0);
+            let pixel = &mut picture.pixels[y * width + x];
+            let rest = 1.0 - source[3] / 255.0;
+            let blend = |n: usize| (source[n] + rest * f32::from(pixel[n])).round().clamp(0.0, 255.0) as u8;
+            *pixel = Color32::from_rgb(blend(0), blend(1), blend(2));
+        }
+    }
+}
+
+fn sample(texture: &ColorImage, u: f32, v: f32) -> Color32 {
+    let [width, height] = texture.size;
+    let at = |share: f32, size: usize| ((share * size as f32) as usize).min(size.saturating_sub(1));
+    texture.pixels[at(v, height) * width + at(u, width)]
+}
