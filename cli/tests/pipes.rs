@@ -56,7 +56,7 @@ fn bad_pipes_are_refused() {
     let hum = std::fs::read(folder.path().join("hum.wav")).unwrap();
     let broken = hum[..hum.len() / 2].to_vec();
     for (arguments, bytes, says) in [
-        (two, &hum, "standard input has one sound"),
+        (two, &hum, "standard input holds one sound"),
         ("extend --input - --output out.wav", &broken, "truncated"),
         ("extend --input - --output out.wav", &vec![], "standard input: the file is empty"),
     ] {
@@ -81,7 +81,7 @@ fn flac_outputs_are_24_bit_and_other_extensions_are_refused() {
     }
     for name in ["a.mp3", "a.aiff", "a.wav.txt", "a.ogg"] {
         let extension = name.rsplit('.').next().unwrap();
-        let refusal = format!("no .{extension} files are written");
+        let refusal = format!(".{extension} files cannot be written");
         refuses(folder.path(), &format!("extend --input hum.wav --output {name}"), 1, &[&refusal, ".wav", ".flac"]);
     }
     write(folder.path(), "fast.wav", &[rumble(24_000, 192_000)], 192_000);
@@ -170,7 +170,7 @@ fn a_missing_folder_is_found_before_anything_is_computed() {
     // The input is not even looked for.
     for command in ["extend", "render --preset extend", "texture --training none.wav"] {
         let command = format!("{command} --input none.wav --output no/folder/out.wav");
-        refuses(folder.path(), &command, 1, &["no folder no/folder", "make it first"]);
+        refuses(folder.path(), &command, 1, &["no folder no/folder", "create it first"]);
     }
     refuses(folder.path(), "extend --input none.wav --output a.wav --betas no/b.csv", 1, &["no folder no"]);
     #[cfg(unix)]

@@ -40,7 +40,7 @@ fn a_report_that_is_a_file_is_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("page"), "mine").unwrap();
     let run = "simulate dragon --seconds 3600 --output a.wav --report page";
-    refuses(folder.path(), run, 1, &["page: it is a file"]);
+    refuses(folder.path(), run, 1, &["page: this is a file"]);
     assert_eq!(bytes(folder.path(), "page"), b"mine");
 }
 
