@@ -80,6 +80,8 @@ pub const FACTORY: &[(&str, &str)] = &[
     ("paper-dragon", include_str!("../../presets/paper-dragon.toml")),
     ("paper-flame-jet", include_str!("../../presets/paper-flame-jet.toml")),
     ("paper-torch", include_str!("../../presets/paper-torch.toml")),
+    ("speech", include_str!("../../presets/speech.toml")),
+    ("drums", include_str!("../../presets/drums.toml")),
     ("hearth", include_str!("../../presets/hearth.toml")),
     ("wet-logs", include_str!("../../presets/wet-logs.toml")),
     ("bonfire", include_str!("../../presets/bonfire.toml")),

@@ -23,19 +23,19 @@ const BANDS_HZ: [[f64; 2]; 3] = [[200.0, 1000.0], [1000.0, 4000.0], [4000.0, 15_
 const TOLERANCE: f64 = 0.15;
 const SAMPLES: usize = 200_000;
 
-/// White noise between two frequencies, of unit variance before that: two one-pole filters to each side.
+/// White noise between two frequencies, of unit variance before that: four one-pole filters to each side.
 fn band(stream: u32, samples: usize, [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
     let step = |hz: f64| 1.0 - (-2.0 * PI * hz / RATE_HZ).exp();
     let (low, high, white) = (step(low_hz), step(high_hz.min(0.4 * RATE_HZ)), White::new(9, stream));
-    let mut states = [0.0; 4];
+    let mut states = [0.0; 8];
     (0..samples as i64)
         .map(|at| {
             let mut value = white.at(at);
-            for state in &mut states[..2] {
+            for state in &mut states[..4] {
                 *state += high * (value - *state);
                 value = *state;
             }
-            for state in &mut states[2..] {
+            for state in &mut states[4..] {
                 *state += low * (value - *state);
                 value -= *state;
             }
@@ -99,7 +99,7 @@ fn correlation_in_every_band_is_the_recordings() {
     let everything = [60.0, 15_000.0];
     let [common, left, right] = [1, 2, 3].map(|stream| band(stream, SAMPLES, everything));
     let highs = band(4, SAMPLES, [4000.0, 15_000.0]);
-    let [low_left, low_right] = [5, 6].map(|stream| band(stream, SAMPLES, [60.0, 300.0]));
+    let [low_left, low_right] = [5, 6].map(|stream| band(stream, SAMPLES, [60.0, 150.0]));
     let pair = |left: &[(f64, &[f64])], right: &[(f64, &[f64])]| vec![mixed(left), mixed(right)];
     let recordings = [
         ("mono", pair(&[(0.1, &common)], &[(0.1, &common)])),
@@ -107,7 +107,7 @@ fn correlation_in_every_band_is_the_recordings() {
         ("half wide", pair(&[(0.1, &common), (0.06, &left)], &[(0.1, &common), (0.06, &right)])),
         ("anti-phase highs", pair(&[(0.1, &common), (0.2, &highs)], &[(0.1, &common), (-0.2, &highs)])),
         // Without the image matched, the difference of the low end spreads into the bands above.
-        ("wide low end", pair(&[(0.02, &common), (3.0, &low_left)], &[(0.02, &common), (3.0, &low_right)])),
+        ("wide low end", pair(&[(0.005, &common), (3.0, &low_left)], &[(0.005, &common), (3.0, &low_right)])),
     ];
     for (name, recording) in recordings {
         let out = heard(&recording);
