@@ -13,6 +13,7 @@ use crate::editor::Window;
 use crate::editor::frame::PyrophoneEditor;
 use crate::entry::instance::{self, Instance};
 use crate::fence::Fence;
+use crate::frame_pace::FramePace;
 use crate::gas::Gas;
 use crate::host_clock::{HostClock, Reported};
 use crate::loader::{Engine, Loader};
@@ -28,12 +29,6 @@ const ACTIVATION_WAIT: Duration = Duration::from_secs(2);
 /// The same for the first activation after a state was loaded. A project that opens takes its time, and a host that
 /// renders at once has no other moment at which it could wait; longer than this and hosts take a plug-in for hung.
 const STATE_WAIT: Duration = Duration::from_secs(10);
-
-/// How often the window is asked to show new levels while something sounds or plays, and once there has been nothing for
-/// as long as the pictures reach back.
-const METER_HZ: f32 = 30.0;
-const REST_HZ: f32 = 4.0;
-const REST_AFTER_S: f32 = 9.0;
 
 /// The effect.
 pub struct Pyrophone {
@@ -54,10 +49,7 @@ pub struct Pyrophone {
     is_rate_refused: bool,
     /// States that had been loaded at the last activation.
     states_seen: u64,
-    /// Samples since the window was asked to show new levels.
-    since_repaint: f32,
-    /// Samples for which nothing has sounded and the host has stood still.
-    rested_samples: u64,
+    frame_pace: FramePace,
 }
 
 /// What the framework's background thread does for an instance: nothing, see [`Fence`].
@@ -85,8 +77,7 @@ impl Default for Pyrophone {
             is_offline: false,
             is_rate_refused: false,
             states_seen: 0,
-            since_repaint: 0.0,
-            rested_samples: 0,
+            frame_pace: FramePace::default(),
         }
     }
 }
@@ -310,16 +301,8 @@ impl Plugin for Pyrophone {
         if let Some(began) = began {
             self.audio.tell_load(began.elapsed().as_secs_f32() * self.sample_rate_hz / samples.max(1) as f32);
         }
-        self.since_repaint += samples as f32;
-        self.rested_samples = if self.audio.tail() == Tail::Over && !transport.playing {
-            self.rested_samples.saturating_add(samples as u64)
-        } else {
-            0
-        };
-        let is_resting = self.rested_samples as f32 >= REST_AFTER_S * self.sample_rate_hz;
-        let frames_hz = if is_resting { REST_HZ } else { METER_HZ };
-        if self.since_repaint * frames_hz >= self.sample_rate_hz && self.audio.is_watched() {
-            self.since_repaint = 0.0;
+        let is_lively = transport.playing || self.audio.tail() != Tail::Over;
+        if self.frame_pace.process(samples, is_lively, self.sample_rate_hz) && self.audio.is_watched() {
             self.notifier.request_repaint();
         }
         // The latency of what comes then is announced by the activation, which is the only place for it.
