@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use nice_plug::prelude::*;
 use nice_plug_core::context::gui::{GuiContext, GuiContextInner};
-use nice_plug_core::params::InternalParamMut;
 use pyrophone::editor::hand::Hand;
 use pyrophone::editor::history::{Entry, History};
 use pyrophone::editor::inert::Reasons;
@@ -53,9 +52,9 @@ fn undo_leaves_alone_what_the_host_automates() {
     let value = |id: Id| params.value(id as usize);
     by_hand(&params, &mut history, |hand| hand.set_once(Id::Alpha as usize, 3.0));
     params.slot(Id::Cutoff as usize).set_without_host(300.0);
-    by_hand(&params, &mut history, Hand::undo);
+    by_hand(&params, &mut history, |hand| hand.undo());
     assert_eq!((value(Id::Alpha), value(Id::Cutoff)), (2.5, 300.0));
-    by_hand(&params, &mut history, Hand::redo);
+    by_hand(&params, &mut history, |hand| hand.redo());
     assert_eq!((value(Id::Alpha), value(Id::Cutoff)), (3.0, 300.0));
     // Nor does a gesture take with it what the host moves meanwhile.
     by_hand(&params, &mut history, |hand| {
@@ -75,13 +74,13 @@ fn undo_of_a_preset_brings_its_name_back() {
     by_hand(&params, &mut history, |hand| hand.choose(factory("campfire")));
     let name = |history: &History| history.chosen.as_ref().map(|entry| entry.preset.name.clone());
     assert_eq!(name(&history).as_deref(), Some("campfire"));
-    by_hand(&params, &mut history, Hand::undo);
+    by_hand(&params, &mut history, |hand| hand.undo());
     assert_eq!(name(&history).as_deref(), Some("extend"));
     assert_eq!(params.values(), Preset::find("extend").expect("a preset").values);
-    by_hand(&params, &mut history, Hand::redo);
+    by_hand(&params, &mut history, |hand| hand.redo());
     assert_eq!(name(&history).as_deref(), Some("campfire"));
-    by_hand(&params, &mut history, Hand::undo);
-    by_hand(&params, &mut history, Hand::undo);
+    by_hand(&params, &mut history, |hand| hand.undo());
+    by_hand(&params, &mut history, |hand| hand.undo());
     assert_eq!(name(&history), None);
 }
 
@@ -93,19 +92,19 @@ fn history_survives_a_and_b_and_the_copy_can_be_undone() {
         by_hand(&params, history, |hand| hand.set_once(Id::Alpha as usize, plain));
     };
     set(&mut history, 3.0);
-    by_hand(&params, &mut history, Hand::exchange);
+    by_hand(&params, &mut history, |hand| hand.exchange());
     assert!(history.is_b() && alpha() == 3.0);
     set(&mut history, 5.0);
-    by_hand(&params, &mut history, Hand::exchange);
+    by_hand(&params, &mut history, |hand| hand.exchange());
     assert_eq!((history.is_b(), alpha()), (false, 3.0));
     // B becomes as A is; undone, it has its own again.
-    by_hand(&params, &mut history, Hand::copy);
-    by_hand(&params, &mut history, Hand::undo);
-    by_hand(&params, &mut history, Hand::exchange);
+    by_hand(&params, &mut history, |hand| hand.copy());
+    by_hand(&params, &mut history, |hand| hand.undo());
+    by_hand(&params, &mut history, |hand| hand.exchange());
     assert_eq!((history.is_b(), alpha()), (true, 5.0));
     // Step by step to the very beginning: the exchanges are steps too.
     for expected in [(false, 3.0), (true, 5.0), (true, 3.0), (false, 3.0), (false, 2.5)] {
-        by_hand(&params, &mut history, Hand::undo);
+        by_hand(&params, &mut history, |hand| hand.undo());
         assert_eq!((history.is_b(), alpha()), expected);
     }
     assert!(!history.can_undo() && history.can_redo());
