@@ -8,6 +8,7 @@ use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::{Recent, Values};
 use pyrophone_synthesis::chain::{Chain, Channels};
 
+use crate::audio::lights::Lights;
 use crate::audio::{Audio, Tail};
 use crate::editor::Window;
 use crate::editor::frame::PyrophoneEditor;
@@ -103,6 +104,17 @@ fn announce_latency(context: &mut impl ActivateContext<Pyrophone>, latency_sampl
     if context.plugin_api() != PluginApi::Clap {
         context.set_latency_samples(latency_samples);
     }
+}
+
+/// The bursts that the block's notes light, as loud as they are struck.
+fn lights(context: &mut impl ProcessContext<Pyrophone>, samples: usize) -> Lights {
+    let mut lights = Lights::default();
+    while let Some(event) = context.next_event() {
+        if let NoteEvent::NoteOn { timing, velocity, .. } = event {
+            lights.push((timing as usize).min(samples.saturating_sub(1)), velocity);
+        }
+    }
+    lights
 }
 
 impl Pyrophone {
@@ -204,6 +216,7 @@ impl Plugin for Pyrophone {
         layout(2, 5, &[], "Stereo to 5.0 (L R C Ls Rs)"),
     ];
     const SAMPLE_ACCURATE_AUTOMATION: bool = true;
+    const MIDI_INPUT: MidiConfig = MidiConfig::Basic;
 
     type Editor = PyrophoneEditor;
     type SysExMessage = ();
@@ -290,12 +303,13 @@ impl Plugin for Pyrophone {
             has_tempo: transport.tempo.is_some(),
         };
         let transport = self.clock.transport(reported, samples);
+        let lights = lights(context, samples);
         let sidechain = aux.inputs.first().map_or(&[] as &[_], |port| port.as_slice_immutable());
         if self.audio.is_watched() {
             let peak = sidechain.iter().flat_map(|channel| channel.iter()).fold(0.0f32, |peak, x| peak.max(x.abs()));
             self.meters.sidechain.raise(peak);
         }
-        self.audio.process(buffer.as_slice(), sidechain, &values, transport);
+        self.audio.process(buffer.as_slice(), sidechain, &values, &lights, transport);
 
         self.meters.publish(&self.audio.take_meters());
         if let Some(began) = began {

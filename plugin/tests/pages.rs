@@ -14,7 +14,7 @@ use playing::Playing;
 use pyrophone::Pyrophone;
 use pyrophone::editor::controls::Page;
 use pyrophone_settings::table::DRIVE_MODES;
-use pyrophone_settings::{Values, index_of};
+use pyrophone_settings::{Preset, index_of};
 use screen::Screen;
 
 const SIZES: [(f32, f32); 6] =
