@@ -84,7 +84,7 @@ fn reference_settings(args: &ExtendArgs, sample_rate_hz: f64) -> reference::Sett
         alpha: args.alpha,
         cutoff_hz,
         half_width: args.half_width,
-        fit_center_hz: args.fit_center.unwrap_or(CUTOFF_HZ),
+        fit_centre_hz: args.fit_center.unwrap_or(CUTOFF_HZ),
         fit_width_hz: args.fit_width,
         blend_start_hz: args.blend_start.unwrap_or(CUTOFF_HZ - BLEND_HALF_WIDTH_HZ),
         blend_end_hz: args.blend_end.unwrap_or(CUTOFF_HZ + BLEND_HALF_WIDTH_HZ),

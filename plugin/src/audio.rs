@@ -3,6 +3,7 @@
 
 pub mod audition;
 pub mod burst;
+pub mod lights;
 
 use std::sync::atomic::Ordering;
 
@@ -14,6 +15,7 @@ use crate::loader::link::{AudioLink, Retired, Update, fingerprint};
 use crate::probe::ProbeIn;
 use audition::Audition;
 use burst::Burst;
+use lights::Lights;
 
 /// Longest piece that the engines are given at once.
 const LONGEST_PIECE: usize = 8192;
@@ -126,16 +128,18 @@ impl Audio {
         if let Some(running) = &mut self.running {
             running.chain.reset();
             running.audition.reset();
+            running.burst.stop();
         }
     }
 
     /// Processes one block in place. `main` has the output's channels, the first of them hold the
-    /// input; `sidechain` channels shorter than the block count as silent.
+    /// input; `sidechain` channels shorter than the block count as silent; `lights` are bursts that are added to both.
     pub fn process(
         &mut self,
         main: &mut [&mut [f32]],
         sidechain: &[&mut [f32]],
         values: &Values,
+        lights: &Lights,
         transport: Transport,
     ) {
         let Some(running) = &mut self.running else {
@@ -152,12 +156,15 @@ impl Audio {
         let is_watched = self.probe.is_watched();
         let listen = self.probe.listen();
         if self.probe.is_burst_wanted() {
-            running.burst.start();
+            running.burst.start(1.0);
         }
         let channels = main.len().min(MAX_CHANNELS);
         let mut start = 0;
         while start < samples {
-            let end = samples.min(start + self.silence.len());
+            if let Some(level) = lights.at(start) {
+                running.burst.start(level);
+            }
+            let end = samples.min(start + self.silence.len()).min(lights.next(start).unwrap_or(samples));
             let mut pieces: [&mut [f32]; MAX_CHANNELS] = Default::default();
             for (piece, channel) in pieces.iter_mut().zip(main.iter_mut()) {
                 *piece = &mut channel[start..end];
@@ -166,10 +173,11 @@ impl Audio {
             for (piece, channel) in side.iter_mut().zip(sidechain) {
                 *piece = channel.get(start..end).unwrap_or(piece);
             }
+            let level = running.burst.level();
             let burst = running.burst.next(end - start);
             if !burst.is_empty() {
                 let inputs = running.channels.input.min(channels);
-                add_burst(burst, &mut pieces[..inputs], &mut running.burning, &mut side);
+                add_burst(burst, level, &mut pieces[..inputs], &mut running.burning, &mut side);
             }
             let position = transport.position.map(|position| position.wrapping_add(start as i64));
             running.chain.process(
@@ -232,8 +240,14 @@ fn pass_through(main: &mut [&mut [f32]], input_channels: usize) {
 }
 
 /// Adds a burst to what comes in; the sidechain is copied for that, since it is the host's.
-fn add_burst<'a>(burst: &[f32], inputs: &mut [&mut [f32]], burning: &'a mut [Vec<f32>], side: &mut [&'a [f32]]) {
-    let add = |samples: &mut [f32]| samples.iter_mut().zip(burst).for_each(|(sample, burst)| *sample += burst);
+fn add_burst<'a>(
+    burst: &[f32],
+    level: f32,
+    inputs: &mut [&mut [f32]],
+    burning: &'a mut [Vec<f32>],
+    side: &mut [&'a [f32]],
+) {
+    let add = |samples: &mut [f32]| samples.iter_mut().zip(burst).for_each(|(sample, burst)| *sample += level * burst);
     inputs.iter_mut().for_each(|input| add(input));
     for (burning, side) in burning.iter_mut().zip(side) {
         let burning = &mut burning[..side.len()];

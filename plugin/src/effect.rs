@@ -8,11 +8,13 @@ use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::{Recent, Values};
 use pyrophone_synthesis::chain::{Chain, Channels};
 
+use crate::audio::lights::Lights;
 use crate::audio::{Audio, Tail};
 use crate::editor::Window;
 use crate::editor::frame::PyrophoneEditor;
 use crate::entry::instance::{self, Instance};
 use crate::fence::Fence;
+use crate::frame_pace::FramePace;
 use crate::gas::Gas;
 use crate::host_clock::{HostClock, Reported};
 use crate::loader::{Engine, Loader};
@@ -28,12 +30,6 @@ const ACTIVATION_WAIT: Duration = Duration::from_secs(2);
 /// The same for the first activation after a state was loaded. A project that opens takes its time, and a host that
 /// renders at once has no other moment at which it could wait; longer than this and hosts take a plug-in for hung.
 const STATE_WAIT: Duration = Duration::from_secs(10);
-
-/// How often the window is asked to show new levels while something sounds or plays, and once there has been nothing for
-/// as long as the pictures reach back.
-const METER_HZ: f32 = 30.0;
-const REST_HZ: f32 = 4.0;
-const REST_AFTER_S: f32 = 9.0;
 
 /// The effect.
 pub struct Pyrophone {
@@ -54,10 +50,7 @@ pub struct Pyrophone {
     is_rate_refused: bool,
     /// States that had been loaded at the last activation.
     states_seen: u64,
-    /// Samples since the window was asked to show new levels.
-    since_repaint: f32,
-    /// Samples for which nothing has sounded and the host has stood still.
-    rested_samples: u64,
+    frame_pace: FramePace,
 }
 
 /// What the framework's background thread does for an instance: nothing, see [`Fence`].
@@ -85,8 +78,7 @@ impl Default for Pyrophone {
             is_offline: false,
             is_rate_refused: false,
             states_seen: 0,
-            since_repaint: 0.0,
-            rested_samples: 0,
+            frame_pace: FramePace::default(),
         }
     }
 }
@@ -112,6 +104,17 @@ fn announce_latency(context: &mut impl ActivateContext<Pyrophone>, latency_sampl
     if context.plugin_api() != PluginApi::Clap {
         context.set_latency_samples(latency_samples);
     }
+}
+
+/// The bursts that the block's notes light, as loud as they are struck.
+fn lights(context: &mut impl ProcessContext<Pyrophone>, samples: usize) -> Lights {
+    let mut lights = Lights::default();
+    while let Some(event) = context.next_event() {
+        if let NoteEvent::NoteOn { timing, velocity, .. } = event {
+            lights.push((timing as usize).min(samples.saturating_sub(1)), velocity);
+        }
+    }
+    lights
 }
 
 impl Pyrophone {
@@ -213,6 +216,7 @@ impl Plugin for Pyrophone {
         layout(2, 5, &[], "Stereo to 5.0 (L R C Ls Rs)"),
     ];
     const SAMPLE_ACCURATE_AUTOMATION: bool = true;
+    const MIDI_INPUT: MidiConfig = MidiConfig::Basic;
 
     type Editor = PyrophoneEditor;
     type SysExMessage = ();
@@ -299,27 +303,20 @@ impl Plugin for Pyrophone {
             has_tempo: transport.tempo.is_some(),
         };
         let transport = self.clock.transport(reported, samples);
+        let lights = lights(context, samples);
         let sidechain = aux.inputs.first().map_or(&[] as &[_], |port| port.as_slice_immutable());
         if self.audio.is_watched() {
             let peak = sidechain.iter().flat_map(|channel| channel.iter()).fold(0.0f32, |peak, x| peak.max(x.abs()));
             self.meters.sidechain.raise(peak);
         }
-        self.audio.process(buffer.as_slice(), sidechain, &values, transport);
+        self.audio.process(buffer.as_slice(), sidechain, &values, &lights, transport);
 
         self.meters.publish(&self.audio.take_meters());
         if let Some(began) = began {
             self.audio.tell_load(began.elapsed().as_secs_f32() * self.sample_rate_hz / samples.max(1) as f32);
         }
-        self.since_repaint += samples as f32;
-        self.rested_samples = if self.audio.tail() == Tail::Over && !transport.playing {
-            self.rested_samples.saturating_add(samples as u64)
-        } else {
-            0
-        };
-        let is_resting = self.rested_samples as f32 >= REST_AFTER_S * self.sample_rate_hz;
-        let frames_hz = if is_resting { REST_HZ } else { METER_HZ };
-        if self.since_repaint * frames_hz >= self.sample_rate_hz && self.audio.is_watched() {
-            self.since_repaint = 0.0;
+        let is_lively = transport.playing || self.audio.tail() != Tail::Over;
+        if self.frame_pace.process(samples, is_lively, self.sample_rate_hz) && self.audio.is_watched() {
             self.notifier.request_repaint();
         }
         // The latency of what comes then is announced by the activation, which is the only place for it.

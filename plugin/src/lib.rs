@@ -11,6 +11,7 @@
 //! | [`persist`] | what a session keeps besides the parameters | any thread |
 //! | [`takes`] | the takes that were tried | any thread |
 //! | [`meters`] | levels for the editor | any thread |
+//! | [`frame_pace`] | how often the window is asked to draw | the audio thread |
 //! | [`probe`] | drive and output for the editor | from the audio thread to the window's |
 //! | [`analysis`] | spectra and outlines for the editor | the loader's and the window's |
 //! | [`editor`] | the window | the host's window thread |
@@ -21,6 +22,7 @@ pub mod editor;
 pub mod effect;
 pub mod entry;
 pub mod fence;
+pub mod frame_pace;
 pub mod gas;
 pub mod host_clock;
 pub mod loader;

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
+use pyrophone::audio::lights::Lights;
 use pyrophone::audio::{Audio, Tail};
 use pyrophone::loader::{Engine, Loader};
 use pyrophone::probe::{self, Listen};
@@ -52,7 +53,7 @@ fn blocks_longer_than_announced_come_out_the_same() {
     let (left, right) = (noise(10_000, 1), noise(10_000, 2));
     let (mut a, mut b) = ([left.clone(), right.clone()], [left, right]);
     let [x, y] = &mut a;
-    audio.process(&mut [x, y], &[], &values, PLAYING);
+    audio.process(&mut [x, y], &[], &values, &Lights::default(), PLAYING);
     let [x, y] = &mut b;
     direct.process(&mut [x, y], &[], &values.controls(), PLAYING);
     assert_eq!(a, b);
@@ -67,7 +68,7 @@ fn a_sidechain_of_another_length_is_silent() {
         let (_loader, mut audio) = audio(&values, 2, 512);
         let mut main = [noise(6000, 1), noise(6000, 2)];
         let [x, y] = &mut main;
-        audio.process(&mut [x, y], side, &values, PLAYING);
+        audio.process(&mut [x, y], side, &values, &Lights::default(), PLAYING);
         main
     };
     let (mut zero, mut short, mut full) = (vec![0.0; 6000], vec![0.5; 17], noise(6000, 3));
@@ -86,7 +87,7 @@ fn without_engines_the_input_passes_through() {
     for inputs in [1, 2] {
         audio.set_chain(None, Channels { input: inputs, sidechain: 0, output: 2 }, 64, &values);
         let (mut left, mut right) = (input.clone(), vec![0.0; 100]);
-        audio.process(&mut [&mut left, &mut right], &[], &values, PLAYING);
+        audio.process(&mut [&mut left, &mut right], &[], &values, &Lights::default(), PLAYING);
         assert_eq!(left, input);
         // One channel is heard on both sides; of two, the second was silent.
         assert_eq!(right, if inputs == 1 { input.clone() } else { vec![0.0; 100] });
@@ -136,7 +137,7 @@ fn a_burst_drives_whatever_the_drive_is_taken_from() {
                 let (mut x, mut y) = (vec![0.0; 512], vec![0.0; 512]);
                 let side: [&mut [f32]; 2] = [&mut x, &mut y];
                 let transport = Transport { playing: true, position: Some(block * 512) };
-                audio.process(&mut [&mut left, &mut right], &side[..sidechain], &values, transport);
+                audio.process(&mut [&mut left, &mut right], &side[..sidechain], &values, &Lights::default(), transport);
                 all.extend(left);
             }
             all
@@ -152,4 +153,34 @@ fn a_burst_drives_whatever_the_drive_is_taken_from() {
         assert!(peak(&drive) > 0.01 && drive != output, "{mode}, {sidechain}: the drive alone");
         drop(loader);
     }
+}
+
+#[test]
+fn notes_light_bursts_at_their_sample_as_loud_as_they_are_struck() {
+    const NOTES: [(usize, f32); 3] = [(1000, 0.5), (5003, 1.0), (11_000, 0.25)];
+    let values = Preset::find("extend").unwrap().values;
+    let run = |blocks: &[usize], notes: &[(usize, f32)]| {
+        let (_loader, mut audio) = audio(&values, 0, 4096);
+        let mut sound = [vec![0.0f32; 40_000], vec![0.0; 40_000]];
+        let (mut start, mut number) = (0, 0);
+        while start < 40_000 {
+            let end = (start + blocks[number % blocks.len()]).min(40_000);
+            let mut lights = Lights::default();
+            for (at, level) in notes.iter().filter(|(at, _)| (start..end).contains(at)) {
+                lights.push(at - start, *level);
+            }
+            let [left, right] = &mut sound;
+            let transport = Transport { playing: true, position: Some(start as i64) };
+            audio.process(&mut [&mut left[start..end], &mut right[start..end]], &[], &values, &lights, transport);
+            (start, number) = (end, number + 1);
+        }
+        sound
+    };
+    let whole = run(&[4096], &NOTES);
+    let power = |sound: &[Vec<f32>; 2]| sound[0].iter().map(|x| x * x).sum::<f32>();
+    assert!(power(&whole) > 1e-3, "a note is heard without any input");
+    assert!(run(&[17, 480, 1, 2048], &NOTES) == whole, "however the host cuts its blocks");
+    assert_eq!(power(&run(&[4096], &[])), 0.0);
+    let [soft, loud] = [0.25, 0.5].map(|level| power(&run(&[512], &[(1000, level)])));
+    assert!((10.0 * (loud / soft).log10() - 6.0).abs() < 0.5, "{loud} over {soft}");
 }

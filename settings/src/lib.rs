@@ -1,9 +1,4 @@
-//! Pyrophone's settings: the table of parameters, presets, the user's library of them, recent recordings, and automation.
-//!
-//! Plugin, command line and tests all take ids, ranges, defaults and texts from
-//! [`PARAMETERS`]; nothing states them a second time. [`Values`] holds one value for each and
-//! turns into what the engines take, [`pyrophone_synthesis::Controls`] and
-//! [`pyrophone_synthesis::Structure`].
+#![doc = include_str!("../README.md")]
 
 pub mod automation;
 pub mod error;

@@ -14,11 +14,12 @@ const CUTOFF_HZ: f64 = 180.0;
 /// Its peak.
 const PEAK: f64 = 0.5;
 
-/// A burst, and how much of it was played.
+/// A burst, how much of it was played, and how loud.
 #[derive(Debug, Default)]
 pub struct Burst {
     samples: Vec<f32>,
     at: usize,
+    level: f32,
 }
 
 impl Burst {
@@ -42,15 +43,26 @@ impl Burst {
         let samples: Vec<f64> = (0..(LENGTH_S * sample_rate_hz) as usize).map(sample).collect();
         let peak = samples.iter().fold(1e-9f64, |peak, x| peak.max(x.abs()));
         let at = samples.len();
-        Self { samples: samples.iter().map(|x| (x * PEAK / peak) as f32).collect(), at }
+        Self { samples: samples.iter().map(|x| (x * PEAK / peak) as f32).collect(), at, level: 1.0 }
     }
 
-    /// Begins; one that sounds begins again.
-    pub fn start(&mut self) {
+    /// Begins, at a level of 0-1; one that sounds begins again.
+    pub fn start(&mut self, level: f32) {
+        self.level = if level.is_finite() { level.clamp(0.0, 1.0) } else { 0.0 };
         self.at = 0;
     }
 
-    /// The next samples, `most` at most; none when it is over.
+    /// Ends at once.
+    pub fn stop(&mut self) {
+        self.at = self.samples.len();
+    }
+
+    /// Its level.
+    pub fn level(&self) -> f32 {
+        self.level
+    }
+
+    /// The next samples at full level, `most` at most; none when it is over.
     pub fn next(&mut self, most: usize) -> &[f32] {
         let from = self.at;
         self.at = self.samples.len().min(from + most);
@@ -66,7 +78,7 @@ mod tests {
     fn it_bursts_once_and_is_low() {
         let mut burst = Burst::new(48_000.0);
         assert!(burst.next(100).is_empty(), "nobody has lit it");
-        burst.start();
+        burst.start(1.0);
         let mut all = vec![];
         loop {
             let next = burst.next(1000);

@@ -27,7 +27,7 @@ pub struct Settings {
     /// Half-width of the windows in samples, at least 1.
     pub half_width: usize,
     /// Centre of the fit in Hz, above 0 and below half the sample rate.
-    pub fit_center_hz: f64,
+    pub fit_centre_hz: f64,
     /// Three standard deviations of the fit's Gaussian in Hz, above 0.
     pub fit_width_hz: f64,
     /// Where the blend begins, in Hz, 0 or more.
@@ -48,7 +48,7 @@ impl Settings {
             alpha: 2.5,
             cutoff_hz: 180.0,
             half_width: 500,
-            fit_center_hz: 180.0,
+            fit_centre_hz: 180.0,
             fit_width_hz: 30.0,
             blend_start_hz: 165.0,
             blend_end_hz: 195.0,
@@ -64,7 +64,7 @@ impl Settings {
         in_range("alpha", self.alpha, 0.0, 6.0)?;
         in_range("cutoff in Hz", self.cutoff_hz, 1.0, nyquist_hz)?;
         in_range("half-width", self.half_width as f64, 1.0, 1e9)?;
-        in_range("fit center in Hz", self.fit_center_hz, 1.0, nyquist_hz)?;
+        in_range("fit centre in Hz", self.fit_centre_hz, 1.0, nyquist_hz)?;
         in_range("fit width in Hz", self.fit_width_hz, 0.1, nyquist_hz)?;
         in_range("blend start in Hz", self.blend_start_hz, 0.0, nyquist_hz)?;
         in_range("blend end in Hz", self.blend_end_hz, self.blend_start_hz + 1e-3, nyquist_hz)?;
@@ -149,10 +149,10 @@ impl<'a> Work<'a> {
         noise.truncate(signal.len());
         noise.iter_mut().zip(&envelope).for_each(|(noise, low)| *noise *= low.abs() * scale);
         let sigma_hz = settings.fit_width_hz / 3.0;
-        let gaussian = gaussian(&axis, settings.fit_center_hz, sigma_hz);
+        let gaussian = gaussian(&axis, settings.fit_centre_hz, sigma_hz);
         let reach_hz = FIT_REACH * sigma_hz;
-        let begin = axis.partition_point(|x| *x < settings.fit_center_hz - reach_hz);
-        let end = axis.partition_point(|x| *x <= settings.fit_center_hz + reach_hz);
+        let begin = axis.partition_point(|x| *x < settings.fit_centre_hz - reach_hz);
+        let end = axis.partition_point(|x| *x <= settings.fit_centre_hz + reach_hz);
         // The trapezoid rule weighs a bin by its neighbours' places.
         let fitted = begin.saturating_sub(1)..(end + 1).min(bins);
         let zeros = vec![Complex64::default(); fitted.len()];
@@ -175,8 +175,8 @@ impl<'a> Work<'a> {
 
     /// The part of the signal under a window.
     fn span(&self, window: usize) -> Range<usize> {
-        let (h, center) = (self.settings.half_width, window * self.settings.half_width);
-        center.saturating_sub(h)..(center + h).min(self.signal.len())
+        let (h, centre) = (self.settings.half_width, window * self.settings.half_width);
+        centre.saturating_sub(h)..(centre + h).min(self.signal.len())
     }
 
     /// Weight of sample `at` in a window.
@@ -235,9 +235,9 @@ pub fn blend_ramps(axis: &[f64], start_hz: f64, end_hz: f64) -> (Vec<f64>, Vec<f
     (lower, upper)
 }
 
-/// The Gaussian exp(-(x - center)^2 / (2 sigma^2)).
-pub fn gaussian(axis: &[f64], center_hz: f64, sigma_hz: f64) -> Vec<f64> {
-    axis.iter().map(|x| (-0.5 * ((x - center_hz) / sigma_hz).powi(2)).exp()).collect()
+/// The Gaussian exp(-(x - centre)^2 / (2 sigma^2)).
+pub fn gaussian(axis: &[f64], centre_hz: f64, sigma_hz: f64) -> Vec<f64> {
+    axis.iter().map(|x| (-0.5 * ((x - centre_hz) / sigma_hz).powi(2)).exp()).collect()
 }
 
 /// The noise's spectrum before the blend: amplitude x^(-alpha/2), 0 at 0 Hz, one random phase per

@@ -3,6 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
+#[path = "../../../tests/src/skip.rs"]
+mod skip;
+
 /// The reference data's folder; where there is none, says so (and fails under `CI=true`).
 pub fn reference_dir() -> Option<PathBuf> {
     let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference");
@@ -12,7 +15,7 @@ pub fn reference_dir() -> Option<PathBuf> {
     }
     let missing = format!("no reference data at {}: set PYROPHONE_REFERENCE", folder.display());
     assert!(std::env::var("CI").as_deref() != Ok("true"), "{missing}");
-    eprintln!("skipped: {missing}");
+    skip::skip(&missing);
     None
 }
 

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use egui::{Align, Align2, Button, Key, Label, Layout, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, Vec2};
+use egui::{
+    Align, Align2, Button, Key, Label, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Shape, Stroke, TextEdit, Ui,
+    Vec2,
+};
 
 use super::super::hand::Hand;
 use super::super::history::{Chosen, Entry};
@@ -228,14 +231,14 @@ impl Presets {
         say(&format!("\n{}", preset.description), theme::small(), theme::WEAK);
         ui.horizontal_top(|ui| {
             let is_favourite = self.favourites.contains(&preset.name);
-            let star = RichText::new(if is_favourite { "★" } else { "☆" });
-            let star = star.color(if is_favourite { theme::SPARK } else { theme::WEAK });
-            let star = ui.add(Button::new(star).frame(false).min_size(Vec2::new(20.0, 20.0)));
-            map::note(ui, format_args!("star.{}", preset.name), star.rect);
+            let (place, star) = ui.allocate_exact_size(Vec2::new(20.0, 26.0), Sense::click());
+            draw_star(ui, place.center(), is_favourite, star.hovered() || star.has_focus());
+            map::note(ui, format_args!("star.{}", preset.name), place);
             let star = star.on_hover_text("Favourite");
             let width = ui.available_width();
             let line = Button::new(text).selected(is_marked).wrap().frame(is_marked).min_size(Vec2::new(width, 0.0));
-            (ui.add(line), star)
+            // Words begin at the left where lines stand below each other.
+            (ui.vertical(|ui| ui.add(line)).inner, star)
         })
         .inner
     }
@@ -313,4 +316,25 @@ impl Presets {
             }
         });
     }
+}
+
+/// A star with five points, drawn since the fonts have none.
+fn draw_star(ui: &Ui, centre: Pos2, is_on: bool, is_hot: bool) {
+    const RADII: [f32; 2] = [6.5, 2.9];
+    let point = |n: usize| {
+        let angle = std::f32::consts::PI * (n as f32 / 5.0 - 0.5);
+        centre + RADII[n % 2] * Vec2::angled(angle)
+    };
+    let color = if is_on || is_hot { theme::SPARK } else { theme::WEAK };
+    let points: Vec<Pos2> = (0..10).map(point).collect();
+    if is_on {
+        // A star is not convex, but every one of its points is.
+        let inner: Vec<Pos2> = points.iter().skip(1).step_by(2).copied().collect();
+        ui.painter().add(Shape::convex_polygon(inner, color, Stroke::NONE));
+        for tip in (0..10).step_by(2) {
+            let corner = vec![points[(tip + 9) % 10], points[tip], points[tip + 1]];
+            ui.painter().add(Shape::convex_polygon(corner, color, Stroke::NONE));
+        }
+    }
+    ui.painter().add(Shape::closed_line(points, Stroke::new(1.0, color)));
 }

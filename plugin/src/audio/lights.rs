@@ -1,0 +1,49 @@
+//! Bursts that notes light within a block.
+
+/// Most that one block may light; more are as good as none.
+const MOST: usize = 16;
+
+/// Samples of a block at which a burst begins, and how loud, 0-1.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Lights {
+    lights: [(usize, f32); MOST],
+    count: usize,
+}
+
+impl Lights {
+    /// Lights one at a sample of the block; real-time safe.
+    pub fn push(&mut self, sample: usize, level: f32) {
+        if let Some(light) = self.lights.get_mut(self.count) {
+            *light = (sample, level);
+            self.count += 1;
+        }
+    }
+
+    /// The level of the last one that begins at `sample`, if any does.
+    pub fn at(&self, sample: usize) -> Option<f32> {
+        self.lights[..self.count].iter().rev().find(|(at, _)| *at == sample).map(|(_, level)| *level)
+    }
+
+    /// The first sample after `sample` at which one begins, if any does.
+    pub fn next(&self, sample: usize) -> Option<usize> {
+        self.lights[..self.count].iter().map(|(at, _)| *at).filter(|at| *at > sample).min()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_are_found_in_time_and_too_many_are_no_trouble() {
+        let mut lights = Lights::default();
+        assert_eq!((lights.at(0), lights.next(0)), (None, None));
+        for (sample, level) in [(7, 0.5), (0, 0.25), (7, 0.75)] {
+            lights.push(sample, level);
+        }
+        assert_eq!((lights.at(0), lights.at(7), lights.at(8)), (Some(0.25), Some(0.75), None));
+        assert_eq!((lights.next(0), lights.next(7)), (Some(7), None));
+        (0..100).for_each(|n| lights.push(n, 1.0));
+        assert_eq!(lights.next(50), None, "beyond the most that a block lights");
+    }
+}
