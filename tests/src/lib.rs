@@ -22,7 +22,7 @@ pub mod reference;
 #[allow(missing_docs, reason = "written for one crate's own tests")]
 #[path = "../../synthesis/tests/common/signals.rs"]
 pub mod signals;
-pub mod skip;
+pub use reference::skip;
 
 /// Sample rate of most tests, in Hz.
 pub const RATE_HZ: f64 = 44_100.0;

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 #[path = "../../../tests/src/skip.rs"]
-mod skip;
+pub mod skip;
 
 /// The reference data's folder; where there is none, says so (and fails under `CI=true`).
 pub fn reference_dir() -> Option<PathBuf> {

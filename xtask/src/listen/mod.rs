@@ -1,6 +1,6 @@
 //! `cargo xtask listen`: a blind listening test as one HTML file.
 //!
-//! Each trial has one flame and one recording, and a sound of every [`Method`]: the effect, the published method and the
+//! Each trial has one flame and one recording, and a sound of every method: the effect, the published method and the
 //! simplest rivals, and the recording itself. All sounds of a trial are equally loud. Their order and their names are drawn
 //! from the seed; which is which stands in a key beside the page, and nowhere in it.
 //!

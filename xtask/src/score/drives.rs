@@ -76,7 +76,7 @@ fn steady(folder: &Path) -> Result<Drive> {
 fn speech(folder: &Path) -> Result<Recording> {
     let path = folder.join("drive-speech.wav");
     made_by(Command::new("espeak-ng").args(["-v", "en", "-s", "150", "-w"]).arg(&path).arg(SPEECH))?;
-    Ok(load(&path, Some(RATE_HZ))?)
+    load(&path, Some(RATE_HZ))
 }
 
 /// A loop of bass drum, snare and hi-hat at 100 beats a minute, made of sox's own noise and tones.
@@ -93,7 +93,7 @@ fn drums(folder: &Path) -> Result<Recording> {
     let whole = part("loop");
     let bar = ["bass", "hat", "snare", "hat"].map(part);
     made_by(Command::new("sox").arg("-R").args(&bar).arg(&whole).args(["repeat", "11"]))?;
-    Ok(load(&whole, Some(RATE_HZ))?)
+    load(&whole, Some(RATE_HZ))
 }
 
 fn made_by(command: &mut Command) -> Result<()> {

@@ -6,7 +6,7 @@
 //! | [`output`] | the output's running spectrogram, and how well it matches |
 //! | [`recording`] | the recording, and the part that is learnt from |
 //! | [`layers`] | faders, meters, solo and mute; what is monitored |
-//! | [`character`] | the eight macros, and a [pad](pad) for two of them |
+//! | [`character`] | the eight macros, and a [`pad`] for two of them |
 //! | [`variations`] | takes; recording what is played |
 
 pub mod character;
