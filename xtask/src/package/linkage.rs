@@ -17,7 +17,7 @@ const LINUX_LIBRARIES: [&str; 6] =
     ["libc.so.6", "libm.so.6", "libgcc_s.so.1", "libdl.so.2", "libpthread.so.0", "ld-linux-x86-64.so.2"];
 
 /// What Windows has in every edition since 10; beginnings of names, in small letters.
-const WINDOWS_LIBRARIES: [&str; 20] = [
+const WINDOWS_LIBRARIES: [&str; 21] = [
     "kernel32",
     "ntdll",
     "user32",
@@ -38,6 +38,7 @@ const WINDOWS_LIBRARIES: [&str; 20] = [
     "dwmapi",
     "uxtheme",
     "secur32",
+    "rpcrt4",
 ];
 
 /// Checks the libraries that were built for a system.
