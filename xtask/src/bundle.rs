@@ -73,7 +73,7 @@ pub fn wrap(profile: Profile) -> Result<[PathBuf; 2]> {
 
 /// Puts what hosts want to know of a VST3 bundle without loading it beside its library. The validator compares it with
 /// what the library itself says.
-fn describe(bundle: &Path) -> Result<()> {
+pub fn describe(bundle: &Path) -> Result<()> {
     let folder = bundle.join("Contents/Resources");
     fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
     let text = MODULE_INFO.replace("VERSION", env!("CARGO_PKG_VERSION"));

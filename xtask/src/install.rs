@@ -104,7 +104,8 @@ fn replace(from: &Path, to: &Path) -> std::io::Result<()> {
     copy(from, to)
 }
 
-fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+/// Copies a file or a whole folder, and makes the folders above it.
+pub fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
     if let Some(folder) = to.parent() {
         fs::create_dir_all(folder)?;
     }

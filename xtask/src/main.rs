@@ -8,6 +8,7 @@ mod bundle;
 mod cargo;
 mod install;
 mod instructions;
+mod package;
 mod project;
 mod setup;
 mod tally;
@@ -41,6 +42,8 @@ enum Command {
     Install(install::Args),
     /// Remove what `install` has put there
     Uninstall(uninstall::Args),
+    /// Make the packages that users download, in target/packages
+    Package(package::Args),
     /// Play a file through the built plugin in a headless host; see `bounce --help`
     #[command(disable_help_flag = true)]
     Bounce(Forwarded),
@@ -101,6 +104,7 @@ fn run(command: Command) -> Result<ExitCode> {
         }
         Command::Install(args) => install::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Uninstall(args) => uninstall::run(&args).map(|()| ExitCode::SUCCESS),
+        Command::Package(args) => package::run(&args).map(|()| ExitCode::SUCCESS),
         Command::Bounce(forwarded) => with_bundles("bounce", &forwarded),
         Command::Demo(forwarded) => {
             if !forwarded.asks_for_help() {

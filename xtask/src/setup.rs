@@ -22,6 +22,8 @@ enum Found {
     Program(&'static str),
     /// A library in one of the system's folders.
     Library(&'static str),
+    /// A file or a folder.
+    Path(&'static str),
     /// A driver that Mesa opens by its path, in the first of these folders that exists.
     Driver(&'static str),
 }
@@ -46,6 +48,32 @@ pub const TEST: [Need; 11] = [
     library("libGL.so.1", "libgl1"),
     Need { found: Found::Driver("swrast_dri.so"), package: "libgl1-mesa-dri", purpose: "drawing the editor" },
 ];
+
+/// Enough to build packages for Linux: another C library comes with what Python's index has.
+pub const LINUX_PACKAGE: [Need; 5] = [
+    LINKER,
+    C_LIBRARY,
+    program("python3", "python3-venv"),
+    program("objdump", "binutils"),
+    program("dpkg-deb", "dpkg"),
+];
+
+/// Enough to build packages for Windows.
+pub const WINDOWS_PACKAGE: [Need; 7] = [
+    LINKER,
+    C_LIBRARY,
+    Need { found: Found::Path("/usr/bin/rustc"), package: "rustc-web", purpose: PACKAGES },
+    Need { found: Found::Path("/usr/bin/cargo"), package: "cargo-web", purpose: PACKAGES },
+    Need { found: Found::Path("/usr/lib/rustlib/src/rust/library/std"), package: "rust-web-src", purpose: PACKAGES },
+    program("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64"),
+    program("zip", "zip"),
+];
+
+const PACKAGES: &str = "making packages";
+
+const fn program(name: &'static str, package: &'static str) -> Need {
+    Need { found: Found::Program(name), package, purpose: PACKAGES }
+}
 
 const fn library(name: &'static str, package: &'static str) -> Need {
     Need { found: Found::Library(name), package, purpose: "the plugin's editor" }
@@ -89,6 +117,7 @@ impl Need {
     fn is_met(&self) -> bool {
         match self.found {
             Found::Program(name) => is_program(name),
+            Found::Path(path) => Path::new(path).exists(),
             Found::Library(name) => library_folders().any(|folder| Path::new(&folder).join(name).exists()),
             Found::Driver(name) => library_folders().any(|folder| {
                 let folder = Path::new(&folder);

@@ -1,0 +1,99 @@
+//! How plugin and command line are built for another system than this one, or for older ones of its kind.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+use super::system::System;
+use crate::{cargo, project};
+
+/// Oldest C library that Linux packages run with: that of Debian 11 and Ubuntu 20.04.
+pub const GLIBC: &str = "2.31";
+
+/// What packages are made of.
+const PACKAGES: [&str; 4] = ["--package", "pyrophone-plugin", "--package", "pyrophone-cli"];
+
+/// What links against an older C library, from the Python package index: pinned, so that two builds are the same.
+const ZIG: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.1"];
+
+/// Debian's compiler: rustup has the standard library of this machine alone, Debian has its source.
+const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+
+/// What was built.
+#[derive(Debug)]
+pub struct Built {
+    /// The plugin's library.
+    pub library: PathBuf,
+    /// The command line.
+    pub program: PathBuf,
+}
+
+/// Builds for a system; takes about ten minutes of one processor from nothing.
+pub fn build(system: System) -> Result<Built> {
+    let folder = project::target_dir().join("cross");
+    let mut command = match system {
+        System::Linux => zig_command()?,
+        System::Windows => windows_command(),
+    };
+    command.current_dir(project::root()).args(PACKAGES).arg("--release");
+    command.env("CARGO_TARGET_DIR", &folder).env("CARGO_INCREMENTAL", "0");
+    // Paths of this machine have no place in what others run, and would make two builds differ.
+    command.env("RUSTFLAGS", remapped());
+    let status = command.status().with_context(|| format!("calling {:?}", command.get_program()))?;
+    ensure!(status.success(), "the build for {} failed; see above", system.name());
+    let release = folder.join(system.triple()).join("release");
+    let built = Built { library: release.join(system.library()), program: release.join(system.program()) };
+    for path in [&built.library, &built.program] {
+        ensure!(path.exists(), "{} was not made", path.display());
+    }
+    Ok(built)
+}
+
+/// Cargo by way of zig, which links against the C library of another year.
+fn zig_command() -> Result<Command> {
+    let tools = tools()?;
+    let mut command = cargo::command();
+    command.args(["zigbuild", "--target", &format!("{}.{GLIBC}", System::Linux.triple())]);
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let paths = std::iter::once(tools.join("bin")).chain(std::env::split_paths(&path));
+    command.env("PATH", std::env::join_paths(paths).context("PATH")?);
+    Ok(command)
+}
+
+/// The folder of a Python environment with zig in it, made at the first call.
+fn tools() -> Result<PathBuf> {
+    let tools = project::target_dir().join("packages-tools");
+    if !tools.join("bin/cargo-zigbuild").exists() {
+        let made = Command::new("python3").args(["-m", "venv"]).arg(&tools).status().context("calling python3")?;
+        ensure!(made.success(), "python3 cannot make an environment; Debian has what it lacks in python3-venv");
+        let installed = Command::new(tools.join("bin/pip")).args(["install", "--quiet"]).args(ZIG).status()?;
+        ensure!(installed.success(), "{} cannot be installed; see above", ZIG.join(" and "));
+    }
+    Ok(tools)
+}
+
+/// Debian's Cargo, which builds the standard library too.
+fn windows_command() -> Command {
+    let mut command = Command::new(DEBIAN_CARGO);
+    // What rustup has set would send it back to rustup's compiler, which knows no Windows.
+    for name in ["RUSTUP_TOOLCHAIN", "RUSTUP_HOME", "CARGO", "RUSTC_WRAPPER", "RUSTC_WORKSPACE_WRAPPER"] {
+        command.env_remove(name);
+    }
+    command.env("RUSTC", "/usr/bin/rustc").env("RUSTDOC", "/usr/bin/rustdoc").env("PATH", "/usr/bin:/bin");
+    command.env("RUSTC_BOOTSTRAP", "1");
+    let linker = "x86_64-w64-mingw32-gcc";
+    command.env("CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER", linker).env("CC_x86_64_pc_windows_gnu", linker);
+    command.args(["build", "-Zbuild-std=std,panic_unwind", "--target", System::Windows.triple()]);
+    command
+}
+
+/// Flags that name the workspace and the registry by what they are.
+fn remapped() -> String {
+    let registry = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let registry = registry.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".cargo")));
+    let renamed = |path: &Path, name: &str| format!("--remap-path-prefix={}={name}", path.display());
+    let mut flags = vec![renamed(project::root(), "pyrophone")];
+    flags.extend(registry.map(|path| renamed(&path, "cargo")));
+    flags.join(" ")
+}

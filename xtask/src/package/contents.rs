@@ -1,0 +1,73 @@
+//! What lies in a package.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+use super::build::Built;
+use super::licences;
+use super::system::System;
+use crate::{bundle, cargo, install, project};
+
+/// Files from the workspace that every package has.
+const DOCUMENTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
+
+/// Lays out a package in a folder, which is made anew.
+pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
+    if stage.exists() {
+        fs::remove_dir_all(stage).with_context(|| format!("clearing {}", stage.display()))?;
+    }
+    let copy = |from: &Path, to: &str| {
+        let to = stage.join(to);
+        install::copy(from, &to).with_context(|| format!("copying {} to {}", from.display(), to.display()))
+    };
+    copy(&built.library, "Pyrophone.clap")?;
+    let library = format!("Pyrophone.vst3/Contents/{}/{}", system.vst3_folder(), system.vst3_library());
+    copy(&built.library, &library)?;
+    bundle::describe(&stage.join("Pyrophone.vst3"))?;
+    copy(&built.program, system.program())?;
+    for document in DOCUMENTS {
+        copy(&project::root().join(document), document)?;
+    }
+    fs::write(stage.join("THIRD-PARTY.md"), licences::page(system)?)?;
+    for (folder, script) in scripts(system) {
+        copy(&project::root().join("packages").join(folder).join(script), script)?;
+    }
+    write_presets(&stage.join("presets/Pyrophone/Pyrophone/Factory"))?;
+    if system == System::Linux {
+        write_manual(&built.program, stage)?;
+    }
+    Ok(())
+}
+
+/// What installs and removes a package: folder and name.
+fn scripts(system: System) -> [(&'static str, &'static str); 2] {
+    match system {
+        System::Linux => [("linux", "install.sh"), ("linux", "uninstall.sh")],
+        System::Windows => [("windows", "install.ps1"), ("windows", "uninstall.ps1")],
+    }
+}
+
+/// The factory's presets as VST3 hosts keep them.
+fn write_presets(folder: &Path) -> Result<()> {
+    let mut writing = cargo::command();
+    writing.args(["run", "--quiet", "--release", "--package", "pyrophone-settings", "--example", "vst3_presets", "--"]);
+    ensure!(writing.arg(folder).status()?.success(), "the presets cannot be written to {}", folder.display());
+    Ok(())
+}
+
+/// Manual pages and completions of the command line, which it writes itself.
+fn write_manual(program: &Path, stage: &Path) -> Result<()> {
+    let status = Command::new(program).args(["--quiet", "man", "--output"]).arg(stage.join("man")).status()?;
+    ensure!(status.success(), "the manual pages cannot be written");
+    let folder = stage.join("completions");
+    fs::create_dir_all(&folder)?;
+    for (shell, name) in [("bash", "pyrophone"), ("zsh", "_pyrophone"), ("fish", "pyrophone.fish")] {
+        let output = Command::new(program).args(["completions", shell]).output()?;
+        ensure!(output.status.success(), "completions for {shell} cannot be written");
+        fs::write(folder.join(name), output.stdout)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,111 @@
+//! What others have written that packages contain, and on which terms.
+
+use std::collections::BTreeSet;
+
+use anyhow::{Context, Result, ensure};
+
+use super::system::System;
+use crate::cargo;
+
+/// Licences that may be passed on with a program under MIT or Apache-2.0.
+const PERMITTED: [&str; 14] = [
+    "0BSD",
+    "Apache-2.0",
+    "Apache-2.0 WITH LLVM-exception",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "BSL-1.0",
+    "CC0-1.0",
+    "ISC",
+    "MIT",
+    "MIT-0",
+    "MPL-2.0",
+    "OFL-1.1",
+    "Unicode-3.0",
+    "Zlib",
+];
+/// Those of the fonts in the window, whose crate names them beside its own licence.
+const FONTS: [&str; 1] = ["Ubuntu-font-1.0"];
+
+/// A page that names every crate in the packages of a system, with its licence and where it comes from.
+pub fn page(system: System) -> Result<String> {
+    let mut page =
+        "# What Pyrophone contains of others\n\nEach under its own licence; sources at the addresses named.\n\n\
+        | crate | licence | source |\n|---|---|---|\n"
+            .to_owned();
+    for Crate { name, licence, source } in crates(system)? {
+        ensure!(is_permitted(&licence), "{name} is under {licence:?}, which may not be passed on; see licences.rs");
+        page.push_str(&format!("| {name} | {licence} | {source} |\n"));
+    }
+    Ok(page)
+}
+
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Crate {
+    /// Name and version.
+    name: String,
+    licence: String,
+    source: String,
+}
+
+/// All that is linked into plugin and command line, our own left out.
+fn crates(system: System) -> Result<BTreeSet<Crate>> {
+    let mut tree = cargo::command();
+    tree.args(["tree", "--package", "pyrophone-plugin", "--package", "pyrophone-cli", "--edges", "normal"]);
+    tree.args(["--prefix", "none", "--target", system.triple(), "--format", "{p}|{l}|{r}"]);
+    let output = tree.output().context("calling cargo tree")?;
+    ensure!(output.status.success(), "cargo tree failed: {}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    Ok(text.lines().filter_map(parse).collect())
+}
+
+/// A line of the tree; none where it is one of ours or says nothing.
+fn parse(line: &str) -> Option<Crate> {
+    let mut fields = line.trim_end_matches(" (*)").split('|');
+    let (package, licence, source) = (fields.next()?, fields.next()?, fields.next()?);
+    // Such as "rayon v1.12.0", or "xtask v0.1.0 (/path)" for those of the workspace.
+    let mut words = package.split_whitespace();
+    let (name, version) = (words.next()?, words.next()?.trim_start_matches('v'));
+    let is_ours = package.contains("(/") || package.contains(":\\");
+    (!is_ours).then(|| Crate {
+        name: format!("{name} {version}"),
+        licence: licence.to_owned(),
+        source: source.to_owned(),
+    })
+}
+
+/// Whether one of an expression's alternatives is permitted with all that it joins.
+fn is_permitted(expression: &str) -> bool {
+    let plain = expression.replace(['(', ')'], "").replace('/', " OR ");
+    let is_known = |licence: &str| PERMITTED.contains(&licence) || FONTS.contains(&licence);
+    // An expression in brackets, such as "(MIT OR Apache-2.0) AND Unicode-3.0": each part of it must have an alternative.
+    let joined: Vec<&str> = if expression.contains('(') { expression.split(" AND ").collect() } else { vec![&plain] };
+    joined.iter().all(|part| {
+        let part = part.replace(['(', ')'], "");
+        part.split(" OR ").any(|alternative| alternative.split(" AND ").all(|licence| is_known(licence.trim())))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn expressions_are_read_as_they_are_meant() {
+        for good in ["MIT", "MIT OR GPL-3.0", "MIT/Apache-2.0", "(MIT OR Apache-2.0) AND Unicode-3.0", "ISC AND MIT"] {
+            assert!(is_permitted(good), "{good}");
+        }
+        for bad in ["GPL-3.0", "", "MIT AND GPL-3.0", "(MIT OR Apache-2.0) AND LGPL-2.1", "GPL-3.0/AGPL-3.0"] {
+            assert!(!is_permitted(bad), "{bad}");
+        }
+    }
+
+    #[test]
+    fn everything_in_the_packages_may_be_passed_on() {
+        for system in [System::Linux, System::Windows] {
+            let page = page(system).unwrap();
+            assert!(page.lines().count() > 100, "{page}");
+            assert!(page.contains("| egui 0.") && !page.contains("| pyrophone"), "{page}");
+        }
+    }
+}
