@@ -411,3 +411,26 @@ fn nothing_is_allocated_while_crackles_play() {
     assert!(left.iter().any(|x| *x != 0.0));
     assert_eq!((seen.count_total, seen.count_current), (0, 0));
 }
+
+#[test]
+fn the_papers_mode_tells_crackling_recordings_apart_and_scaling_auto_leaves_their_amplitudes() {
+    let structure = Structure { dynamics: Dynamics::Paper, ..Structure::default() };
+    let shape = Shape::at_rate(&structure, RATE_HZ);
+    let drive = channels(22, 1, 40_000);
+    for (recording, is_impulsive) in [(clicks(200_000).0, true), (noise(6, 200_000, 0.01), false)] {
+        let made = Dictionary::for_dynamics(Dynamics::Paper, &[recording], RATE_HZ, &shape, &|_| true).unwrap();
+        assert_eq!(made.is_impulsive(), is_impulsive);
+        let mut chain = Chain::new(RATE_HZ, MONO, &structure).unwrap();
+        chain.swap_dictionary(Some(Arc::new(made)));
+        let mut alpha = |scaling_auto: bool| {
+            chain.reset();
+            let mut controls = Controls::default();
+            controls.texture.scaling_auto = scaling_auto;
+            let first = Event { at: 0, controls, jump: None };
+            play(&mut chain, &drive, &[], 1, &[first], 0, || 512);
+            chain.take_meters().scaling_alpha
+        };
+        assert_eq!(alpha(true) == 0.0, is_impulsive);
+        assert!(alpha(false) > 0.9);
+    }
+}
