@@ -152,7 +152,7 @@ impl Library {
     pub fn favourites(&self) -> Vec<String> {
         let path = self.folder.join(FAVOURITES);
         let is_fit = fs::metadata(&path).is_ok_and(|file| file.is_file() && file.len() <= LARGEST_BYTES);
-        let text = is_fit.then(|| fs::read_to_string(path).unwrap_or_default()).unwrap_or_default();
+        let text = if is_fit { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
         text.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect()
     }
 

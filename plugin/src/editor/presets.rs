@@ -1,4 +1,4 @@
-//! Presets: the one that sounds, those before and after it, and a [list](list) of all, to search, save, rename and delete.
+//! Presets: the one that sounds, those before and after it, and a list of all, to search, save, rename and delete.
 
 mod list;
 
