@@ -14,7 +14,7 @@ use playing::Playing;
 use pyrophone::Pyrophone;
 use pyrophone::editor::controls::Page;
 use pyrophone_settings::table::DRIVE_MODES;
-use pyrophone_settings::{Values, index_of};
+use pyrophone_settings::{Preset, index_of};
 use screen::Screen;
 
 const SIZES: [(f32, f32); 6] =
@@ -114,14 +114,9 @@ fn pictures() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pages");
     std::fs::create_dir_all(&out).expect("a folder");
-    let mut values = Values::default();
-    for (id, text) in [("extension_level", "-18"), ("vortex_level", "-20"), ("low_level", "-12"), ("macro_fury", "60")]
-    {
-        values.set_text(id, text).expect("known");
-    }
-    for (case, drive) in [("track", "pressure"), ("built-in", "flame")] {
+    for (case, preset) in [("track", "drums-to-fire"), ("built-in", "bonfire")] {
         let mut playing = Playing::new(folder.path());
-        values.set_text("drive_mode", drive).expect("known");
+        let values = Preset::find(preset).expect("a factory preset").values;
         for (index, plain) in values.as_slice().iter().enumerate() {
             playing.plugin.effect_params().slot(index).set_without_host(*plain);
         }
@@ -132,7 +127,7 @@ fn pictures() {
             let mut screen = Screen::new(playing.plugin.window());
             for page in Page::ALL {
                 screen.turn_to(page, Vec2::new(width, height), scale);
-                for _ in 0..if page == Page::Play { 360 } else { 3 } {
+                for _ in 0..if page == Page::Play { 500 } else { 3 } {
                     playing.play_a_block();
                     screen.draw();
                 }

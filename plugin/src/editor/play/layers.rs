@@ -18,7 +18,7 @@ const NAME: f32 = 14.0;
 const SWITCH: f32 = 15.0;
 const MONITOR: f32 = 20.0;
 /// Width in points of a column that has room for a whole name, and for solo and mute side by side.
-const WIDE: f32 = 35.0;
+const WIDE: f32 = 33.0;
 
 /// One fader.
 struct Line {
@@ -63,7 +63,7 @@ fn column(ui: &mut Ui, rect: Rect, line: &Line, levels: &mut Levels, hand: &mut 
     let is_dimmed = hand.inert(line.id as usize).is_some();
     let color = if is_dimmed || is_silenced { theme::WEAK } else { theme::TEXT };
     let name = if is_wide { line.name } else { line.short };
-    let size = if rect.width() > 42.0 { 10.5 } else { 9.3 };
+    let size = if rect.width() > 42.0 { 10.5 } else { 9.2 };
     let font = FontId::new(size, FontFamily::Proportional);
     ui.painter().text(name_at, Align2::CENTER_BOTTOM, name, font, color);
     if let Meter::Layer(layer) = line.meter {
