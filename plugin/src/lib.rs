@@ -10,6 +10,7 @@
 //! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
 //! | [`persist`] | what a session keeps besides the parameters | any thread |
 //! | [`takes`] | the takes that were tried | any thread |
+//! | [`window_size`] | the window's size, which outlives it | any thread |
 //! | [`meters`] | levels for the editor | any thread |
 //! | [`frame_pace`] | how often the window is asked to draw | the audio thread |
 //! | [`probe`] | drive and output for the editor | from the audio thread to the window's |
@@ -32,5 +33,6 @@ pub mod persist;
 pub mod probe;
 pub mod remote_pages;
 pub mod takes;
+pub mod window_size;
 
 pub use effect::Pyrophone;

@@ -12,10 +12,10 @@ use nice_plug_core::params::InternalParamMut;
 use nice_plug_core::plugin::ParamValue;
 use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, host_order, index_of, session};
 
-use crate::editor::frame::WindowSize;
 use crate::entry::indication::Indications;
 use crate::persist::SessionStore;
 use crate::takes::Takes;
+use crate::window_size::WindowSize;
 
 /// One host parameter.
 pub enum Slot {

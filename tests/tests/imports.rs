@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 const OPEN: &[(&str, &[&str])] = &[
     ("synthesis", &["chain", "chain::voice"]),
     ("synthesis", &["companding::calibrate", "texture::dictionary", "texture::engine"]),
-    ("synthesis", &["crackle", "crackle::event", "crackle::grain", "crackle::schedule"]),
     (
         "synthesis",
         &[
@@ -26,29 +25,6 @@ const OPEN: &[(&str, &[&str])] = &[
     ),
     ("synthesis", &["vortex", "vortex::field", "vortex::hop", "vortex::live", "vortex::motion", "vortex::moving"]),
     ("plugin", &["audio", "audio::audition", "loader::link", "probe"]),
-    (
-        "plugin",
-        &[
-            "editor",
-            "editor::controls",
-            "editor::frame",
-            "editor::hand",
-            "editor::header",
-            "editor::listen",
-            "editor::monitor",
-            "editor::plots::spectrum",
-            "editor::presets",
-            "editor::recording",
-            "editor::widgets::knob",
-            "loader",
-            "loader::learner",
-            "loader::mailbox",
-            "loader::source",
-            "loader::tape",
-            "loader::worker",
-            "parameters",
-        ],
-    ),
     (
         "plugin",
         &[

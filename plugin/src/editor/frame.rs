@@ -1,7 +1,6 @@
 //! The editor as hosts have it: a window whose size a session keeps.
 
 use std::error::Error;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use nice_plug_core::context::gui::GuiContext;
@@ -15,98 +14,8 @@ use nice_plug_egui::{
     create_egui_editor,
 };
 
-use super::{SMALLEST, Window};
-
-/// Size of a new window in points.
-const SIZE: [f32; 2] = [1100.0, 790.0];
-/// The largest size that is believed, in points.
-const LARGEST: f32 = 8192.0;
-
-/// The window's size in points, which the window, the session and the host's threads share.
-#[derive(Debug)]
-pub struct WindowSize {
-    /// Width and height, 32 bits each.
-    bits: AtomicU64,
-    /// Pixels of a point on the last window's screen; 0 before there was one.
-    scale_bits: AtomicU64,
-    /// Whether a session has brought it and no window had it yet.
-    is_new: AtomicBool,
-}
-
-impl Default for WindowSize {
-    fn default() -> Self {
-        Self { bits: AtomicU64::new(pack(SIZE)), scale_bits: AtomicU64::new(0), is_new: AtomicBool::new(false) }
-    }
-}
-
-fn pack([width, height]: [f32; 2]) -> u64 {
-    u64::from(width.to_bits()) << 32 | u64::from(height.to_bits())
-}
-
-impl WindowSize {
-    /// Width and height.
-    pub fn get(&self) -> [f32; 2] {
-        let bits = self.bits.load(Ordering::Relaxed);
-        [f32::from_bits((bits >> 32) as u32), f32::from_bits(bits as u32)]
-    }
-
-    /// As a session keeps it.
-    pub fn to_json(&self) -> String {
-        let [width, height] = self.get();
-        format!("[{width},{height}]")
-    }
-
-    /// As a session has kept it; what is no size is of no account.
-    pub fn read_json(&self, text: &str) {
-        let Ok(size) = serde_json::from_str::<[f32; 2]>(text) else { return };
-        if size.iter().all(|side| side.is_finite()) {
-            let [width, height] = size;
-            let size = [width.clamp(SMALLEST.0, LARGEST), height.clamp(SMALLEST.1, LARGEST)];
-            self.bits.store(pack(size), Ordering::Relaxed);
-            self.is_new.store(true, Ordering::Release);
-        }
-    }
-
-    /// As the window has it now.
-    pub fn set(&self, size: baseview::WindowSize) {
-        self.set_points([size.logical.width as f32, size.logical.height as f32]);
-        self.set_scale(size.scale_factor);
-    }
-
-    fn set_points(&self, size: [f32; 2]) {
-        self.bits.store(pack(size), Ordering::Relaxed);
-    }
-
-    fn set_scale(&self, scale: f64) {
-        self.scale_bits.store(scale.to_bits(), Ordering::Relaxed);
-    }
-
-    /// As hosts count it. They ask before there is a window, too.
-    fn native(&self) -> NativeSize<u32> {
-        let [width, height] = self.get();
-        let scale = match f64::from_bits(self.scale_bits.load(Ordering::Relaxed)) {
-            scale if scale > 0.0 => scale,
-            _ => desktop_scale(),
-        };
-        NativeSize::from_size(LogicalSize::new(width, height).into(), scale)
-    }
-}
-
-/// Pixels of a point on the user's desktop, as a window that opens there will find it.
-#[cfg(target_os = "linux")]
-fn desktop_scale() -> f64 {
-    let resources = x11rb::connect(None)
-        .ok()
-        .and_then(|(connection, _)| x11rb::resource_manager::new_from_default(&connection).ok());
-    let dots_per_inch = resources.and_then(|resources| resources.get_value::<u32>("Xft.dpi", "").ok().flatten());
-    dots_per_inch.map_or(1.0, |dots_per_inch| f64::from(dots_per_inch) / 96.0)
-}
-
-/// Elsewhere the host tells, or counts in points.
-#[cfg(not(target_os = "linux"))]
-fn desktop_scale() -> f64 {
-    1.0
-}
+use super::Window;
+use crate::window_size::{SMALLEST, WindowSize};
 
 /// What is drawn in: windows come and go, the contents stay.
 pub struct Pane(Arc<Mutex<Window>>);
@@ -164,7 +73,7 @@ impl PyrophoneEditor {
     fn inner(&self) -> MutexGuard<'_, Inner> {
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         if !inner.state.is_open()
-            && self.size.is_new.swap(false, Ordering::Acquire)
+            && self.size.take_new()
             && let Some(other) = Inner::new(&self.contents, &self.size, &self.notifier)
         {
             *inner = other;
@@ -234,26 +143,5 @@ impl Editor for PyrophoneEditor {
     unsafe fn assume_standalone_in_process(&self) {
         // SAFETY: whoever calls this promises what the inner one wants.
         unsafe { self.inner().editor.assume_standalone_in_process() }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_kept_and_garbage_is_not() {
-        let size = WindowSize::default();
-        assert_eq!(size.get(), SIZE);
-        size.set_points([800.5, 600.0]);
-        let other = WindowSize::default();
-        other.read_json(&size.to_json());
-        assert_eq!(other.get(), [800.5, 600.0]);
-        for garbage in ["", "null", "[1]", "[1,2,3]", "\"x\"", "{}", "[null,2]"] {
-            other.read_json(garbage);
-            assert_eq!(other.get(), [800.5, 600.0], "{garbage}");
-        }
-        other.read_json("[1,1e30]");
-        assert_eq!(other.get(), [SMALLEST.0, LARGEST], "what is no window's is brought to one");
     }
 }

@@ -2,7 +2,7 @@
 
 use pyrophone_settings::{COUNT, Id, PARAMETERS, Parameter, Values};
 use pyrophone_synthesis::Controls;
-use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow};
+use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow, Fuel};
 use pyrophone_synthesis::structure::Dynamics;
 
 /// What decides that besides the parameters.
@@ -16,6 +16,9 @@ const EXTENSION_OFF: &str = "Extension level is off";
 const TEXTURE_OFF: &str = "Texture level is off";
 const NO_RECORDING: &str = "There is no recording";
 const PAPER: &str = "Dynamics mode is paper";
+const NOTHING_CRACKLES: &str = "There is no recording, and no fuel";
+const HISS_OFF: &str = "Hiss level is off";
+const BODY_OFF: &str = "Body level is off";
 const CRACKLE_OFF: &str = "Crackle level is off";
 const VORTEX_OFF: &str = "Vortex level is off";
 
@@ -46,6 +49,7 @@ impl Situation<'_> {
             "Extension" => self.extension(parameter.id),
             "Texture" => self.texture(parameter.id),
             "Crackle" => self.crackle(),
+            "Fuel" => self.fuel(parameter.id),
             "Vortex" => self.vortex(parameter.id),
             "Flame" => self.flame(),
             "Drive" => self.drive(parameter.id),
@@ -57,7 +61,7 @@ impl Situation<'_> {
 
     /// Whether extension is heard in texture's place.
     fn stands_in(&self) -> bool {
-        self.is_companded && !self.has_recording && self.controls.mix.texture != 0.0
+        self.is_companded && !self.has_recording && !self.has_fuel() && self.controls.mix.texture != 0.0
     }
 
     fn extension(&self, id: &str) -> Option<&'static str> {
@@ -88,10 +92,25 @@ impl Situation<'_> {
     fn crackle(&self) -> Option<&'static str> {
         if !self.is_companded {
             Some(PAPER)
-        } else if !self.has_recording {
-            Some(NO_RECORDING)
+        } else if !self.has_recording && !self.has_fuel() {
+            Some(NOTHING_CRACKLES)
         } else {
             (self.controls.mix.crackle == 0.0).then_some(CRACKLE_OFF)
+        }
+    }
+
+    fn has_fuel(&self) -> bool {
+        self.controls.fuel.fuel != Fuel::Off
+    }
+
+    fn fuel(&self, id: &str) -> Option<&'static str> {
+        let mix = &self.controls.mix;
+        match id {
+            _ if !self.is_companded => Some(PAPER),
+            "hiss_tone" | "hiss_flutter" if mix.hiss == 0.0 => Some(HISS_OFF),
+            "body_tone" | "body_flutter" if mix.body == 0.0 => Some(BODY_OFF),
+            "fuel_follow" if mix.hiss == 0.0 && mix.body == 0.0 => Some("Hiss and body are off"),
+            _ => None,
         }
     }
 
@@ -118,7 +137,8 @@ impl Situation<'_> {
     fn levels(&self, id: &str) -> Option<&'static str> {
         match id {
             "crackle_level" if !self.is_companded => Some(PAPER),
-            "crackle_level" if !self.has_recording => Some(NO_RECORDING),
+            "hiss_level" | "body_level" if !self.is_companded => Some(PAPER),
+            "crackle_level" if !self.has_recording && !self.has_fuel() => Some(NOTHING_CRACKLES),
             "texture_level" if !self.is_companded && !self.has_recording => Some(NO_RECORDING),
             "loudness" if !self.is_companded => Some(PAPER),
             "loudness" if !self.has_recording => Some(NO_RECORDING),
@@ -157,6 +177,12 @@ mod tests {
         assert_eq!(why("dynamics", &[("dynamics_mode", "paper")], true), Some(PAPER));
         assert_eq!(why("dynamics", &[("texture_level", "off")], true), Some(TEXTURE_OFF));
         assert_eq!(why("crackle_density", &[("crackle_level", "off")], true), Some(CRACKLE_OFF));
+        let wood = ("fuel", "dry wood");
+        assert_eq!(why("crackle_density", &[], false), Some(NOTHING_CRACKLES));
+        assert_eq!(why("crackle_density", &[wood], false), None);
+        assert_eq!(why("alpha", &[wood], false), Some(EXTENSION_OFF), "the fuel sounds instead");
+        assert_eq!(why("hiss_tone", &[wood], false), Some(HISS_OFF));
+        assert_eq!(why("hiss_tone", &[("hiss_level", "-6")], false), None);
         assert_eq!(why("vortex_speed", &[], true), Some(VORTEX_OFF));
         assert_eq!(why("vortex_speed", &[("macro_whoosh", "50")], true), None, "the macro lets it be heard");
         assert_eq!(why("flame_wind", &[], true), Some("Drive is not flame"));

@@ -59,6 +59,7 @@ use crate::loader::status::View;
 use crate::meters::Meters;
 use crate::parameters::EffectParams;
 use crate::probe::ProbeOut;
+use crate::window_size::SMALLEST;
 use controls::Page;
 use hand::Hand;
 use header::Header;
@@ -71,8 +72,6 @@ use play::pad::Pad;
 use plots::spectrum::Told;
 use recording::RecordingPanel;
 
-/// The smallest size in points at which everything can be reached.
-const SMALLEST: (f32, f32) = (700.0, 450.0);
 /// Between parts, in points.
 const GAP: f32 = 6.0;
 /// Height of the head, in points.

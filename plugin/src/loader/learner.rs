@@ -12,11 +12,11 @@ use pyrophone_synthesis::chain::learn;
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::Distribution;
 
-use super::Engine;
+use super::engine::Engine;
+use super::job::Job;
 use super::link::{LoaderLink, Update};
 use super::source::Failure;
 use super::status::Status;
-use super::worker::Job;
 
 /// Most amplitudes of one pass: about an hour and a half at 44.1 kHz and six levels.
 const MAX_VALUES: usize = 1 << 23;

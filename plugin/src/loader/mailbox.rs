@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use pyrophone_settings::session::Cut;
 
-use super::Engine;
+use super::engine::Engine;
 
 /// Something for the loader to do.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,6 +5,8 @@
 //! |---|---|
 //! | [`mailbox`] | orders to the thread, and waiting for them |
 //! | [`worker`] | the thread |
+//! | [`job`] | one attempt of it, and how far that has come |
+//! | [`engine`] | what runs |
 //! | [`source`] | from a path or a session to a decoded recording |
 //! | [`cache`] | what instances of one process share |
 //! | [`learner`] | the learned distribution |
@@ -14,7 +16,9 @@
 //! | [`status`] | what the editor shows of it |
 
 pub mod cache;
+pub mod engine;
 pub mod exchange;
+pub mod job;
 pub mod learner;
 pub mod link;
 pub mod mailbox;
@@ -32,25 +36,14 @@ use std::time::Duration;
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::Recent;
 use pyrophone_settings::session::Cut;
-use pyrophone_synthesis::Structure;
 
 use crate::parameters::EffectParams;
 use crate::persist::SessionStore;
+pub use engine::Engine;
 use link::{AudioLink, Shared};
 use mailbox::{Mailbox, Order, Ticket};
 use status::Status;
 use worker::Worker;
-
-/// The sample rate and structure of the engines that run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Engine {
-    /// Sample rate in Hz.
-    pub sample_rate_hz: f64,
-    /// Structure.
-    pub structure: Structure,
-    /// Channels, for the latency of an engine to come.
-    pub channels: pyrophone_synthesis::chain::Channels,
-}
 
 /// A handle to the loader's thread, for the editor.
 #[derive(Clone)]

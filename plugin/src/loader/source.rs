@@ -7,7 +7,7 @@ use pyrophone_recording::{Error, Recording, content_hash, decode_known, embed, r
 use pyrophone_settings::session::RecordingReference;
 
 use super::cache::RECORDINGS;
-use super::worker::Job;
+use super::job::Job;
 
 /// The file of a recording, not decoded yet.
 pub struct Located {

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use pyrophone_recording::{Cut, Recording};
 
+use super::job::Job;
 use super::link::{LoaderLink, Update};
 use super::source::Failure;
 use super::status::Status;
-use super::worker::Job;
 use crate::audio::audition;
 
 /// What a tape was made of: the recording's hash, the part, the rate in Hz.

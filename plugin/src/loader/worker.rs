@@ -7,7 +7,7 @@
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use pyrophone_recording::{Cut, Recording, check_not_among, write_wav_f32};
@@ -18,8 +18,9 @@ use pyrophone_synthesis::chain;
 use pyrophone_synthesis::texture::Dictionary;
 use pyrophone_training::{DictionaryKey, IMPULSIVE, Stage, Store, build};
 
-use super::Engine;
 use super::cache::DICTIONARIES;
+use super::engine::Engine;
+use super::job::Job;
 use super::learner::{Learner, shown_amplitudes};
 use super::link::{LoaderLink, Update};
 use super::mailbox::{Mailbox, Order};
@@ -33,39 +34,6 @@ use crate::persist;
 
 /// How often the worker looks at parameters and rings when there are no orders.
 const TICK: Duration = Duration::from_millis(50);
-
-/// One attempt to do what is missing.
-pub struct Job {
-    mailbox: Arc<Mailbox>,
-    status: Arc<Status>,
-    params: Arc<EffectParams>,
-    epoch: u64,
-    /// The structure that the parameters say.
-    wanted: Structure,
-    /// Progress last shown, in percent.
-    shown: AtomicU32,
-}
-
-impl Job {
-    /// Whether a later order makes the work useless.
-    pub fn is_called_off(&self) -> bool {
-        self.mailbox.is_called_off(self.epoch)
-    }
-
-    /// Shows progress (0-1); whether to go on.
-    pub fn goes_on(&self, what: &str, done: f32) -> bool {
-        let percent = (done * 100.0) as u32 + 1;
-        if self.shown.swap(percent, Ordering::Relaxed) != percent {
-            self.status.update(|view| view.progress = Some((what.to_owned(), done)));
-        }
-        !self.is_called_off()
-    }
-
-    /// The same for work that depends on the structure.
-    fn goes_on_indexing(&self, what: &str, done: f32) -> bool {
-        self.goes_on(what, done) && self.params.values().structure() == self.wanted
-    }
-}
 
 /// A recording that is to be fetched.
 enum Pending {
@@ -159,18 +127,9 @@ impl Worker {
             if self.learner.follow(&mut self.link, &mut self.session, self.engine.as_ref(), &self.status) {
                 self.params.session.store(&self.session);
             }
-            let job = Job {
-                mailbox: self.mailbox.clone(),
-                status: self.status.clone(),
-                params: self.params.clone(),
-                epoch: batch.epoch,
-                wanted: self.params.values().structure(),
-                shown: AtomicU32::new(0),
-            };
+            let job = Job::new(&self.mailbox, &self.status, &self.params, batch.epoch);
             let is_done = self.fetch(&job).and_then(|()| self.index(&job)).and_then(|()| self.attend(&job));
-            if job.shown.load(Ordering::Relaxed) != 0 {
-                self.status.update(|view| view.progress = None);
-            }
+            job.end();
             self.send();
             self.draw();
             if is_done.is_ok() {
@@ -446,7 +405,7 @@ impl Worker {
         let Some(engine) = self.engine else { return Ok(()) };
         if let Some(recording) = self.recording.clone() {
             let cut = self.cut();
-            let key = self.key(&recording, &cut, &job.wanted, engine.sample_rate_hz);
+            let key = self.key(&recording, &cut, job.wanted(), engine.sample_rate_hz);
             let is_made = self.dictionary.as_ref().is_some_and(|(made, _)| *made == key);
             if !is_made && self.failed.as_ref() != Some(&key) {
                 match self.build(&recording, &cut, job) {
@@ -464,7 +423,7 @@ impl Worker {
                 }
             }
         }
-        let next = Engine { structure: job.wanted, ..engine };
+        let next = Engine { structure: *job.wanted(), ..engine };
         if self.prepared != Some(next) {
             match chain::latency_samples(next.sample_rate_hz, &next.structure) {
                 Ok(samples) => self.link.shared.set_prepared(&next.structure, samples as u32),
@@ -510,12 +469,12 @@ impl Worker {
         job: &Job,
     ) -> Result<Option<(DictionaryKey, Arc<Dictionary>)>, Failure> {
         let Some(Engine { sample_rate_hz, .. }) = self.engine else { return Ok(None) };
-        let key = self.key(recording, cut, &job.wanted, sample_rate_hz);
+        let key = self.key(recording, cut, job.wanted(), sample_rate_hz);
         let progress = |stage: Stage, done: f32| match stage {
             Stage::Resampling => job.goes_on_indexing("Resampling", 0.2 + 0.2 * done),
             Stage::Indexing => job.goes_on_indexing("Indexing", 0.4 + 0.6 * done),
         };
-        let make = || build(recording, cut, sample_rate_hz, &job.wanted, &progress).map_err(Failure::from);
+        let make = || build(recording, cut, sample_rate_hz, job.wanted(), &progress).map_err(Failure::from);
         let is_called_off = || !job.goes_on_indexing("Waiting for another instance", 0.4);
         let read_or_make = || -> Result<Dictionary, Failure> {
             if let Some(kept) = self.store.as_ref().and_then(|store| store.read(&key)) {
@@ -543,9 +502,9 @@ impl Worker {
     /// Takes the dictionary of a recording that is not decoded yet from another instance or from the disk, and sends it.
     fn recall(&mut self, content_hash: &str, job: &Job) {
         let (Some(engine), Some(store)) = (self.engine, &self.store) else { return };
-        let key = DictionaryKey::new(content_hash, &self.cut(), engine.sample_rate_hz, &job.wanted);
+        let key = DictionaryKey::new(content_hash, &self.cut(), engine.sample_rate_hz, job.wanted());
         let read = || store.read(&key).ok_or(());
-        if engine.structure == job.wanted
+        if engine.structure == *job.wanted()
             && let Some(Ok(dictionary)) = DICTIONARIES.get_or_make(&key, || job.is_called_off(), read)
         {
             self.dictionary = Some((key, dictionary.clone()));

@@ -2,8 +2,7 @@
 
 use bitcode::{Decode, Encode};
 
-use super::detect::{Found, crackles};
-use super::play_steadily;
+use super::detect::Found;
 use crate::bulk::bulk_fields;
 
 /// Crackles count as heard where so many a second stand so far above the bed, in dB: softer or rarer ones texture
@@ -11,9 +10,6 @@ use crate::bulk::bulk_fields;
 const LOUD_DB: f64 = 20.0;
 const LEAST_LOUD_PER_S: f64 = 1.0;
 const LEAST: usize = 4;
-/// Trials that tell how many crackles are heard, and the least part of them that may be played.
-const TRIALS: u32 = 6;
-const LEAST_SHARE: f64 = 0.5;
 /// Crackles in a run, on average: what keeps its order and its gaps. Runs last so many seconds at least and at most.
 const RUN_CRACKLES: f64 = 6.0;
 const RUN_S: [f64; 2] = [0.1, 1.0];
@@ -165,19 +161,14 @@ impl Crackles {
         self.median_peak = median(self.events.iter().map(|event| event.peak));
     }
 
-    /// Finds what part of the crackles gives as many loud ones over `bed`, what texture makes of the recording's at a steady
-    /// level, as the recording has: an even bed hides fewer than the recording's own, and adds some.
-    pub(crate) fn calibrate(&mut self, bed: &[f64], sample_rate_hz: f64) {
-        let seconds = TRIALS as f64 * bed.len() as f64 / sample_rate_hz;
-        let count: usize = (0..TRIALS)
-            .map(|seed| {
-                let mut heard = play_steadily(self, seed, bed.len(), sample_rate_hz);
-                heard.iter_mut().zip(bed).for_each(|(crackle, bed)| *crackle += bed);
-                loud(&crackles(&[heard], sample_rate_hz))
-            })
-            .sum();
-        let share = self.loud_per_s * seconds / count.max(1) as f64;
-        self.share = share.clamp(LEAST_SHARE, 1.0);
+    /// Crackles a second that stand far above the bed.
+    pub(super) fn loud_per_s(&self) -> f64 {
+        self.loud_per_s
+    }
+
+    /// Has this part of the runs, 0-1, played at density 1.
+    pub(super) fn set_share(&mut self, share: f64) {
+        self.share = share;
     }
 
     /// Part of the runs that are played at density 1.
@@ -290,7 +281,7 @@ impl Crackles {
 }
 
 /// How many are loud.
-fn loud(found: &[Found]) -> usize {
+pub(super) fn loud(found: &[Found]) -> usize {
     found.iter().filter(|crackle| crackle.over_bed_db > LOUD_DB).count()
 }
 

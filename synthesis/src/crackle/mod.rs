@@ -33,6 +33,7 @@ mod detect;
 mod event;
 mod grain;
 mod schedule;
+mod share;
 mod source;
 mod split;
 mod stft;
@@ -273,19 +274,6 @@ impl Crackle {
             sides: [factor(variation.balance_db * balance), factor(-variation.balance_db * balance)],
         });
     }
-}
-
-/// What the layer makes of a drive of steady loudness.
-fn play_steadily(crackles: &Crackles, seed: u32, samples: usize, sample_rate_hz: f64) -> Vec<f64> {
-    const BLOCK: usize = 1024;
-    let mut layer = Crackle::new(sample_rate_hz, 1, 0, BLOCK);
-    let controls = CrackleControls { seed, ..CrackleControls::default() };
-    layer.reset(0);
-    let mut heard = vec![0.0; samples];
-    for block in heard.chunks_mut(BLOCK) {
-        layer.process(&[1.0; BLOCK][..block.len()], &controls, &Sources::of_recording(crackles), &mut [block]);
-    }
-    heard
 }
 
 fn factor(db: f64) -> f64 {

@@ -30,11 +30,13 @@ struct Line {
 }
 
 /// All faders, from the bottom of the spectrum up, and the output.
-const LINES: [Line; 6] = [
+const LINES: [Line; 8] = [
     Line { name: "Rumble", short: "Low", id: Id::LowLevel, meter: Meter::Layer(0), color: theme::BLUE },
-    Line { name: "Body", short: "Body", id: Id::TextureLevel, meter: Meter::Layer(2), color: theme::EMBER },
+    Line { name: "Body", short: "Bdy", id: Id::BodyLevel, meter: Meter::Layer(6), color: theme::EMBER },
+    Line { name: "Texture", short: "Tex", id: Id::TextureLevel, meter: Meter::Layer(2), color: theme::EMBER },
     Line { name: "Crackle", short: "Crk", id: Id::CrackleLevel, meter: Meter::Layer(4), color: theme::SPARK },
-    Line { name: "Hiss", short: "Hiss", id: Id::ExtensionLevel, meter: Meter::Layer(1), color: theme::ASH },
+    Line { name: "Extend", short: "Ext", id: Id::ExtensionLevel, meter: Meter::Layer(1), color: theme::ASH },
+    Line { name: "Hiss", short: "Hiss", id: Id::HissLevel, meter: Meter::Layer(5), color: theme::ASH },
     Line { name: "Whoosh", short: "Gas", id: Id::VortexLevel, meter: Meter::Layer(3), color: theme::VIOLET },
     Line { name: "Out", short: "Out", id: Id::OutputLevel, meter: Meter::Output, color: theme::TEXT },
 ];

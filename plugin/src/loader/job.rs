@@ -1,0 +1,66 @@
+//! One attempt of the loader's thread to do what is missing: whether it still makes sense, and how far it has come.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use pyrophone_synthesis::Structure;
+
+use super::mailbox::Mailbox;
+use super::status::Status;
+use crate::parameters::EffectParams;
+
+/// One attempt to do what is missing.
+pub struct Job {
+    mailbox: Arc<Mailbox>,
+    status: Arc<Status>,
+    params: Arc<EffectParams>,
+    epoch: u64,
+    wanted: Structure,
+    /// Progress last shown, in percent.
+    shown: AtomicU32,
+}
+
+impl Job {
+    /// An attempt to carry out the orders up to `epoch` for the structure that the parameters say.
+    pub fn new(mailbox: &Arc<Mailbox>, status: &Arc<Status>, params: &Arc<EffectParams>, epoch: u64) -> Self {
+        Self {
+            wanted: params.values().structure(),
+            mailbox: mailbox.clone(),
+            status: status.clone(),
+            params: params.clone(),
+            epoch,
+            shown: AtomicU32::new(0),
+        }
+    }
+
+    /// The structure that the parameters said when it began.
+    pub fn wanted(&self) -> &Structure {
+        &self.wanted
+    }
+
+    /// Whether a later order makes the work useless.
+    pub fn is_called_off(&self) -> bool {
+        self.mailbox.is_called_off(self.epoch)
+    }
+
+    /// Shows progress (0-1); whether to go on.
+    pub fn goes_on(&self, what: &str, done: f32) -> bool {
+        let percent = (done * 100.0) as u32 + 1;
+        if self.shown.swap(percent, Ordering::Relaxed) != percent {
+            self.status.update(|view| view.progress = Some((what.to_owned(), done)));
+        }
+        !self.is_called_off()
+    }
+
+    /// The same for work that depends on the structure.
+    pub fn goes_on_indexing(&self, what: &str, done: f32) -> bool {
+        self.goes_on(what, done) && self.params.values().structure() == self.wanted
+    }
+
+    /// Takes away what was shown of its progress.
+    pub fn end(&self) {
+        if self.shown.load(Ordering::Relaxed) != 0 {
+            self.status.update(|view| view.progress = None);
+        }
+    }
+}
