@@ -11,6 +11,7 @@ use pyrophone_settings::Values;
 use pyrophone_synthesis::chain::{Chain, Channels, Meters, Transport};
 use pyrophone_synthesis::vortex::Layout;
 
+use crate::channels::MAX_CHANNELS;
 use crate::loader::link::{AudioLink, Retired, Update, fingerprint};
 use crate::probe::ProbeIn;
 use audition::Audition;
@@ -19,9 +20,6 @@ use lights::Lights;
 
 /// Longest piece that the engines are given at once.
 const LONGEST_PIECE: usize = 8192;
-
-/// Most channels of a bus.
-pub const MAX_CHANNELS: usize = 6;
 
 /// The engines of one instance.
 pub struct Audio {

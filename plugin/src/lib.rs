@@ -7,6 +7,7 @@
 //! | [`remote_pages`] | pages of parameters for controllers | at the start |
 //! | [`parameters`] | the settings' table as host parameters | any thread |
 //! | [`audio`] | the engines, and their ends of the rings | the audio thread |
+//! | [`channels`] | how many channels a bus has | any thread |
 //! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
 //! | [`persist`] | what a session keeps besides the parameters | any thread |
 //! | [`takes`] | the takes that were tried | any thread |
@@ -19,6 +20,7 @@
 
 pub mod analysis;
 pub mod audio;
+pub mod channels;
 pub mod editor;
 pub mod effect;
 pub mod entry;

@@ -9,7 +9,7 @@ use pyrophone_synthesis::controls::MixControls;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
-use crate::audio::MAX_CHANNELS;
+use crate::channels::MAX_CHANNELS;
 
 /// Frames under way: two thirds of a second at 96 kHz, should the window be late.
 const FRAMES: usize = 1 << 16;

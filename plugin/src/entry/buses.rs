@@ -4,7 +4,7 @@
 //! reads what is promised. So every channel that is missing is given silence to read from, or a place to write to
 //! that nobody hears. Both are allocated at activation.
 
-use crate::audio::MAX_CHANNELS;
+use crate::channels::MAX_CHANNELS;
 
 /// Most input buses: main and sidechain.
 pub const MAX_INPUTS: usize = 2;

@@ -6,7 +6,10 @@
 //! played before the jump has come out of the first one, the second takes over in a crossfade of
 //! 10 ms. So whatever was played before, two passes from one place sound the same.
 
+mod bus;
 pub(crate) mod delay;
+mod meters;
+mod trace;
 mod voice;
 mod vortex_layer;
 
@@ -18,14 +21,17 @@ use crate::extend;
 use crate::fuel;
 use crate::mix::{Layers, Mix};
 use crate::structure::Dynamics;
-use crate::texture::{Dictionary, Distribution, Extent, Match, Shape, offline};
+use crate::texture::{Dictionary, Distribution, Shape, offline};
 use crate::vortex::{Layout, Simulator, SpeedField};
 use crate::{Controls, Error, Structure, drive::Drive};
+pub use bus::{Channels, Transport};
+pub use meters::Meters;
+pub use trace::Trace;
+
+use bus::CHUNK;
 use delay::Delay;
 use voice::{MAX_CHANNELS, Voice};
 
-/// Samples that are processed at once.
-const CHUNK: usize = 256;
 /// Length in seconds of the crossfade after a jump.
 const CROSSFADE_S: f64 = 0.01;
 /// Hosts that derive their position from beats round it; this much is no jump.
@@ -36,71 +42,6 @@ const HIGHEST_PEAK: f64 = 0.75;
 const LARGEST_INPUT: f32 = 1e4;
 /// Input below this magnitude is silence; it keeps denormals out of every engine.
 const SMALLEST_INPUT: f32 = 1e-15;
-
-/// Channels of the effect's buses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Channels {
-    /// Channels of the main input, 1-10.
-    pub input: usize,
-    /// Channels of the sidechain, 0-10; 0 = not connected.
-    pub sidechain: usize,
-    /// Channels of the output, 1-10, at least as many as of the input; [`Layout`] tells their loudspeakers. That of
-    /// low-frequency effects passes the input's own.
-    pub output: usize,
-}
-
-/// What the host says of its timeline for one call of [`Chain::process`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Transport {
-    /// Whether the host plays.
-    pub playing: bool,
-    /// Position of the call's first sample on the host's timeline, in samples; may be negative.
-    pub position: Option<i64>,
-}
-
-/// Largest magnitudes since the last [`Chain::take_meters`].
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Meters {
-    /// Main input.
-    pub input: f32,
-    /// Drive, after its high-pass.
-    pub drive: f32,
-    /// Low layer, after its level.
-    pub low: f32,
-    /// Extension layer, after its level.
-    pub extension: f32,
-    /// Texture layer, after its level.
-    pub texture: f32,
-    /// Vortex layer, after its level.
-    pub vortex: f32,
-    /// Crackle layer, after its level.
-    pub crackle: f32,
-    /// Hiss layer, after its level.
-    pub hiss: f32,
-    /// Body layer, after its level.
-    pub body: f32,
-    /// Output.
-    pub output: f32,
-    /// How far texture maps amplitudes now: scalingAlpha, less what a buzz takes where that is asked for.
-    pub scaling_alpha: f32,
-    /// Whether the input's channels cancel in the mean that drives the engines.
-    pub cancels: bool,
-    /// Whether texture lacks a recording.
-    pub no_recording: bool,
-    /// Steps of the live simulation that came too late.
-    pub late_steps: u64,
-}
-
-/// What the engines leave to be seen while they work.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Trace {
-    /// A window of extension has found its noise factor beta (§4, Algorithm 1).
-    Beta(f32),
-    /// A window of texture was matched on the level below the top (§5.2).
-    Match(Match),
-    /// A level of texture's output pyramid has swung so far for a sixtieth of a second.
-    Extent(Extent),
-}
 
 /// A jump under way: the other voice was started and takes over later.
 #[derive(Debug, Clone, Copy)]

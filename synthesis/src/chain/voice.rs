@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::bus::{CHUNK, Channels};
 use super::delay::Delay;
+use super::trace::Trace;
 use super::vortex_layer::VortexLayer;
-use super::{CHUNK, Channels, Trace};
 use crate::companding::Companding;
 use crate::controls::{CrackleControls, DriveMode, Fuel, TextureControls};
 use crate::crackle::{Crackle, Crackles, Sources};

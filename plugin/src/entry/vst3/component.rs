@@ -19,7 +19,7 @@ use vst3::{Class, ComPtr, ComWrapper};
 use super::pending::PendingValues;
 use super::stream::{MemoryStream, pointer, read_all, write_all};
 use crate::Pyrophone;
-use crate::audio::MAX_CHANNELS;
+use crate::channels::MAX_CHANNELS;
 use crate::entry::buses::{Buses, Declared, MAX_INPUTS};
 use crate::entry::instance::{self, numeric_id};
 use crate::entry::state;

@@ -12,7 +12,7 @@ use vst3::Steinberg::Vst::{
 use vst3::Steinberg::{TBool, int32, kInvalidArgument, kNotInitialized, kResultFalse, kResultOk, tresult, uint32};
 
 use super::component::{AUDIO, Component};
-use crate::audio::MAX_CHANNELS;
+use crate::channels::MAX_CHANNELS;
 use crate::entry::buses::{Buses, MAX_INPUTS};
 use crate::entry::instance::index_of_numeric;
 
