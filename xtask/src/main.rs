@@ -66,6 +66,12 @@ enum Command {
     Test,
     /// The long tests
     Soak,
+    /// Validators of others over the bundles, as `test` runs them: those that are in PATH
+    Validate {
+        /// Build optimised, as for use in a host
+        #[arg(long)]
+        release: bool,
+    },
     /// Real-time factors and worst blocks, as tables
     Bench(bench::Args),
 }
@@ -97,7 +103,7 @@ fn run(command: Command) -> Result<ExitCode> {
     std::env::set_current_dir(project::root())?;
     match command {
         Command::Bundle { release } => {
-            for path in bundle::bundle(if release { bundle::Profile::Release } else { bundle::Profile::Dev })? {
+            for path in bundle::bundle(profile(release))? {
                 println!("{}", path.display());
             }
             Ok(ExitCode::SUCCESS)
@@ -118,8 +124,18 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Vortex(forwarded) => cargo::sound("vortex", &forwarded.arguments),
         Command::Test => test::run(),
         Command::Soak => test::soak(),
+        Command::Validate { release } => {
+            bundle::bundle(profile(release))?;
+            let mut tally = tally::Tally::default();
+            validators::run(&mut tally)?;
+            Ok(tally.conclude())
+        }
         Command::Bench(args) => bench::run(&args),
     }
+}
+
+fn profile(is_release: bool) -> bundle::Profile {
+    if is_release { bundle::Profile::Release } else { bundle::Profile::Dev }
 }
 
 /// Builds the release bundles, unless only help is wanted, for a command that plays through them.

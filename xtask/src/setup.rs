@@ -1,5 +1,6 @@
 //! Requirements besides Rust, which are installed if they are missing and that is possible.
 
+use std::env::consts::EXE_SUFFIX;
 use std::env::{split_paths, var_os};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -141,7 +142,8 @@ fn library_folders() -> impl Iterator<Item = String> {
 
 /// Whether a program is in PATH.
 pub fn is_program(name: &str) -> bool {
-    var_os("PATH").is_some_and(|path| split_paths(&path).any(|folder| folder.join(name).is_file()))
+    let file = format!("{name}{EXE_SUFFIX}");
+    var_os("PATH").is_some_and(|path| split_paths(&path).any(|folder| folder.join(&file).is_file()))
 }
 
 fn is_root() -> bool {

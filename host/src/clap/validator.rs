@@ -51,6 +51,9 @@ use crate::validator::{Check, ODD_RATES_HZ, duplicate, ensure};
 
 const BLOCK: usize = 64;
 
+/// Pages of remote controls that a controller can count on.
+const LEAST_PAGES: u32 = 4;
+
 /// All checks.
 pub(crate) const CHECKS: &[Check] = &[
     Check { name: "null_and_missing_buffers_are_survived_and_silent", run: null_and_missing_buffers },
@@ -735,7 +738,8 @@ fn extensions(bundle: &Path) -> Result<(), String> {
 
         let remote: &clap_plugin_remote_controls = raw.extension(CLAP_EXT_REMOTE_CONTROLS)?;
         let pages = (remote.count.ok_or("no count")?)(raw.plugin);
-        ensure(pages >= 4, || format!("{pages} remote control pages"))?;
+        // How many is for the plug-in to say: every group of parameters that comes may bring one.
+        ensure(pages >= LEAST_PAGES, || format!("{pages} remote control pages, at least {LEAST_PAGES} are wanted"))?;
         let ids: BTreeSet<u32> = raw.parameters()?.iter().map(|info| info.id).collect();
         for index in 0..pages {
             let mut page: clap_remote_controls_page = std::mem::zeroed();

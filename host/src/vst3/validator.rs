@@ -1,5 +1,7 @@
 //! Checks of a VST3 bundle, see [`validator`](crate::validator).
 
+mod states;
+
 use std::path::Path;
 
 use ::vst3::Steinberg::Vst::{
@@ -17,9 +19,7 @@ use super::description::{create_component, from_c, from_utf16};
 use super::interfaces::MemoryStream;
 use super::module::Module;
 use super::{AUDIO, INPUT, OUTPUT};
-use crate::Format;
 use crate::numeric_id;
-use crate::state::State;
 use crate::validator::{Check, ODD_RATES_HZ, duplicate, ensure};
 
 const BLOCK: usize = 64;
@@ -28,8 +28,9 @@ const BLOCK: usize = 64;
 pub(crate) const CHECKS: &[Check] = &[
     Check { name: "null_and_missing_buffers_are_survived_and_silent", run: null_and_missing_buffers },
     Check { name: "layouts_it_was_not_told_of_are_survived", run: untold_layouts },
-    Check { name: "a_value_set_while_processing_is_read_and_saved_at_once", run: value_is_saved_at_once },
-    Check { name: "saved_bytes_do_not_change_by_load_and_save", run: bytes_stay },
+    Check { name: "a_value_set_while_processing_is_read_and_saved_at_once", run: states::value_is_saved_at_once },
+    Check { name: "saved_bytes_do_not_change_by_load_and_save", run: states::bytes_stay },
+    Check { name: "a_value_is_saved_the_same_before_and_after_it_arrives", run: states::saved_as_it_arrives },
     Check { name: "an_arrangement_that_is_accepted_is_reported", run: arrangements_are_reported },
     Check { name: "odd_rates_activate_and_pass_sound_through", run: odd_rates },
     Check { name: "indices_beyond_the_last_are_refused", run: indices_beyond },
@@ -69,6 +70,15 @@ impl Raw {
         };
         self.is_active = true;
         ensure(results == [kResultOk; 3], || format!("at {sample_rate} Hz it answers {results:?}"))
+    }
+
+    fn stop(&mut self) {
+        // SAFETY: a live component.
+        unsafe {
+            self.processor.setProcessing(0);
+            self.component.setActive(0);
+        }
+        self.is_active = false;
     }
 
     /// Plays a block with whatever the buses are.
@@ -138,14 +148,11 @@ impl Raw {
 
 impl Drop for Raw {
     fn drop(&mut self) {
-        // SAFETY: a live component, made inactive before it goes.
-        unsafe {
-            if self.is_active {
-                self.processor.setProcessing(0);
-                self.component.setActive(0);
-            }
-            self.component.terminate();
+        if self.is_active {
+            self.stop();
         }
+        // SAFETY: a live component, inactive.
+        unsafe { self.component.terminate() };
     }
 }
 
@@ -227,48 +234,6 @@ fn untold_layouts(bundle: &Path) -> Result<(), String> {
         ensure(result == kResultOk && output.iter().flatten().all(|sample| sample.is_finite()), || {
             format!("with {channels} channels it answers {result}, or leaves channels unwritten")
         })?;
-    }
-    Ok(())
-}
-
-fn value_is_saved_at_once(bundle: &Path) -> Result<(), String> {
-    let mut raw = Raw::load(bundle)?;
-    raw.start(48_000.0)?;
-    for (id, normalised, saved) in
-        [("output_level", 0.25, "-48.0"), ("bypass", 1.0, "true"), ("levels", 1.0, "8"), ("drive_mode", 0.0, "0")]
-    {
-        let number = numeric_id(id);
-        // SAFETY: a live controller.
-        let (result, read) =
-            unsafe { (self::set(&raw, number, normalised), raw.controller.getParamNormalized(number)) };
-        ensure(result == kResultOk && (read - normalised).abs() < 1e-6, || {
-            format!("{id} was set to {normalised} and is read as {read}")
-        })?;
-        let state = State::from_bytes(Format::Vst3, &raw.save()?).map_err(|error| error.to_string())?;
-        let found = format!("{:?}", state.params.get(id));
-        ensure(found.contains(saved), || format!("{id} was set to {normalised} and is saved as {found}"))?;
-    }
-    Ok(())
-}
-
-/// # Safety
-/// A live instance.
-unsafe fn set(raw: &Raw, id: u32, normalised: f64) -> i32 {
-    // SAFETY: by the caller's word.
-    unsafe { raw.controller.setParamNormalized(id, normalised) }
-}
-
-fn bytes_stay(bundle: &Path) -> Result<(), String> {
-    let (raw, other) = (Raw::load(bundle)?, Raw::load(bundle)?);
-    for round in 0..8 {
-        for (index, info) in raw.parameters().iter().enumerate() {
-            let normalised = (0.137 * (index + 1) as f64 + 0.31 * f64::from(round)).fract();
-            // SAFETY: a live instance.
-            unsafe { set(&raw, info.id, normalised) };
-        }
-        let saved = raw.save()?;
-        other.load_state(&saved)?;
-        ensure(other.save()? == saved, || format!("in round {round} the bytes differ"))?;
     }
     Ok(())
 }

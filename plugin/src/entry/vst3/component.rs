@@ -81,6 +81,20 @@ impl Component {
         Declared { inputs, output: self.channels(OUTPUT, 0) }
     }
 
+    /// The pending values as plain ones, by place in the table.
+    ///
+    /// The framework converts them, because it rounds in 32 bits: near the middle between two steps the table's own
+    /// conversion, in 64 bits, gives the other one, and a state saved before the next block would differ from one
+    /// saved after it.
+    fn pending_plain(&self) -> Vec<(usize, f64)> {
+        let plain = |(index, normalised): (usize, f64)| {
+            let id = numeric_id(pyrophone_settings::PARAMETERS[index].id);
+            // SAFETY: a live controller.
+            (index, unsafe { self.controller.normalizedParamToPlain(id, normalised) })
+        };
+        self.pending.all().into_iter().map(plain).collect()
+    }
+
     /// Hands over what the host has set while sound ran and no block has carried, now that none will.
     pub(super) fn settle_pending(&self) {
         for (index, normalised) in self.pending.take_all() {
@@ -182,7 +196,7 @@ impl IComponentTrait for Component {
         if result != kResultOk {
             return result;
         }
-        let bytes = state::normalise(&saved.take(), &self.pending.plain());
+        let bytes = state::normalise(&saved.take(), &self.pending_plain());
         // SAFETY: a live stream of the host.
         if unsafe { write_all(stream, &bytes) } { kResultOk } else { kResultFalse }
     }

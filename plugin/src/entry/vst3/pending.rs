@@ -64,10 +64,9 @@ impl PendingValues {
         self.0.iter().enumerate().filter_map(take).collect()
     }
 
-    /// All values as plain ones, by place in the table; they stay.
-    pub fn plain(&self) -> Vec<(usize, f64)> {
-        let plain = |index: usize| Some((index, PARAMETERS[index].from_normalised(self.get(index)?)));
-        (0..self.0.len()).filter_map(plain).collect()
+    /// All values, by place in the table; they stay.
+    pub fn all(&self) -> Vec<(usize, f64)> {
+        (0..self.0.len()).filter_map(|index| Some((index, self.get(index)?))).collect()
     }
 }
 
@@ -102,7 +101,7 @@ mod tests {
         let pending = PendingValues::default();
         pending.set(0, 2.0);
         pending.set(5, 0.5);
-        assert_eq!(pending.plain().len(), 2);
+        assert_eq!(pending.all(), [(0, 1.0), (5, 0.5)]);
         assert_eq!(pending.take_all(), [(0, 1.0), (5, 0.5)]);
         assert!(pending.take_all().is_empty());
     }
