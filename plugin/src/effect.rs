@@ -179,6 +179,9 @@ impl Pyrophone {
     }
 }
 
+/// Automation points of every parameter in one block for which room is kept: all at every sample of a block of 64.
+const POINTS_PER_BLOCK: usize = 64;
+
 impl Plugin for Pyrophone {
     const NAME: &'static str = "Pyrophone";
     const VENDOR: &'static str = "Pyrophone";
@@ -216,6 +219,9 @@ impl Plugin for Pyrophone {
         layout(2, 5, &[], "Stereo to 5.0 (L R C Ls Rs)"),
     ];
     const SAMPLE_ACCURATE_AUTOMATION: bool = true;
+    // The framework allocates on the audio thread for more events than this in one block. Its default, 1024, is passed by
+    // a host that automates all parameters at a dozen points.
+    const INPUT_EVENT_CAPACITY: usize = pyrophone_settings::PARAMETERS.len() * POINTS_PER_BLOCK;
     const MIDI_INPUT: MidiConfig = MidiConfig::Basic;
 
     type Editor = PyrophoneEditor;
