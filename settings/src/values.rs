@@ -69,7 +69,7 @@ impl Values {
         }
     }
 
-    /// What the engines may change while sound runs, moved by the [macros](crate::macros).
+    /// What the engines may change while sound runs, moved by [`crate::macros`].
     pub fn controls(&self) -> Controls {
         let mut controls = self.controls_without_macros();
         macros::apply(self, &mut controls);
