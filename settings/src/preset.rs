@@ -82,16 +82,13 @@ pub const FACTORY: &[(&str, &str)] = &[
     ("paper-torch", include_str!("../../presets/paper-torch.toml")),
     ("speech", include_str!("../../presets/speech.toml")),
     ("drums", include_str!("../../presets/drums.toml")),
-    ("hearth", include_str!("../../presets/hearth.toml")),
     ("wet-logs", include_str!("../../presets/wet-logs.toml")),
-    ("bonfire", include_str!("../../presets/bonfire.toml")),
     ("grass-fire", include_str!("../../presets/grass-fire.toml")),
     ("burning-paper", include_str!("../../presets/burning-paper.toml")),
     ("coal-embers", include_str!("../../presets/coal-embers.toml")),
     ("brazier", include_str!("../../presets/brazier.toml")),
     ("torch-in-hand", include_str!("../../presets/torch-in-hand.toml")),
     ("burning-hut", include_str!("../../presets/burning-hut.toml")),
-    ("gas-burner", include_str!("../../presets/gas-burner.toml")),
 ];
 
 /// A named set of values.

@@ -144,3 +144,12 @@ fn unnamed_parameters_have_their_defaults() {
     expected.set(Id::Alpha as usize, 3.0).unwrap();
     assert_eq!(values, expected);
 }
+
+#[test]
+fn no_factory_preset_is_listed_twice() {
+    let mut names: Vec<&str> = pyrophone_settings::preset::FACTORY.iter().map(|(name, _)| *name).collect();
+    let count = names.len();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), count);
+}
