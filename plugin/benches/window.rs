@@ -4,15 +4,14 @@
 
 #[path = "../tests/common/mod.rs"]
 mod common;
+#[path = "../tests/common/deaf_host.rs"]
+mod deaf_host;
 #[path = "../tests/common/playing.rs"]
 mod playing;
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::{Context, Pos2, RawInput, Rect, Vec2};
-use nice_plug::prelude::*;
-use nice_plug_core::context::gui::{GuiContext, GuiContextInner};
 use playing::Playing;
 use pyrophone::editor::Window;
 use pyrophone::editor::controls::Page;
@@ -24,23 +23,6 @@ const BEFORE: usize = 300;
 const COUNTED: usize = 600;
 const COUNTED_INSTRUCTIONS: usize = 60;
 
-/// The same host, as the window knows it.
-struct Ear;
-
-impl GuiContextInner for Ear {
-    fn plugin_api(&self) -> PluginApi {
-        PluginApi::Clap
-    }
-    unsafe fn raw_begin_set_parameter(&self, _: ParamPtr) {}
-    unsafe fn raw_set_parameter_normalized(&self, _: ParamPtr, _: f32) {}
-    unsafe fn raw_end_set_parameter(&self, _: ParamPtr) {}
-    fn get_state(&self) -> PluginState {
-        PluginState { version: String::new(), params: Default::default(), fields: Default::default() }
-    }
-    fn set_state(&self, _: PluginState) {}
-    fn request_restart(&self) {}
-}
-
 /// The window without a screen.
 struct Screen {
     window: Window,
@@ -51,7 +33,7 @@ struct Screen {
 impl Screen {
     fn new(window: Window) -> Self {
         let mut screen = Self { window, context: Context::default(), frame: 0 };
-        screen.window.open(&screen.context, GuiContext::new(Arc::new(Ear)));
+        screen.window.open(&screen.context, deaf_host::context());
         screen
     }
 

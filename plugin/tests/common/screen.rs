@@ -2,33 +2,16 @@
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use egui::epaint::{ClippedShape, ImageData, Mesh, Primitive, TextureId, Vertex};
 use egui::{Color32, ColorImage, Context, Pos2, RawInput, Rect, Vec2};
-use nice_plug::prelude::*;
-use nice_plug_core::context::gui::{GuiContext, GuiContextInner};
 use pyrophone::editor::Window;
 use pyrophone::editor::controls::Page;
 
+#[path = "deaf_host.rs"]
+mod deaf_host;
+
 const FRAMES_HZ: f64 = 60.0;
-
-/// A host that takes no notice.
-struct Host;
-
-impl GuiContextInner for Host {
-    fn plugin_api(&self) -> PluginApi {
-        PluginApi::Clap
-    }
-    unsafe fn raw_begin_set_parameter(&self, _: ParamPtr) {}
-    unsafe fn raw_set_parameter_normalized(&self, _: ParamPtr, _: f32) {}
-    unsafe fn raw_end_set_parameter(&self, _: ParamPtr) {}
-    fn get_state(&self) -> PluginState {
-        PluginState { version: String::new(), params: Default::default(), fields: Default::default() }
-    }
-    fn set_state(&self, _: PluginState) {}
-    fn request_restart(&self) {}
-}
 
 /// The window, what it was drawn with, and what it drew last.
 pub struct Screen {
@@ -45,7 +28,7 @@ impl Screen {
     pub fn new(window: Window) -> Self {
         let (context, textures) = (Context::default(), HashMap::new());
         let mut screen = Self { window, context, textures, shapes: vec![], size: Vec2::ZERO, frame: 0 };
-        screen.window.open(&screen.context, GuiContext::new(Arc::new(Host)));
+        screen.window.open(&screen.context, deaf_host::context());
         screen
     }
 
