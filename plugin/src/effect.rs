@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::*;
 use nice_plug_egui::RepaintNotifier;
-use pyrophone_settings::{Recent, Values};
+use pyrophone_settings::{ControllerFile, Recent, Values};
 use pyrophone_synthesis::chain::{Chain, Channels};
 
 use crate::audio::lights::Lights;
@@ -51,6 +51,8 @@ pub struct Pyrophone {
     /// States that had been loaded at the last activation.
     states_seen: u64,
     frame_pace: FramePace,
+    /// Where MIDI controllers are kept for instances to come.
+    controllers: Option<ControllerFile>,
 }
 
 /// What the framework's background thread does for an instance: nothing, see [`Fence`].
@@ -60,6 +62,10 @@ impl Default for Pyrophone {
     fn default() -> Self {
         let notifier = RepaintNotifier::new();
         let (loader, params, link) = Loader::start(notifier.clone(), Recent::of_user());
+        let controllers = ControllerFile::of_user();
+        if let Some(file) = &controllers {
+            params.controllers.set_all(&file.read());
+        }
         let (probe_in, probe) = probe::pair();
         let meters = Arc::<Meters>::default();
         instance::announce(Instance { params: params.clone(), meters: meters.clone() });
@@ -79,6 +85,7 @@ impl Default for Pyrophone {
             is_rate_refused: false,
             states_seen: 0,
             frame_pace: FramePace::default(),
+            controllers,
         }
     }
 }
@@ -175,7 +182,8 @@ impl Pyrophone {
     /// What the editor shows in a window of the host.
     pub fn window(&self) -> Window {
         let (params, meters) = (self.params.clone(), self.meters.clone());
-        Window::new(params, self.loader.handle(), meters, self.probe(), self.notifier.clone())
+        let window = Window::new(params, self.loader.handle(), meters, self.probe(), self.notifier.clone());
+        window.keeping_controllers(self.controllers.clone())
     }
 }
 

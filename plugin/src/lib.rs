@@ -10,6 +10,7 @@
 //! | [`channels`] | how many channels a bus has | any thread |
 //! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
 //! | [`persist`] | what a session keeps besides the parameters | any thread |
+//! | [`controllers`] | MIDI controllers that move parameters | any thread |
 //! | [`takes`] | the takes that were tried | any thread |
 //! | [`window_size`] | the window's size, which outlives it | any thread |
 //! | [`meters`] | levels for the editor | any thread |
@@ -21,6 +22,7 @@
 pub mod analysis;
 pub mod audio;
 pub mod channels;
+pub mod controllers;
 pub mod editor;
 pub mod effect;
 pub mod entry;

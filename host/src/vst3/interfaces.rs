@@ -224,6 +224,85 @@ impl IParamValueQueueTrait for Queue {
     }
 }
 
+/// What a plug-in puts out of one parameter.
+struct OutputQueue {
+    id: ParamID,
+    points: RefCell<Vec<(int32, ParamValue)>>,
+}
+
+impl Class for OutputQueue {
+    type Interfaces = (IParamValueQueue,);
+}
+
+impl IParamValueQueueTrait for OutputQueue {
+    unsafe fn getParameterId(&self) -> ParamID {
+        self.id
+    }
+
+    unsafe fn getPointCount(&self) -> int32 {
+        self.points.borrow().len() as int32
+    }
+
+    unsafe fn getPoint(&self, _: int32, _: *mut int32, _: *mut ParamValue) -> tresult {
+        kNotImplemented
+    }
+
+    unsafe fn addPoint(&self, offset: int32, value: ParamValue, index: *mut int32) -> tresult {
+        let mut points = self.points.borrow_mut();
+        // SAFETY: null or a place to write to.
+        unsafe { write_if_wanted(index, points.len() as int32) };
+        points.push((offset, value));
+        kResultOk
+    }
+}
+
+/// What a plug-in puts out within a block, used by the thread that plays it only.
+#[derive(Default)]
+pub(super) struct OutputChanges {
+    queues: RefCell<Vec<(ComWrapper<OutputQueue>, ComPtr<IParamValueQueue>)>>,
+}
+
+impl OutputChanges {
+    /// All of it.
+    pub fn events(&self) -> Vec<Event> {
+        let queues = self.queues.borrow();
+        let of = |queue: &OutputQueue| {
+            let event = |(offset, value): &(int32, f64)| Event { offset: *offset as u32, id: queue.id, value: *value };
+            queue.points.borrow().iter().map(event).collect::<Vec<_>>()
+        };
+        queues.iter().flat_map(|(queue, _)| of(queue)).collect()
+    }
+}
+
+impl Class for OutputChanges {
+    type Interfaces = (IParameterChanges,);
+}
+
+impl IParameterChangesTrait for OutputChanges {
+    unsafe fn getParameterCount(&self) -> int32 {
+        self.queues.borrow().len() as int32
+    }
+
+    unsafe fn getParameterData(&self, _: int32) -> *mut IParamValueQueue {
+        std::ptr::null_mut()
+    }
+
+    unsafe fn addParameterData(&self, id: *const ParamID, index: *mut int32) -> *mut IParamValueQueue {
+        // SAFETY: null or the plug-in's id.
+        let Some(id) = (unsafe { id.as_ref() }).copied() else { return std::ptr::null_mut() };
+        let mut queues = self.queues.borrow_mut();
+        let place = queues.iter().position(|(queue, _)| queue.id == id).unwrap_or(queues.len());
+        if place == queues.len() {
+            let queue = ComWrapper::new(OutputQueue { id, points: RefCell::default() });
+            let Some(pointer) = queue.to_com_ptr() else { return std::ptr::null_mut() };
+            queues.push((queue, pointer));
+        }
+        // SAFETY: null or a place to write to.
+        unsafe { write_if_wanted(index, place as int32) };
+        queues[place].1.as_ptr()
+    }
+}
+
 /// All changes within a block.
 pub(super) struct ParameterChanges {
     queues: Vec<ComPtr<IParamValueQueue>>,

@@ -13,7 +13,7 @@
 //! | [`meter_bridge`] | level meters; solo and mute of layers |
 //! | [`listen`] | monitoring one sound alone, a burst, [recording](take) what is played and saving it |
 //!
-//! [`cure`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
+//! [`midi`] is what the window has to do with MIDI controllers. [`cure`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
 //! sound, [`hand`] moves parameters and [`history`] keeps what it did, [`theme`] is how it looks, [`dialog`] the system's file dialog,
 //! [`mod@drop`] takes files that are dropped, [`task`] work with files, [`map`] tells tests where things are.
 
@@ -31,6 +31,7 @@ pub mod levels;
 pub mod listen;
 pub mod map;
 pub mod meter_bridge;
+pub mod midi;
 pub mod monitor;
 pub mod play;
 pub mod plots;
@@ -49,8 +50,8 @@ use nice_plug::prelude::ParamSetter;
 use nice_plug_core::context::gui::GuiContext;
 use nice_plug_egui::resizable_window::ResizableWindow;
 use nice_plug_egui::{Frame, NiceEguiApp, RepaintNotifier};
-use pyrophone_settings::Id;
 use pyrophone_settings::table::DYNAMIC_RANGES;
+use pyrophone_settings::{ControllerFile, Id};
 
 use crate::analysis::fidelity::Fault;
 use crate::analysis::range::{BUZZING_DB, mean_gain_db};
@@ -67,6 +68,7 @@ use history::History;
 use inert::{Circumstances, reasons};
 use levels::Levels;
 use listen::ListenPanel;
+use midi::MidiPanel;
 use monitor::Monitor;
 use play::pad::Pad;
 use plots::spectrum::Told;
@@ -90,6 +92,7 @@ pub struct Window {
     levels: Levels,
     listen: ListenPanel,
     pad: Pad,
+    midi: MidiPanel,
     /// Whether a frame was drawn since it was opened.
     is_seen: bool,
 }
@@ -115,8 +118,15 @@ impl Window {
             levels: Levels::default(),
             listen: ListenPanel::new(notifier),
             pad: Pad::default(),
+            midi: MidiPanel::default(),
             is_seen: false,
         }
+    }
+
+    /// The same, with MIDI controllers kept in this file.
+    pub fn keeping_controllers(mut self, file: Option<ControllerFile>) -> Self {
+        self.midi = MidiPanel::new(file);
+        self
     }
 }
 
@@ -146,6 +156,7 @@ impl NiceEguiApp for Window {
         self.header.presets.close();
         self.recording.clear_pictures();
         self.listen.close(&self.loader);
+        self.params.controllers.stop_learning();
     }
 
     fn resized(&mut self, size: baseview::WindowSize) {
@@ -160,6 +171,7 @@ impl Window {
         self.host = Some(host);
         self.loader.shared.is_watched.store(true, Ordering::Relaxed);
         self.is_seen = false;
+        self.midi.open();
     }
 
     /// Shows this page.
@@ -222,6 +234,7 @@ impl Window {
             page => engines::show(ui, rest, page, &mut parts, &mut hand),
         }
         self.monitor.silence(self.levels.silenced());
+        self.midi.show(ui, all, &self.params.controllers);
     }
 }
 

@@ -23,6 +23,7 @@ pub const RETURN: u32 = 0xff0d;
 pub const ESCAPE: u32 = 0xff1b;
 
 const BUTTON: u8 = 1;
+const RIGHT_BUTTON: u8 = 3;
 const WHEEL_UP: u8 = 4;
 
 /// A hand on mouse and keyboard, over a window in the screen's upper left corner, while the plugin plays. Things are called
@@ -140,6 +141,15 @@ impl<'a> Hand<'a> {
         self.go_to(thing);
         self.send(BUTTON_PRESS_EVENT, BUTTON, (0, 0));
         self.send(BUTTON_RELEASE_EVENT, BUTTON, (0, 0));
+        self.settle();
+    }
+
+    /// Clicks on something with the right button.
+    #[track_caller]
+    pub fn right_click(&mut self, thing: &str) {
+        self.go_to(thing);
+        self.send(BUTTON_PRESS_EVENT, RIGHT_BUTTON, (0, 0));
+        self.send(BUTTON_RELEASE_EVENT, RIGHT_BUTTON, (0, 0));
         self.settle();
     }
 

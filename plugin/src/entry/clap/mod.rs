@@ -4,11 +4,13 @@
 //! |---|---|
 //! | [`plugin`] | the effect as the host holds it |
 //! | [`params`], [`events`] | parameters, and the events that carry their values |
+//! | [`controllers`] | MIDI controllers that move them |
 //! | [`ports`] | layouts and loudspeakers |
 //! | [`saving`] | states, and presets loaded by a host |
 //! | [`discovery`] | presets for a host's browser |
 //! | [`extras`] | indications and context menus |
 
+mod controllers;
 mod discovery;
 mod events;
 mod extras;
