@@ -53,7 +53,7 @@ fn a_controller_sounds_as_automation_of_what_follows_it() {
         let at =
             |id: &str| told.iter().find(|event| event.id == numeric_id(id)).unwrap_or_else(|| panic!("{format}: {id}"));
         let points = ["cutoff", "output_level"].map(|id| AutomationPoint {
-            sample: u64::from(AT),
+            sample: i64::from(AT),
             id: numeric_id(id),
             value: at(id).value,
         });

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
 use clack_extensions::tail::{PluginTail, TailLength};
-use clack_host::events::EventFlags;
+use clack_host::events::{Event as _, EventFlags};
 use clack_host::events::event_types::{MidiEvent, ParamValueEvent, TransportEvent, TransportFlags};
 use clack_host::events::io::EventBuffer;
 use clack_host::events::spaces::CoreEventSpace;
@@ -48,7 +48,7 @@ impl ClapProcessor {
             Some(CoreEventSpace::ParamValue(event)) => {
                 let id = event.param_id()?.get();
                 let value = self.ranges.get(&id)?.normalized(event.value());
-                Some(Event { offset: event.header().time(), id, value })
+                Some(Event { offset: event.time(), id, value })
             }
             _ => None,
         });
