@@ -209,7 +209,11 @@ impl Window {
 
         let (head, rest) = all.split_top_bottom_at_y(all.top() + HEAD);
         let rest = rest.with_min_y(rest.top() + GAP);
-        let inert = reasons(&self.params.values(), Circumstances { has_recording: view.recording.is_some() });
+        let circumstances = Circumstances {
+            has_recording: view.recording.is_some(),
+            loaded: std::array::from_fn(|slot| view.slots[slot].is_some()),
+        };
+        let inert = reasons(&self.params.values(), circumstances);
         let mut hand = Hand { params: &self.params, setter, history: &mut self.history, inert: &inert };
         part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
 
