@@ -15,11 +15,12 @@
 //!
 //! [`midi`] is what the window has to do with MIDI controllers. [`cure`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
 //! sound, [`hand`] moves parameters and [`history`] keeps what it did, [`theme`] is how it looks, [`dialog`] the system's file dialog,
-//! [`mod@drop`] takes files that are dropped, [`task`] work with files, [`map`] tells tests where things are.
+//! [`mod@drop`] takes files that are dropped, [`drag`] gives sounds to other programs, [`task`] work with files, [`map`] tells tests where things are.
 
 pub mod controls;
 pub mod cure;
 pub mod dialog;
+pub mod drag;
 pub mod drop;
 pub mod engines;
 pub mod frame;
@@ -139,6 +140,7 @@ impl NiceEguiApp for Window {
     ) -> Result<(), baseview::HandlerError> {
         self.open(&context, host);
         self.recording.take_drops(frame.baseview_window());
+        self.listen.drag_from(frame.baseview_window());
         Ok(())
     }
 
