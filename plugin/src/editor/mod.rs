@@ -6,6 +6,7 @@
 //! | [`header`] | presets, undo, A and B, pages, bypass, cost |
 //! | [`presets`] | the list of presets; saving them |
 //! | [`play`] | the first page: flame, output, recording, layers, macros, takes |
+//! | [`space`] | vortex sound from above, and what places it |
 //! | [`engines`] | the other pages: pictures of what the engines do, and their parameters |
 //! | [`plots`] | spectra with handles, running spectrograms, the recording's outline, what the engines do |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
@@ -38,6 +39,7 @@ pub mod play;
 pub mod plots;
 pub mod presets;
 pub mod recording;
+pub mod space;
 pub mod take;
 pub mod task;
 pub mod theme;
@@ -237,6 +239,7 @@ impl Window {
         };
         match self.header.page {
             Page::Play => play::show(ui, rest, &mut parts, &mut hand),
+            Page::Space => space::show(ui, rest, &mut parts, &mut hand),
             page => engines::show(ui, rest, page, &mut parts, &mut hand),
         }
         self.monitor.silence(self.levels.silenced());

@@ -251,7 +251,8 @@ impl Voice {
     pub fn take_traces(&mut self) -> impl Iterator<Item = Trace> {
         let betas = self.extend.take_betas().map(Trace::Beta);
         let (matches, extents) = self.texture.take_traces();
-        betas.chain(matches.map(Trace::Match)).chain(extents.map(Trace::Extent))
+        let sources = self.vortex.take_view();
+        betas.chain(matches.map(Trace::Match)).chain(extents.map(Trace::Extent)).chain(sources)
     }
 
     /// Whether the input's channels cancel.
