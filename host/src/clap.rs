@@ -250,6 +250,10 @@ impl Plugin for ClapPlugin {
         std::mem::take(&mut *lock(&self.told))
     }
 
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {
+        self.flags.take_chosen()
+    }
+
     fn latency_samples(&mut self) -> u32 {
         self.extension::<PluginLatency>("latency").map_or(0, |latency| latency.get(&self.instance.plugin_handle()))
     }

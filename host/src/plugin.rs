@@ -188,6 +188,11 @@ impl Requests {
     }
 }
 
+/// What the hosts of this crate add to the menu of every parameter: an entry, and another one in a menu of its own, by their numbers.
+pub const MENU: [(i32, &str); 2] = [(77, "Show automation"), (78, "To a modulator")];
+/// The name of that menu.
+pub const SUBMENU: &str = "Link";
+
 /// The half of a plugin instance that belongs to the main thread: the thread that loaded it.
 pub trait Plugin {
     /// The format it was loaded from.
@@ -252,6 +257,9 @@ pub trait Plugin {
     /// The values that the plug-in has told the host since the last query, as its parameters move by themselves. The host takes note
     /// of them: in VST3 it hands them on to the controller.
     fn take_told_values(&mut self) -> Vec<Event>;
+
+    /// What was chosen of the host's menus since the last query: the parameter, and the number of the entry.
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)>;
 
     /// The latency that the plugin reports, in samples; meaningful while active.
     fn latency_samples(&mut self) -> u32;

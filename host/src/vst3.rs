@@ -292,6 +292,10 @@ impl Plugin for Vst3Plugin {
         told
     }
 
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {
+        self.handler.take_chosen()
+    }
+
     fn latency_samples(&mut self) -> u32 {
         // SAFETY: a live processor.
         unsafe { self.processor.getLatencySamples() }

@@ -55,8 +55,13 @@ pub struct Pyrophone {
     controllers: Option<ControllerFile>,
 }
 
-/// What the framework's background thread does for an instance: nothing, see [`Fence`].
-pub struct PassFence;
+/// What the framework's threads do for an instance.
+pub enum Errand {
+    /// On the background thread: nothing, see [`Fence`].
+    PassFence,
+    /// On the host's main thread: what was ordered of the host's menu.
+    HostMenu,
+}
 
 impl Default for Pyrophone {
     fn default() -> Self {
@@ -234,11 +239,18 @@ impl Plugin for Pyrophone {
 
     type Editor = PyrophoneEditor;
     type SysExMessage = ();
-    type BackgroundTask = PassFence;
+    type BackgroundTask = Errand;
 
     fn task_executor(&mut self) -> TaskExecutor<Self> {
-        let fence = self.fence.clone();
-        Box::new(move |PassFence| fence.pass())
+        let (fence, params, notifier) = (self.fence.clone(), self.params.clone(), self.notifier.clone());
+        Box::new(move |errand| match errand {
+            Errand::PassFence => fence.pass(),
+            Errand::HostMenu => {
+                if params.host_menu.work() {
+                    notifier.request_repaint();
+                }
+            }
+        })
     }
 
     fn params(&self) -> Arc<dyn Params> {
@@ -246,6 +258,8 @@ impl Plugin for Pyrophone {
     }
 
     fn editor(&mut self, executor: AsyncExecutor<Self>) -> Option<Self::Editor> {
+        let main_thread = executor.clone();
+        self.params.host_menu.set_caller(move || main_thread.execute_gui(Errand::HostMenu));
         self.executor = Some(executor);
         PyrophoneEditor::new(self.window(), self.params.window.clone(), self.notifier.clone())
     }
@@ -349,7 +363,7 @@ impl Plugin for Pyrophone {
     fn deactivate(&mut self) {
         self.gas = None;
         if let Some(executor) = &self.executor
-            && !self.fence.wait(|| executor.execute_background(PassFence))
+            && !self.fence.wait(|| executor.execute_background(Errand::PassFence))
         {
             nice_warn!("Pyrophone's background tasks have not ended in time");
         }

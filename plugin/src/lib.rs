@@ -11,6 +11,7 @@
 //! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
 //! | [`persist`] | what a session keeps besides the parameters | any thread |
 //! | [`controllers`] | MIDI controllers that move parameters | any thread |
+//! | [`host_menu`] | what the host adds to the menus of parameters | the host's main thread, the window's |
 //! | [`takes`] | the takes that were tried | any thread |
 //! | [`window_size`] | the window's size, which outlives it | any thread |
 //! | [`meters`] | levels for the editor | any thread |
@@ -30,6 +31,7 @@ pub mod fence;
 pub mod frame_pace;
 pub mod gas;
 pub mod host_clock;
+pub mod host_menu;
 pub mod loader;
 pub mod meters;
 pub mod parameters;

@@ -14,6 +14,7 @@ use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, host_order, index_
 
 use crate::controllers::Controllers;
 use crate::entry::indication::Indications;
+use crate::host_menu::HostMenu;
 use crate::persist::SessionStore;
 use crate::takes::Takes;
 use crate::window_size::WindowSize;
@@ -40,6 +41,8 @@ pub struct EffectParams {
     pub takes: Takes,
     /// Which MIDI controllers move them.
     pub controllers: Controllers,
+    /// What the host adds to their menus.
+    pub host_menu: HostMenu,
     /// What the host says about them.
     pub indications: Indications,
 }
@@ -58,6 +61,7 @@ impl EffectParams {
             window: Arc::default(),
             takes: Takes::default(),
             controllers: Controllers::default(),
+            host_menu: HostMenu::default(),
             indications: Indications::default(),
         }
     }

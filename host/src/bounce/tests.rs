@@ -110,6 +110,10 @@ impl Plugin for DelayPlugin {
         Vec::new()
     }
 
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {
+        Vec::new()
+    }
+
     fn latency_samples(&mut self) -> u32 {
         7
     }

@@ -91,7 +91,8 @@ impl Hand<'_> {
     /// undone.
     pub fn choose(&mut self, chosen: Chosen) {
         let Some(entry) = chosen.clone() else { return };
-        let made = changes(&self.params.values(), &entry.preset.values);
+        let now = self.params.values();
+        let made = changes(&now, &entry.preset.values.chosen_over(&now));
         self.send(&made, |change| change.after);
         let before = std::mem::replace(&mut self.history.chosen, chosen.clone());
         if !made.is_empty() || before != chosen {

@@ -6,6 +6,7 @@
 //! | [`header`] | presets, undo, A and B, pages, bypass, cost |
 //! | [`presets`] | the list of presets; saving them |
 //! | [`play`] | the first page: flame, output, recording, layers, macros, takes |
+//! | [`space`] | vortex sound from above, and what places it |
 //! | [`engines`] | the other pages: pictures of what the engines do, and their parameters |
 //! | [`plots`] | spectra with handles, running spectrograms, the recording's outline, what the engines do |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
@@ -15,11 +16,12 @@
 //!
 //! [`midi`] is what the window has to do with MIDI controllers. [`cure`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
 //! sound, [`hand`] moves parameters and [`history`] keeps what it did, [`theme`] is how it looks, [`dialog`] the system's file dialog,
-//! [`mod@drop`] takes files that are dropped, [`task`] work with files, [`map`] tells tests where things are.
+//! [`mod@drop`] takes files that are dropped, [`drag`] gives sounds to other programs, [`task`] work with files, [`map`] tells tests where things are.
 
 pub mod controls;
 pub mod cure;
 pub mod dialog;
+pub mod drag;
 pub mod drop;
 pub mod engines;
 pub mod frame;
@@ -37,6 +39,7 @@ pub mod play;
 pub mod plots;
 pub mod presets;
 pub mod recording;
+pub mod space;
 pub mod take;
 pub mod task;
 pub mod theme;
@@ -139,6 +142,7 @@ impl NiceEguiApp for Window {
     ) -> Result<(), baseview::HandlerError> {
         self.open(&context, host);
         self.recording.take_drops(frame.baseview_window());
+        self.listen.drag_from(frame.baseview_window());
         Ok(())
     }
 
@@ -209,7 +213,11 @@ impl Window {
 
         let (head, rest) = all.split_top_bottom_at_y(all.top() + HEAD);
         let rest = rest.with_min_y(rest.top() + GAP);
-        let inert = reasons(&self.params.values(), Circumstances { has_recording: view.recording.is_some() });
+        let circumstances = Circumstances {
+            has_recording: view.recording.is_some(),
+            loaded: std::array::from_fn(|slot| view.slots[slot].is_some()),
+        };
+        let inert = reasons(&self.params.values(), circumstances);
         let mut hand = Hand { params: &self.params, setter, history: &mut self.history, inert: &inert };
         part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
 
@@ -231,6 +239,7 @@ impl Window {
         };
         match self.header.page {
             Page::Play => play::show(ui, rest, &mut parts, &mut hand),
+            Page::Space => space::show(ui, rest, &mut parts, &mut hand),
             page => engines::show(ui, rest, page, &mut parts, &mut hand),
         }
         self.monitor.silence(self.levels.silenced());

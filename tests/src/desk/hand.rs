@@ -203,6 +203,23 @@ impl<'a> Hand<'a> {
         self.settle();
     }
 
+    /// Takes hold of something, carries it to a place of the screen, and lets go once `meanwhile` is true there.
+    #[track_caller]
+    pub fn carry(&mut self, thing: &str, to: (i16, i16), what: &str, mut meanwhile: impl FnMut() -> bool) {
+        let from = self.middle(thing);
+        self.go(from);
+        self.send(BUTTON_PRESS_EVENT, BUTTON, (0, 0));
+        self.settle();
+        for step in 1..=8 {
+            let part = |from: i16, to: i16| from + ((i32::from(to) - i32::from(from)) * step / 8) as i16;
+            self.send(MOTION_NOTIFY_EVENT, 0, (part(from.0, to.0), part(from.1, to.1)));
+            self.pass();
+        }
+        self.wait_until(what, |_| meanwhile());
+        self.send(BUTTON_RELEASE_EVENT, BUTTON, (0, 0));
+        self.pass();
+    }
+
     /// Presses a key.
     pub fn press(&mut self, symbol: u32) {
         self.strike(symbol);

@@ -20,6 +20,8 @@ pub enum Travel {
     Knob,
     /// Along a vertical track of this length in points.
     Fader(f32),
+    /// Along a horizontal track of this length in points.
+    Slider(f32),
 }
 
 /// Follows mouse and keys; the value as it is then. What has no effect is not moved by the pointer.
@@ -65,6 +67,7 @@ fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut H
         let moved = match travel {
             Travel::Knob => (delta.x - delta.y) / TRAVEL,
             Travel::Fader(length) => -delta.y / length.max(1.0),
+            Travel::Slider(length) => delta.x / length.max(1.0),
         };
         let held = (held + fine(ui) * f64::from(moved)).clamp(0.0, 1.0);
         ui.data_mut(|data| data.insert_temp(id, held));

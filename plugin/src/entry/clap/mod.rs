@@ -9,11 +9,13 @@
 //! | [`saving`] | states, and presets loaded by a host |
 //! | [`discovery`] | presets for a host's browser |
 //! | [`extras`] | indications and context menus |
+//! | [`host_menu`] | what the host adds to the window's menus |
 
 mod controllers;
 mod discovery;
 mod events;
 mod extras;
+mod host_menu;
 mod params;
 mod plugin;
 mod ports;

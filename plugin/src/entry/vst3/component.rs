@@ -17,6 +17,7 @@ use vst3::Steinberg::{
 use vst3::{Class, ComPtr, ComWrapper};
 
 use super::controllers::ControllerInput;
+use super::host_menu::OpenView;
 use super::pending::PendingValues;
 use super::stream::{MemoryStream, pointer, read_all, write_all};
 use crate::Pyrophone;
@@ -40,6 +41,7 @@ pub struct Component {
     pub(super) instance: Instance,
     pub(super) pending: PendingValues,
     pub(super) controllers: ControllerInput,
+    pub(super) view: OpenView,
     pub(super) is_processing: AtomicBool,
     /// Longest block, as announced; 0 before that.
     pub(super) max_block: std::sync::atomic::AtomicUsize,
@@ -62,6 +64,7 @@ impl Component {
             instance,
             pending: PendingValues::default(),
             controllers: ControllerInput::default(),
+            view: OpenView::default(),
             is_processing: AtomicBool::new(false),
             max_block: Default::default(),
             buses: Mutex::new(None),

@@ -3,9 +3,9 @@
 use pyrophone_settings::controller_file::CONTROLLERS;
 use pyrophone_settings::{COUNT, Kind, PARAMETERS};
 use std::sync::atomic::Ordering;
-use vst3::ComPtr;
+use vst3::{ComPtr, ComRef};
 use vst3::Steinberg::Vst::{
-    BusDirection, CString, IComponentHandler, IEditControllerTrait, IMidiMappingTrait, IUnitInfoTrait, MediaType,
+    BusDirection, CString, IComponentHandler, IComponentHandler3, IEditControllerTrait, IMidiMappingTrait, IUnitInfoTrait, MediaType,
     ParamID, ParamValue, ParameterInfo, ParameterInfo_::ParameterFlags_, ProgramListID, ProgramListInfo, String128,
     TChar, UnitID, UnitInfo, kNoParentUnitId, kNoProgramListId, kRootUnitId,
 };
@@ -15,10 +15,12 @@ use vst3::Steinberg::{
 
 use super::component::Component;
 use super::controllers::{describe, id_of, number_of};
+use super::host_menu::Vst3Menu;
 use super::text;
 use super::view::View;
 use crate::controllers::value_at;
 use crate::entry::instance::{NUMERIC_IDS, index_of_numeric};
+use crate::host_menu::Provider;
 
 impl Component {
     /// A controller has moved while nothing plays; otherwise the next block carries it.
@@ -155,6 +157,10 @@ impl IEditControllerTrait for Component {
     }
 
     unsafe fn setComponentHandler(&self, handler: *mut IComponentHandler) -> tresult {
+        // SAFETY: null or a live handler, of which a reference is kept.
+        let own = unsafe { ComRef::from_raw(handler) }.and_then(|handler| handler.cast::<IComponentHandler3>());
+        let menu = own.map(|handler| Box::new(Vst3Menu::new(handler, self.view.clone())) as Box<dyn Provider>);
+        self.instance.params.host_menu.set_provider(menu);
         // SAFETY: a live controller; null takes the handler away.
         unsafe { self.controller.setComponentHandler(handler) }
     }
@@ -162,7 +168,8 @@ impl IEditControllerTrait for Component {
     unsafe fn createView(&self, name: FIDString) -> *mut IPlugView {
         // SAFETY: a live controller, which gives a view and one reference to it, or null.
         let view = unsafe { ComPtr::from_raw(self.controller.createView(name)) };
-        view.and_then(|view| View::new(view).to_com_ptr::<IPlugView>()).map_or(std::ptr::null_mut(), ComPtr::into_raw)
+        let view = view.and_then(|view| View::new(view, self.view.clone()).to_com_ptr::<IPlugView>());
+        view.map_or(std::ptr::null_mut(), ComPtr::into_raw)
     }
 }
 
