@@ -90,7 +90,8 @@ fn wav(folder: &tempfile::TempDir, name: &str, seconds: f64) -> PathBuf {
         state ^= state << 5;
         0.5 * state as i32 as f32 / i32::MAX as f32
     };
-    write_wav_f32(&path, &[(0..(seconds * RATE_HZ) as usize).map(next).collect::<Vec<f32>>()], 44_100).expect("written");
+    write_wav_f32(&path, &[(0..(seconds * RATE_HZ) as usize).map(next).collect::<Vec<f32>>()], 44_100)
+        .expect("written");
     path
 }
 

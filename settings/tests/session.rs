@@ -26,7 +26,8 @@ fn full() -> Session {
 
 /// What is in another slot.
 fn other() -> Slot {
-    let recording = RecordingReference { path: "/sound/embers.wav".to_owned(), content_hash: "cd".repeat(32), embedded: None };
+    let recording =
+        RecordingReference { path: "/sound/embers.wav".to_owned(), content_hash: "cd".repeat(32), embedded: None };
     Slot { recording: Some(recording), cut: Cut { gain_db: 6.0, ..Cut::default() } }
 }
 

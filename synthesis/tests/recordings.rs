@@ -110,7 +110,8 @@ fn a_recording_beside_others_sounds_as_it_does_alone() {
         // The other one is matched on a scale that is not its own, and rounds differently.
         alone.swap_dictionary(Some(Arc::clone(&pair[1])));
         let [expected, found] =
-            [run(&mut alone, &[(0, only(0))], || 512), run(&mut both, &[(0, only(BRIGHT))], || 512)].map(|x| powers(&x));
+            [run(&mut alone, &[(0, only(0))], || 512), run(&mut both, &[(0, only(BRIGHT))], || 512)]
+                .map(|x| powers(&x));
         for (expected, found) in expected.into_iter().zip(found) {
             assert!((db(found) - db(expected)).abs() < 0.5, "{dynamics:?}: {expected} became {found}");
         }
@@ -179,7 +180,10 @@ fn the_share_of_a_second_recording_is_heard_in_proportion() {
         for blend in [0.1, 0.25, 0.5, 0.75, 0.9] {
             let (low, high) = share(blend);
             let found = (high - none) / (bright - none);
-            println!("{dynamics:?} {blend}: {found:.3} of the bright one, {:.3} of the dark one", (low - some) / (dark - some));
+            println!(
+                "{dynamics:?} {blend}: {found:.3} of the bright one, {:.3} of the dark one",
+                (low - some) / (dark - some)
+            );
             assert!(found > last, "{dynamics:?}: more of it is heard at {blend}");
             assert!((db(found) - db(blend)).abs() < 2.0, "{dynamics:?}: {found} of it is heard at {blend}");
             last = found;
@@ -190,8 +194,8 @@ fn the_share_of_a_second_recording_is_heard_in_proportion() {
 #[test]
 fn an_empty_slot_is_as_no_recording() {
     let mut chain = chain(Dynamics::Companded, &pair(Dynamics::Companded));
-    let mut without =
-        Chain::new(RATE_HZ, MONO, &Structure { dynamics: Dynamics::Companded, ..Structure::default() }).expect("a chain");
+    let mut without = Chain::new(RATE_HZ, MONO, &Structure { dynamics: Dynamics::Companded, ..Structure::default() })
+        .expect("a chain");
     let found = run(&mut chain, &[(0, only(1))], || 512);
     assert!(found == run(&mut without, &[(0, only(1))], || 512), "extension stands in");
     assert!(found[20_000..].iter().any(|x| *x != 0.0));

@@ -15,8 +15,8 @@ use clack_extensions::params::{
 use clack_extensions::state::{HostState, HostStateImpl};
 use clack_host::prelude::*;
 
-use crate::{MENU, Requests, SUBMENU};
 use crate::lock::lock;
+use crate::{MENU, Requests, SUBMENU};
 
 /// Requests that wait to be noticed; set from any thread.
 #[derive(Default)]

@@ -9,11 +9,12 @@ use ::vst3::Steinberg::IBStream_::IStreamSeekMode_::{kIBSeekCur, kIBSeekEnd, kIB
 use ::vst3::Steinberg::Vst::{
     IComponentHandler, IComponentHandler3, IComponentHandler3Trait, IComponentHandlerTrait, IContextMenu,
     IContextMenu_::Item, IContextMenuItem, IContextMenuItem_::Flags_, IContextMenuTarget, IContextMenuTargetTrait,
-    IContextMenuTrait, IHostApplication, IHostApplicationTrait, IParamValueQueue,
-    IParamValueQueueTrait, IParameterChanges, IParameterChangesTrait, ParamID, ParamValue, RestartFlags_, String128,
+    IContextMenuTrait, IHostApplication, IHostApplicationTrait, IParamValueQueue, IParamValueQueueTrait,
+    IParameterChanges, IParameterChangesTrait, ParamID, ParamValue, RestartFlags_, String128,
 };
 use ::vst3::Steinberg::{
-    IBStream, IBStreamTrait, IPlugView, TUID, UCoord, int32, int64, kInvalidArgument, kNotImplemented, kResultFalse, kResultOk, tresult,
+    IBStream, IBStreamTrait, IPlugView, TUID, UCoord, int32, int64, kInvalidArgument, kNotImplemented, kResultFalse,
+    kResultOk, tresult,
 };
 use ::vst3::{Class, ComPtr, ComWrapper};
 

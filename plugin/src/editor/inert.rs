@@ -189,7 +189,10 @@ mod tests {
     #[test]
     fn a_blend_needs_a_second_recording() {
         assert_eq!(why("recording_blend", &[], true), Some("There is no second recording"));
-        assert_eq!(why("recording_blend", &[("recording_second", "1")], true), Some("The second recording is the first"));
+        assert_eq!(
+            why("recording_blend", &[("recording_second", "1")], true),
+            Some("The second recording is the first")
+        );
         assert_eq!(why("recording_blend", &[("recording_second", "4")], true), None);
         assert_eq!(why("recording_slot", &[], false), None, "an empty slot can be left");
     }

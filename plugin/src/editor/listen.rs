@@ -5,10 +5,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use egui::{Button, Rect, RichText, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
-use raw_window_handle::HasWindowHandle;
 use pyrophone_recording::write_wav_f32;
-use pyrophone_settings::{Id, Library};
 use pyrophone_settings::table::DRIVE_MODES;
+use pyrophone_settings::{Id, Library};
+use raw_window_handle::HasWindowHandle;
 
 use super::dialog::{Ask, Dialog};
 use super::drag::{DragSource, Outcome};

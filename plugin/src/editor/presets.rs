@@ -80,7 +80,8 @@ impl Presets {
         self.follow(hand);
         let values = hand.values();
         if hand.history.chosen.is_none() {
-            hand.history.chosen = self.factory.iter().find(|entry| entry.preset.values.chosen_over(&values) == values).cloned();
+            hand.history.chosen =
+                self.factory.iter().find(|entry| entry.preset.values.chosen_over(&values) == values).cloned();
         }
         let shown = match &hand.history.chosen {
             Some(entry) if entry.preset.values.chosen_over(&values) == values => entry.preset.title().to_owned(),

@@ -10,8 +10,8 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use pyrophone_recording::{Cut, Recording, check_not_among, write_wav_f32};
-use pyrophone_settings::{Id, Recent};
 use pyrophone_settings::session::{self, Session};
+use pyrophone_settings::{Id, Recent};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain;
 use pyrophone_synthesis::controls::SLOTS;
@@ -200,7 +200,8 @@ impl Worker {
     /// Gives up what is under way. What could not be fetched is named as it would be if it had not been found; what could not
     /// be indexed is not tried again until something changes.
     fn cancel(&mut self) {
-        let Some(what) = self.give_up_fetching().or_else(|| self.give_up_learning()).or_else(|| self.give_up_indexing())
+        let Some(what) =
+            self.give_up_fetching().or_else(|| self.give_up_learning()).or_else(|| self.give_up_indexing())
         else {
             return;
         };

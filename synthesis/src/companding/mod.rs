@@ -339,12 +339,7 @@ impl Companding {
     }
 
     /// Adds up what is heard of the recordings by channel, each with its factor.
-    fn sum(
-        &self,
-        recordings: &[Recorded<'_>; SLOTS],
-        textures: &[&mut [&mut [f64]]],
-        channels: &mut [&mut [f64]],
-    ) {
+    fn sum(&self, recordings: &[Recorded<'_>; SLOTS], textures: &[&mut [&mut [f64]]], channels: &mut [&mut [f64]]) {
         for (index, channel) in channels.iter_mut().enumerate() {
             let mut is_first = true;
             for ((texture, of), deck) in textures.iter().zip(recordings).zip(&self.decks) {

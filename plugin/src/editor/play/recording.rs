@@ -76,7 +76,10 @@ fn show_slots(ui: &mut Ui, rect: Rect, view: &View, hand: &mut Hand<'_>) {
             (None, false) => number.to_owned(),
         };
         let button = filled(ui, place, &words, &format!("Slot {number}"), slot == chosen, true);
-        let hint = format!("{}\nClick: this recording sounds; load one into it with the buttons above", named.unwrap_or("Empty"));
+        let hint = format!(
+            "{}\nClick: this recording sounds; load one into it with the buttons above",
+            named.unwrap_or("Empty")
+        );
         if button.on_hover_text(hint).clicked() {
             hand.set_once(Id::RecordingSlot as usize, slot as f64);
         }

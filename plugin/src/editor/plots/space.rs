@@ -76,7 +76,13 @@ impl Space {
         label(ui, rect, "from above", theme::VIOLET);
         if let Some(reason) = hand.inert(Id::VortexDistance as usize) {
             let at = rect.center_bottom() - Vec2::new(0.0, 8.0);
-            painter.text(at, Align2::CENTER_BOTTOM, format!("{reason}: nothing is heard of it"), theme::small(), theme::ALARM);
+            painter.text(
+                at,
+                Align2::CENTER_BOTTOM,
+                format!("{reason}: nothing is heard of it"),
+                theme::small(),
+                theme::ALARM,
+            );
         }
         map::note(ui, format_args!("space"), rect);
     }

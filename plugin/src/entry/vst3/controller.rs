@@ -3,15 +3,15 @@
 use pyrophone_settings::controller_file::CONTROLLERS;
 use pyrophone_settings::{COUNT, Kind, PARAMETERS};
 use std::sync::atomic::Ordering;
-use vst3::{ComPtr, ComRef};
 use vst3::Steinberg::Vst::{
-    BusDirection, CString, IComponentHandler, IComponentHandler3, IEditControllerTrait, IMidiMappingTrait, IUnitInfoTrait, MediaType,
-    ParamID, ParamValue, ParameterInfo, ParameterInfo_::ParameterFlags_, ProgramListID, ProgramListInfo, String128,
-    TChar, UnitID, UnitInfo, kNoParentUnitId, kNoProgramListId, kRootUnitId,
+    BusDirection, CString, IComponentHandler, IComponentHandler3, IEditControllerTrait, IMidiMappingTrait,
+    IUnitInfoTrait, MediaType, ParamID, ParamValue, ParameterInfo, ParameterInfo_::ParameterFlags_, ProgramListID,
+    ProgramListInfo, String128, TChar, UnitID, UnitInfo, kNoParentUnitId, kNoProgramListId, kRootUnitId,
 };
 use vst3::Steinberg::{
     FIDString, IBStream, IPlugView, int16, int32, kInvalidArgument, kNotImplemented, kResultFalse, kResultOk, tresult,
 };
+use vst3::{ComPtr, ComRef};
 
 use super::component::Component;
 use super::controllers::{describe, id_of, number_of};

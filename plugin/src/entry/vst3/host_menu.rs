@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicPtr, Ordering};
 
 use vst3::Steinberg::IPlugView;
 use vst3::Steinberg::Vst::{
-    IComponentHandler3, IComponentHandler3Trait, IContextMenu, IContextMenuItem, IContextMenuItem_::{Flags, Flags_},
+    IComponentHandler3, IComponentHandler3Trait, IContextMenu, IContextMenuItem,
+    IContextMenuItem_::{Flags, Flags_},
     IContextMenuTargetTrait, IContextMenuTrait,
 };
 use vst3::Steinberg::kResultOk;
