@@ -59,8 +59,8 @@ fn slots_are_automated_at_their_samples_in_both_formats() {
     let unmoved = still.play(&input, Clock::Playing(0), 512);
     let heard = still.plugin().latency_samples() as usize;
     assert_same(
-        &expected.iter().map(|channel| channel[..12_000 + heard].to_vec()).collect::<Vec<_>>(),
-        &unmoved.iter().map(|channel| channel[..12_000 + heard].to_vec()).collect::<Vec<_>>(),
+        &expected.iter().map(|channel| channel[..11_600 + heard].to_vec()).collect::<Vec<_>>(),
+        &unmoved.iter().map(|channel| channel[..11_600 + heard].to_vec()).collect::<Vec<_>>(),
         "nothing changes before its sample",
     );
     assert!(expected[0][20_000..] != unmoved[0][20_000..], "another recording is heard");

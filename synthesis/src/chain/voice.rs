@@ -268,7 +268,8 @@ impl Voice {
     /// Processes one chunk of up to [`CHUNK`] samples into `layers`.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &Controls, samples: usize) {
         let stands_in = self.stands_in(&controls.texture.recordings) && controls.crackle.fuel == Fuel::Off;
-        let crackle_gain = self.crackle_gain_to(controls.mix.loudness_lufs);
+        let target_lufs = controls.mix.loudness_lufs;
+        let [texture_gain, crackle_gain] = [self.gain_to(target_lufs), self.crackle_gain_to(target_lufs)];
         let drive = &mut self.drive_block[..samples];
         self.drive.process(main, sidechain, &controls.drive, drive);
 
@@ -297,7 +298,6 @@ impl Voice {
                 self.top_magnitudes.extend_from_slice(self.texture.top_magnitudes());
             }
             Some(companded) => {
-                let target_lufs = controls.mix.loudness_lufs;
                 with_blocks(&mut self.layers.texture, samples, |outputs| {
                     companded.process(drive, &texture, &mut self.texture, target_lufs, outputs);
                 });
@@ -323,7 +323,7 @@ impl Voice {
             delay.process(&mut channel[..samples]);
         }
         if let Some(companded) = &mut self.companded {
-            companded.stand_in(stands_in, &mut self.layers, samples);
+            companded.stand_in(stands_in, texture_gain, &mut self.layers, samples);
         }
     }
 
@@ -335,7 +335,8 @@ impl Voice {
 
 impl Companded {
     /// Lets spectral extension stand in for texture, so that an instance without a recording and without a fuel burns too.
-    fn stand_in(&mut self, stands_in: bool, layers: &mut VoiceLayers, samples: usize) {
+    /// `gain` is the factor that the layer gets for other recordings, of which this has nothing.
+    fn stand_in(&mut self, stands_in: bool, gain: f64, layers: &mut VoiceLayers, samples: usize) {
         let share = f64::from(u8::from(stands_in));
         if std::mem::take(&mut self.is_fresh) {
             self.stand_in.value = share;
@@ -343,10 +344,11 @@ impl Companded {
         if share == 0.0 && self.stand_in.value == 0.0 {
             return;
         }
+        let level = STAND_IN_LEVEL / gain;
         for i in 0..samples {
             let share = self.stand_in.next(share);
             for (texture, extension) in layers.texture.iter_mut().zip(&layers.extension) {
-                texture[i] += share * (STAND_IN_LEVEL * (layers.low[i] + extension[i]) - texture[i]);
+                texture[i] += share * (level * (layers.low[i] + extension[i]) - texture[i]);
             }
         }
     }
