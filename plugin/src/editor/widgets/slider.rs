@@ -27,11 +27,17 @@ pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, hand: &mut Hand
     painter.rect_stroke(rect, 3.0, Stroke::new(1.0, border), StrokeKind::Inside);
     let inset = Vec2::new(6.0, 0.0);
     let color = theme::TEXT.gamma_multiply(dimmed);
-    painter.text(rect.left_center() + inset, Align2::LEFT_CENTER, name, theme::small(), color);
     let text = parameter.to_text(plain);
-    painter.text(rect.right_center() - inset, Align2::RIGHT_CENTER, text, theme::small(), color);
+    let value = painter.text(rect.right_center() - inset, Align2::RIGHT_CENTER, text, theme::small(), color);
+    // A name for which there is no room is left out: it is said where the pointer rests.
+    let name_galley = painter.layout_no_wrap(name.to_owned(), theme::small(), color);
+    if rect.left() + inset.x + name_galley.size().x + 4.0 <= value.left() {
+        let at = rect.left_center() + inset - Vec2::new(0.0, 0.5 * name_galley.size().y);
+        painter.galley(at, name_galley, color);
+    }
     response.on_hover_ui(|ui| {
         ui.set_max_width(280.0);
+        ui.label(format!("{}: {}", parameter.name, parameter.to_text(plain)));
         ui.label(parameter.help);
         if let Some(reason) = reason {
             ui.label(egui::RichText::new(format!("No effect at present: {reason}.")).color(theme::ALARM));
