@@ -20,6 +20,5 @@ pub use parameter::{Kind, Parameter};
 pub use preset::Preset;
 pub use recent::Recent;
 pub use session::Session;
-pub(crate) use table::ids_as_list;
 pub use table::{COUNT, Id, PARAMETERS, host_order, index_of};
 pub use values::Values;
