@@ -91,5 +91,5 @@ fn bits_are_those_of_every_other_machine() {
     });
     let bits = doubles.map(f64::to_bits).chain(singles.map(|x| u64::from(x.to_bits())));
     // Measured once. Whatever changes it changes the sound of every preset.
-    assert_eq!(format!("{:016x}", digest(bits)), "0000000000000000");
+    assert_eq!(format!("{:016x}", digest(bits)), "82df385078a19f8c");
 }

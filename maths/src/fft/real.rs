@@ -8,11 +8,13 @@ use super::{Complex64, Machine, Parts};
 /// Bins handled at once: what vectors of 256 bits hold.
 const WIDTH: usize = 4;
 
-/// Fourier transforms of one even length. Nothing allocates after `new` but
+/// Fourier transforms of one length. Nothing allocates after `new` but
 /// [`spectrum`](Self::spectrum).
 #[derive(Debug)]
 pub struct RealTransform {
-    half: ComplexTransform,
+    samples: usize,
+    /// Of half as many samples, or, if they are odd in number, of all.
+    fourier: ComplexTransform,
     half_len: usize,
     /// Cosine and sine of every bin's turn up to a quarter of the length.
     cos: Vec<f64>,
@@ -21,20 +23,24 @@ pub struct RealTransform {
 }
 
 impl RealTransform {
-    /// Transforms of `len` samples. Lengths whose prime factors are 2, 3, 5 and 7 are quick.
+    /// Transforms of `len` samples. Even lengths whose prime factors are 2, 3, 5 and 7 are quick.
     ///
     /// # Panics
-    /// Panics if `len` is 0 or odd: which lengths there are is for the engines to say.
+    /// Panics if `len` is 0.
     pub fn new(len: usize) -> Self {
-        assert!(len.is_multiple_of(2), "a transform of {len} samples");
         let half_len = len / 2;
+        let fourier = ComplexTransform::new(if len.is_multiple_of(2) { half_len } else { len });
         let (sin, cos) = (0..=half_len / 2).map(|bin| crate::sin_cos(TAU * bin as f64 / len as f64)).unzip();
-        Self { half: ComplexTransform::new(half_len), half_len, cos, sin, machine: Machine::best() }
+        Self { samples: len, fourier, half_len, cos, sin, machine: Machine::best() }
     }
 
     /// Number of samples.
     pub fn samples(&self) -> usize {
-        2 * self.half_len
+        self.samples
+    }
+
+    fn is_odd(&self) -> bool {
+        self.samples % 2 == 1
     }
 
     /// Number of bins, from 0 Hz to half the sample rate.
@@ -44,7 +50,7 @@ impl RealTransform {
 
     /// Numbers of room that transforms need.
     pub fn room(&self) -> usize {
-        self.half.room()
+        self.fourier.room()
     }
 
     /// The spectrum of `time`, unscaled.
@@ -56,11 +62,14 @@ impl RealTransform {
 
     /// `time` to the bins of `spectrum`, unscaled. `room` is at least [`room`](Self::room) long; what is in it does not matter.
     pub fn forward(&self, time: &[f64], spectrum: &mut [Complex64], room: &mut [f64]) {
-        let [input, _] = self.half.halves(room);
+        if self.is_odd() {
+            return self.forward_whole(time, spectrum, room);
+        }
+        let [input, _] = self.fourier.halves(room);
         for ((pair, re), im) in time.as_chunks::<2>().0.iter().zip(input.re).zip(input.im) {
             (*re, *im) = (pair[0], pair[1]);
         }
-        let result = self.half.run(room);
+        let result = self.fourier.run(room);
         let spectrum = &mut spectrum[..=self.half_len];
         let (first_re, first_im) = (result.re[0], result.im[0]);
         spectrum[0] = Complex64::new(first_re + first_im, 0.0);
@@ -74,8 +83,11 @@ impl RealTransform {
     /// The bins of `spectrum` to `time`, unscaled: after [`forward`](Self::forward) it is `samples` times the signal. The
     /// imaginary parts of the first and the last bin count as 0.
     pub fn inverse(&self, spectrum: &[Complex64], time: &mut [f64], room: &mut [f64]) {
+        if self.is_odd() {
+            return self.inverse_whole(spectrum, time, room);
+        }
         // With real and imaginary parts exchanged, before and after, a transform is its inverse.
-        let [Parts { re: im, im: re }, _] = self.half.halves(room);
+        let [Parts { re: im, im: re }, _] = self.fourier.halves(room);
         let spectrum = &spectrum[..=self.half_len];
         let (first, last) = (spectrum[0].re, spectrum[self.half_len].re);
         (re[0], im[0]) = (first + last, first - last);
@@ -84,10 +96,33 @@ impl RealTransform {
             #[inline(always)]
             || self.for_pairs(Together { spectrum, half: &mut half }),
         );
-        let result = self.half.run(room);
+        let result = self.fourier.run(room);
         for ((pair, re), im) in time.as_chunks_mut::<2>().0.iter_mut().zip(&*result.im).zip(&*result.re) {
             *pair = [*re, *im];
         }
+    }
+
+    /// [`forward`](Self::forward) as a complex transform.
+    fn forward_whole(&self, time: &[f64], spectrum: &mut [Complex64], room: &mut [f64]) {
+        let [input, _] = self.fourier.halves(room);
+        input.re.copy_from_slice(&time[..self.samples]);
+        input.im.fill(0.0);
+        let result = self.fourier.run(room);
+        for (bin, (re, im)) in spectrum[..=self.half_len].iter_mut().zip(result.re.iter().zip(&*result.im)) {
+            *bin = Complex64::new(*re, *im);
+        }
+    }
+
+    /// [`inverse`](Self::inverse) as a complex transform, of bins and their mirror images, with real and imaginary parts exchanged.
+    fn inverse_whole(&self, spectrum: &[Complex64], time: &mut [f64], room: &mut [f64]) {
+        let [Parts { re: im, im: re }, _] = self.fourier.halves(room);
+        (re[0], im[0]) = (spectrum[0].re, 0.0);
+        for (bin, value) in spectrum[..=self.half_len].iter().enumerate().skip(1) {
+            (re[bin], im[bin]) = (value.re, value.im);
+            (re[self.samples - bin], im[self.samples - bin]) = (value.re, -value.im);
+        }
+        let result = self.fourier.run(room);
+        time[..self.samples].copy_from_slice(result.im);
     }
 
     /// Calls `pairs` for every bin but the first and its mirror image.

@@ -55,7 +55,7 @@ fn complex_transforms_are_as_defined() {
 
 #[test]
 fn real_transforms_are_as_defined() {
-    for len in LENGTHS.map(|len| 2 * len) {
+    for len in LENGTHS.into_iter().chain(LENGTHS.map(|len| 2 * len)) {
         let real: Vec<f64> = signal(len).iter().map(|x| x.re).collect();
         let complex: Vec<Complex64> = real.iter().map(|x| Complex64::new(*x, 0.0)).collect();
         let transform = RealTransform::new(len);
@@ -84,5 +84,5 @@ fn bits_are_those_of_every_other_machine() {
         }
     }
     // Measured once, the same with and without AVX2. What changes it changes the sound of every preset that extends.
-    assert_eq!(format!("{hash:016x}"), "0000000000000000");
+    assert_eq!(format!("{hash:016x}"), "39a207d3e3c02c46");
 }
