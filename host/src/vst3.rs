@@ -290,11 +290,11 @@ impl Plugin for Vst3Plugin {
         self.handler.take_requests()
     }
 
-    fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError> {
+    fn open_editor(&mut self, window: u32) -> Result<(u32, u32), HostError> {
         if self.editor.is_some() {
             return Err(HostError::Unsupported("the editor is open already".to_owned()));
         }
-        let (editor, size) = Editor::open(&self.controller, x11_window)?;
+        let (editor, size) = Editor::open(&self.controller, window)?;
         self.editor = Some(editor);
         Ok(size)
     }

@@ -16,6 +16,12 @@ use crate::buses::Buses;
 use crate::lock::lock;
 use crate::{Block, Event, HostError, Processor, Tail, Transport};
 
+/// Flags of a context, which are signed on Windows.
+#[allow(clippy::unnecessary_cast, reason = "it is necessary on Windows")]
+const PLAYING: u32 = kPlaying as u32;
+#[allow(clippy::unnecessary_cast, reason = "it is necessary on Windows")]
+const TEMPO_VALID: u32 = kTempoValid as u32;
+
 pub(super) struct Vst3Processor {
     processor: ComPtr<IAudioProcessor>,
     instance: u64,
@@ -50,10 +56,10 @@ impl Vst3Processor {
         context.sampleRate = self.setup.sampleRate;
         context.projectTimeSamples = transport.position?;
         if transport.playing {
-            context.state |= kPlaying;
+            context.state |= PLAYING;
         }
         if let Some(tempo) = transport.tempo {
-            context.state |= kTempoValid;
+            context.state |= TEMPO_VALID;
             context.tempo = tempo;
         }
         Some(context)
