@@ -211,6 +211,9 @@ pub struct RenderArgs {
     /// Normalise that part of the recording to full scale first
     #[arg(long, alias = "recording-normalise", requires = "training")]
     pub training_normalise: bool,
+    /// Second fire recording, in slot 2: --set recording_blend=50 mixes half of it in, recording_slot=2 plays it alone
+    #[arg(long, value_name = "B.wav")]
+    pub recording_b: Option<PathBuf>,
     /// Source of the input's loudness distribution, instead of the preset's choice
     #[arg(long, value_enum)]
     pub dynamic_range: Option<DynamicRange>,

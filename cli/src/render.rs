@@ -54,17 +54,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     let structure = values.structure();
     let channels = Channels { input: main.channels.len(), sidechain: sidechain.len(), output: outputs };
     let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&source.name))?;
-    if let Some(path) = &args.training {
-        let cut =
-            Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
-        let recording = input::load(path, work)?;
-        check_region(args.training_region, &recording, path)?;
-        let dictionary = training::dictionary(&recording, path, &cut, rate_hz, &structure, work)?;
-        if dictionary.is_impulsive() && !values.controls().texture.scaling_auto {
-            note(&format!("{}: {IMPULSIVE}", path.display()));
-        }
-        drop(chain.swap_dictionary(Some(dictionary)));
-    }
+    load_recordings(&mut chain, args, &values, work)?;
     simulate_gas(&mut chain)?;
     if let Some(field) = field {
         drop(chain.swap_field(Some(Arc::new(field))));
@@ -85,9 +75,34 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     Ok(Done { latency_samples: Some(chain.latency_samples()), ..Done::with_sound(&args.output, sound) })
 }
 
+/// Gives the engines the recordings, the second one in the slot after the first.
+fn load_recordings(chain: &mut Chain, args: &RenderArgs, values: &Values, work: &Work) -> Result<(), Error> {
+    let cut = Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
+    let (rate_hz, structure) = (chain.sample_rate_hz(), values.structure());
+    for (slot, path, cut) in [(0, &args.training, cut), (1, &args.recording_b, Cut::default())] {
+        let Some(path) = path else { continue };
+        let recording = input::load(path, work)?;
+        check_region(cut.region_s, &recording, path)?;
+        let dictionary = training::dictionary(&recording, path, &cut, rate_hz, &structure, work)?;
+        if dictionary.is_impulsive() && !values.controls().texture.scaling_auto {
+            note(&format!("{}: {IMPULSIVE}", path.display()));
+        }
+        drop(chain.swap_slot(slot, Some(dictionary)));
+    }
+    Ok(())
+}
+
 /// Refuses an output that could not be written, or is one of the files that it is made from.
 fn check_output(args: &RenderArgs) -> Result<(), Error> {
-    let sources = [&args.input, &args.sidechain, &args.training, &args.learn, &args.speed_field, &args.automation];
+    let sources = [
+        &args.input,
+        &args.sidechain,
+        &args.training,
+        &args.recording_b,
+        &args.learn,
+        &args.speed_field,
+        &args.automation,
+    ];
     let sources = sources.into_iter().flatten().map(|path| path.as_path());
     let sources: Vec<&Path> = sources.chain([Path::new(&args.preset)]).collect();
     output::check(&args.output, &sources)
@@ -162,7 +177,14 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     if args.speed_field.is_some() && !(follows && may_sound(Id::VortexLevel)) {
         note("the speed field is not used: that needs vortex_flow=field and a vortex_level");
     }
-    if args.training.is_some() || !may_sound(Id::TextureLevel) {
+    let is_set = |id: Id, is_wanted: fn(f64) -> bool| {
+        is_wanted(values.get(id)) || events.iter().any(|event| event.parameter == id as usize && is_wanted(event.value))
+    };
+    let uses_second = is_set(Id::RecordingBlend, |blend| blend > 0.0) || is_set(Id::RecordingSlot, |slot| slot == 1.0);
+    if args.recording_b.is_some() && !uses_second {
+        note("the second recording is not used: that needs a recording_blend, or recording_slot=2");
+    }
+    if args.training.is_some() || args.recording_b.is_some() && uses_second || !may_sound(Id::TextureLevel) {
         return Ok(());
     }
     if values.structure().dynamics == Dynamics::Companded {

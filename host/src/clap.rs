@@ -41,6 +41,7 @@ pub(crate) struct ClapPlugin {
     ranges: Arc<HashMap<u32, Range>>,
     flags: Arc<Flags>,
     pending: Arc<Mutex<Vec<Event>>>,
+    told: Arc<Mutex<Vec<Event>>>,
     editor_is_open: bool,
 }
 
@@ -72,6 +73,7 @@ impl ClapPlugin {
             ranges: Arc::new(ranges),
             flags,
             pending: Arc::default(),
+            told: Arc::default(),
             editor_is_open: false,
         })
     }
@@ -226,6 +228,7 @@ impl Plugin for ClapPlugin {
             configuration.sample_rate,
             Arc::clone(&self.ranges),
             Arc::clone(&self.pending),
+            Arc::clone(&self.told),
         )))
     }
 
@@ -241,6 +244,14 @@ impl Plugin for ClapPlugin {
         self.instance.try_deactivate().map_err(|error| HostError::Activate(error.to_string()))?;
         let unplayed = std::mem::take(&mut *lock(&self.pending));
         unplayed.iter().try_for_each(|event| self.set_value(event.id, event.value))
+    }
+
+    fn take_told_values(&mut self) -> Vec<Event> {
+        std::mem::take(&mut *lock(&self.told))
+    }
+
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {
+        self.flags.take_chosen()
     }
 
     fn latency_samples(&mut self) -> u32 {

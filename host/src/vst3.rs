@@ -19,7 +19,7 @@ use ::vst3::Steinberg::Vst::{
 use ::vst3::Steinberg::{FUnknown, IBStream, IPluginBaseTrait, kResultOk};
 use ::vst3::{ComPtr, ComWrapper};
 
-use self::description::{arrangement, create_component, from_utf16, read_parameters};
+use self::description::{arrangement, create_component, from_utf16, read_controllers, read_parameters};
 use self::editor::Editor;
 use self::interfaces::{Handler, HostApplication, MemoryStream};
 use self::module::Module;
@@ -46,6 +46,8 @@ pub(crate) struct Vst3Plugin {
     name: String,
     parameters: Vec<Parameter>,
     pending: Arc<Mutex<Vec<Event>>>,
+    /// Values that the plug-in has put out.
+    told: Arc<Mutex<Vec<Event>>>,
     active: bool,
     editor: Option<Editor>,
 }
@@ -84,6 +86,7 @@ impl Vst3Plugin {
             name,
             parameters,
             pending,
+            told: Arc::default(),
             active: false,
             editor: None,
         })
@@ -259,6 +262,8 @@ impl Plugin for Vst3Plugin {
             setup,
             self.parameters.iter().map(|p| p.id).collect(),
             Arc::clone(&self.pending),
+            Arc::clone(&self.told),
+            read_controllers(&self.controller),
         )))
     }
 
@@ -276,6 +281,19 @@ impl Plugin for Vst3Plugin {
         unsafe { self.component.setActive(0) };
         let unplayed = std::mem::take(&mut *lock(&self.pending));
         unplayed.iter().try_for_each(|event| self.set_value(event.id, event.value))
+    }
+
+    fn take_told_values(&mut self) -> Vec<Event> {
+        let told = std::mem::take(&mut *lock(&self.told));
+        for event in &told {
+            // SAFETY: a live controller.
+            unsafe { self.controller.setParamNormalized(event.id, event.value) };
+        }
+        told
+    }
+
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {
+        self.handler.take_chosen()
     }
 
     fn latency_samples(&mut self) -> u32 {

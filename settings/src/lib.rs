@@ -2,6 +2,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod automation;
+pub mod controller_file;
 pub mod error;
 pub mod library;
 pub mod macros;
@@ -11,10 +12,12 @@ pub mod preset;
 pub mod recent;
 pub mod session;
 pub mod table;
+mod user_file;
 pub mod values;
 pub mod vst3_preset;
 
 pub use automation::Automation;
+pub use controller_file::ControllerFile;
 pub use error::Error;
 pub use library::Library;
 pub use parameter::{Kind, Parameter};

@@ -91,12 +91,17 @@ pub enum Id {
     MacroDistance,
     Take,
     TakeAmount,
+    RecordingSlot,
+    RecordingSecond,
+    RecordingBlend,
 }
 
 /// Names of the values of `dynamic_range`.
 pub const DYNAMIC_RANGES: &[&str] = &["off", "learned", "running"];
 /// Names of the values of `quality`.
 pub const QUALITIES: &[&str] = &["draft", "normal", "high", "exact"];
+/// Names of the values of `recording_slot` and `recording_second`.
+pub const RECORDING_SLOTS: &[&str] = &["1", "2", "3", "4"];
 /// Names of the values of `dynamics_mode`.
 pub const DYNAMICS_MODES: &[&str] = &["paper", "companded"];
 /// Names of the values of `drive_mode`.
@@ -849,7 +854,37 @@ pub const PARAMETERS: &[Parameter] = &[
         None,
         "How far a take's texture may stray from the recording's nearest moments; noise, crackles and gas are other ones at once.",
     ),
+    control(
+        "recording_slot",
+        "Recording slot",
+        "Texture",
+        "",
+        Kind::Choice { names: RECORDING_SLOTS, default: 0 },
+        None,
+        "Slot of the recording that texture and crackle are made of; another one takes over within 50 ms.",
+    ),
+    control(
+        "recording_second",
+        "Second recording",
+        "Texture",
+        "",
+        Kind::Choice { names: RECORDING_SLOTS, default: 1 },
+        None,
+        "Slot of a second recording, which is mixed in by the recording blend.",
+    ),
+    control(
+        "recording_blend",
+        "Recording blend",
+        "Texture",
+        "%",
+        float(0.0, 100.0, 0.0, 1.0, 1),
+        None,
+        "Share of the second recording: how many windows of texture are taken from it, and how many of its crackles are heard.",
+    ),
 ];
+
+/// What belongs to a session's recordings, and stays as it is when a preset is chosen.
+pub const OF_SESSION: [Id; 3] = [Id::RecordingSlot, Id::RecordingSecond, Id::RecordingBlend];
 
 /// Number of parameters.
 pub const COUNT: usize = PARAMETERS.len();

@@ -109,6 +109,9 @@ fn every_id_is_at_its_place() {
         (Id::MacroDistance, "macro_distance"),
         (Id::Take, "take"),
         (Id::TakeAmount, "take_amount"),
+        (Id::RecordingSlot, "recording_slot"),
+        (Id::RecordingSecond, "recording_second"),
+        (Id::RecordingBlend, "recording_blend"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {

@@ -11,10 +11,10 @@ use ::vst3::Steinberg::Vst::{
 use ::vst3::Steinberg::kResultOk;
 use ::vst3::{ComPtr, ComWrapper};
 
-use super::interfaces::ParameterChanges;
+use super::interfaces::{OutputChanges, ParameterChanges};
 use crate::buses::Buses;
 use crate::lock::lock;
-use crate::{Block, Event, HostError, Processor, Tail, Transport};
+use crate::{Block, ControllerMessage, Event, HostError, Processor, Tail, Transport};
 
 /// Flags of a context, which are signed on Windows.
 #[allow(clippy::unnecessary_cast, reason = "it is necessary on Windows")]
@@ -29,6 +29,10 @@ pub(super) struct Vst3Processor {
     setup: ProcessSetup,
     ids: HashSet<u32>,
     pending: Arc<Mutex<Vec<Event>>>,
+    told: Arc<Mutex<Vec<Event>>>,
+    /// Parameters that controllers are, by number.
+    controllers: Vec<Option<u32>>,
+    messages: Vec<Event>,
     started: bool,
 }
 
@@ -40,8 +44,21 @@ impl Vst3Processor {
         setup: ProcessSetup,
         ids: HashSet<u32>,
         pending: Arc<Mutex<Vec<Event>>>,
+        told: Arc<Mutex<Vec<Event>>>,
+        controllers: Vec<Option<u32>>,
     ) -> Self {
-        Self { processor, instance, buses, setup, ids, pending, started: false }
+        Self {
+            processor,
+            instance,
+            buses,
+            setup,
+            ids,
+            pending,
+            told,
+            controllers,
+            messages: Vec::new(),
+            started: false,
+        }
     }
 
     fn set_processing(&mut self, state: bool) -> i32 {
@@ -97,7 +114,9 @@ impl Processor for Vst3Processor {
             return Err(HostError::UnknownParameter { id: event.id });
         }
         let pending = std::mem::take(&mut *lock(&self.pending));
-        let changes = ComWrapper::new(ParameterChanges::new(pending.iter().chain(block.events)));
+        let messages = std::mem::take(&mut self.messages);
+        let changes = ComWrapper::new(ParameterChanges::new(pending.iter().chain(block.events).chain(&messages)));
+        let told = ComWrapper::new(OutputChanges::default());
         let mut context = block.transport.and_then(|t| self.context(t));
 
         // A bus that is switched off keeps its place but has no channels.
@@ -118,7 +137,9 @@ impl Processor for Vst3Processor {
             inputParameterChanges: changes
                 .as_com_ref::<IParameterChanges>()
                 .map_or(std::ptr::null_mut(), |changes| changes.as_ptr()),
-            outputParameterChanges: std::ptr::null_mut(),
+            outputParameterChanges: told
+                .as_com_ref::<IParameterChanges>()
+                .map_or(std::ptr::null_mut(), |told| told.as_ptr()),
             inputEvents: std::ptr::null_mut(),
             outputEvents: std::ptr::null_mut(),
             processContext: context.as_mut().map_or(std::ptr::null_mut(), std::ptr::from_mut),
@@ -128,7 +149,16 @@ impl Processor for Vst3Processor {
         if unsafe { self.processor.process(&mut data) } != kResultOk {
             return Err(HostError::Process);
         }
+        lock(&self.told).extend(told.events());
         self.buses.store(block, frames)
+    }
+
+    fn move_controllers(&mut self, messages: &[ControllerMessage]) {
+        let event = |message: &ControllerMessage| {
+            let id = (*self.controllers.get(usize::from(message.controller))?)?;
+            Some(Event { offset: message.offset, id, value: f64::from(message.position) / 127.0 })
+        };
+        self.messages.extend(messages.iter().filter_map(event));
     }
 
     fn tail(&mut self) -> Tail {

@@ -136,7 +136,7 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
         let mut blocks: Vec<&mut [f64]> =
             channels.iter_mut().map(|channel| &mut channel[number * BLOCK..][..samples]).collect();
         texture.process(flat, Some(loudness), &controls, &mut blocks);
-        companding.expand(dictionary.profile(), &mut blocks);
+        companding.expand_one(dictionary.profile(), &mut blocks);
         swells.extend(companding.heard(samples).first().filter(|heard| **heard > 0.0));
         if !progress((number * BLOCK) as f32 / (TRIAL_S * rate_hz) as f32) {
             return Err(Error::Cancelled);

@@ -190,6 +190,18 @@ impl Equalizer {
         self.silent_samples = self.length;
     }
 
+    /// Samples of silence after which nothing of the past is left.
+    pub fn memory_samples(&self) -> usize {
+        self.length.next_multiple_of(BLOCK) + 2 * BLOCK
+    }
+
+    /// Lets `samples` of silence pass, where nothing of the past is left.
+    pub fn skip(&mut self, samples: usize) {
+        let into = (self.filled % BLOCK + samples) % BLOCK;
+        self.filled = if into == 0 { BLOCK } else { into };
+        self.silent_samples = self.silent_samples.saturating_add(samples);
+    }
+
     /// Filters the samples in `range` of every channel with `taps`, made by [`design`], by `amount` (0-1).
     pub fn process(&mut self, taps: &[f64], amount: f64, channels: &mut [&mut [f64]], range: Range<usize>) {
         if std::mem::take(&mut self.fresh) {

@@ -98,6 +98,11 @@ impl Profile {
         }
     }
 
+    /// Root mean square of what is matched of the recording.
+    pub(crate) fn matched_rms(&self) -> f64 {
+        self.matched_rms
+    }
+
     /// Takes what a [calibration](super::calibrate) has found.
     pub(super) fn set_calibration(&mut self, level: f64, taps: Vec<f64>, side_taps: Vec<f64>) {
         self.level = level;

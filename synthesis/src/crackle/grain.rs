@@ -52,6 +52,11 @@ impl Grain {
         Self { is_on: true, at: -play.late, envelope: 1.0, lows: [0.0; MOST_CHANNELS], play }
     }
 
+    /// What it is of.
+    pub fn source(&self) -> Source {
+        self.play.source
+    }
+
     /// Whether it sounds.
     pub fn is_on(&self) -> bool {
         self.is_on

@@ -86,6 +86,14 @@ impl Layout {
         self.speakers().iter().position(|speaker| matches!(speaker, Speaker::Silent))
     }
 
+    /// Azimuths of the loudspeakers that stand around the listener, in degrees, positive to the right.
+    pub fn azimuths_deg(self) -> impl Iterator<Item = f64> {
+        self.speakers().iter().filter_map(|speaker| match speaker {
+            Speaker::Ring(azimuth_deg) => Some(*azimuth_deg),
+            Speaker::Top(_) | Speaker::Silent => None,
+        })
+    }
+
     fn speakers(self) -> &'static [Speaker] {
         match self {
             Self::Mono => &[CENTER],

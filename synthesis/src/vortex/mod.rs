@@ -18,6 +18,7 @@
 //! | `read` | the inner loop |
 //! | `raise` | from the rate that sources are summed at to the output's |
 //! | [`layout`] | receivers and channels |
+//! | `seen` | where sources stand, to be drawn |
 //! | `microphone` | the largest pressure |
 //! | [`shipped`] | the textures that come with the engines |
 
@@ -33,6 +34,7 @@ mod motion;
 mod moving;
 mod raise;
 mod read;
+mod seen;
 pub mod shipped;
 mod source;
 pub mod texture;
@@ -41,6 +43,7 @@ pub use bank::Bank;
 pub use field::{End, SpeedField};
 pub use layout::Layout;
 pub use live::{Asked, Simulator};
+pub use seen::SeenSource;
 pub use shipped::TEXTURES;
 pub use texture::VortexTexture;
 
