@@ -10,7 +10,7 @@ use std::sync::Arc;
 use pyrophone_flame::live::{Inline, LiveFlow};
 use pyrophone_recording::{Cut, MAX_CHANNELS, Recording};
 use pyrophone_settings::automation::Event;
-use pyrophone_settings::table::{DYNAMIC_RANGES, VORTEX_FLOWS};
+use pyrophone_settings::table::{DRIVE_MODES, DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, learn};
 use pyrophone_synthesis::controls::Fuel;
@@ -48,6 +48,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     let events = automation.events(rate_hz);
     let field = args.speed_field.as_deref().map(speed_field).transpose()?;
     check_sound(args, &values, &events)?;
+    say_what_is_unused(args, &values, &events);
 
     let sidechain = sidechain(args, main, work)?;
     let structure = values.structure();
@@ -152,13 +153,15 @@ fn values(args: &RenderArgs) -> Result<Values, Error> {
 }
 
 fn output_channels(args: &RenderArgs, main: &Recording) -> Result<usize, Error> {
-    let least = main.channels.len();
-    let found = args.channels.unwrap_or(least);
+    // What comes from no file has as many as are asked for.
+    let least = if args.input.is_some() { main.channels.len() } else { 1 };
+    let found = args.channels.unwrap_or(main.channels.len());
     if (least..=MAX_CHANNELS).contains(&found) {
         return Ok(found);
     }
+    let least = if args.input.is_some() { format!("the input's {least}") } else { least.to_string() };
     Err(Error::Conflict(format!(
-        "--channels is {found}, but must lie between the input's {least} and {MAX_CHANNELS}; choose a number in that range"
+        "--channels is {found}, but must lie between {least} and {MAX_CHANNELS}; choose a number in that range"
     )))
 }
 
@@ -197,6 +200,24 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     }
     let message = format!("preset {}: only texture is on, but there is no recording; add --training", args.preset);
     Err(Error::Conflict(message))
+}
+
+/// Says which sounds the drive does not listen to.
+fn say_what_is_unused(args: &RenderArgs, values: &Values, events: &[Event]) {
+    let listens = |wanted: &dyn Fn(&str) -> bool| {
+        let is_wanted = |plain: f64| DRIVE_MODES.get(plain as usize).is_some_and(|mode| wanted(mode));
+        let mut modes = events.iter().filter(|event| event.parameter == Id::DriveMode as usize);
+        is_wanted(values.get(Id::DriveMode)) || modes.any(|event| is_wanted(event.value))
+    };
+    if args.input.is_some() && !listens(&|mode| mode != "flame") {
+        note(
+            "drive_mode is flame: a built-in flame burns, and the input only sets length, sample rate and channels; \
+             choose another drive_mode to be driven by it",
+        );
+    }
+    if args.sidechain.is_some() && !listens(&|mode| mode == "envelope") {
+        note("the sidechain is not used: that needs drive_mode=envelope");
+    }
 }
 
 /// The sidechain's channels at the input's rate and of its length: cut, or followed by silence.

@@ -181,3 +181,29 @@ fn misunderstood() {
         refuses(folder.path(), arguments, 2, &[says, "--help"]);
     }
 }
+
+/// Each error of the command line names the help of the command that was typed.
+#[test]
+fn usage_errors_name_the_command_s_own_help() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, says) in [
+        ("render --preset hearth --output o.wav", ["--seconds", "see `pyrophone render --help`"]),
+        (
+            "render --preset hearth --seconds 1 --input a.wav --output o.wav",
+            ["--input", "see `pyrophone render --help`"],
+        ),
+        ("flux --no-such-option", ["--no-such-option", "see `pyrophone flux --help`"]),
+        ("no-such-command", ["no-such-command", "see `pyrophone --help`"]),
+    ] {
+        refuses(folder.path(), arguments, 2, &says);
+    }
+}
+
+#[test]
+fn channels_beyond_the_range_are_refused_without_an_input_too() {
+    let folder = tempfile::tempdir().unwrap();
+    for channels in ["0", "11"] {
+        let arguments = format!("render --preset hearth --seconds 0.1 --channels {channels} --output o.wav");
+        refuses(folder.path(), &arguments, 1, &["--channels", channels, "between 1 and 10"]);
+    }
+}

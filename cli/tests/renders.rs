@@ -265,3 +265,19 @@ fn betas_without_reference() {
     let betas: Vec<f64> = rows[1..].iter().map(|row| row.rsplit(',').next().unwrap().parse().unwrap()).collect();
     assert!(betas[5..50].iter().all(|beta| *beta > 0.0), "{betas:?}");
 }
+
+#[test]
+fn sounds_that_the_drive_ignores_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "in.wav", &[rumble(4_800, 48_000)], 48_000);
+    let notes = |options: &str| {
+        let run = format!("render --preset hearth --input in.wav --output o.wav {options}");
+        let output = common::pyrophone(folder.path(), &run);
+        assert!(output.status.success(), "{run}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let found = notes("--sidechain in.wav");
+    assert!(found.contains("only sets length") && found.contains("the sidechain is not used"), "{found}");
+    let found = notes("--sidechain in.wav --set drive_mode=envelope");
+    assert!(!found.contains("only sets length") && !found.contains("is not used"), "{found}");
+}

@@ -267,11 +267,11 @@ pub trait Plugin {
     /// Does what a host does on its main thread when idle: runs the callbacks the plugin asked for, and returns its other requests.
     fn run_callbacks(&mut self) -> Requests;
 
-    /// Opens the editor inside an X11 window and gives its size in pixels.
+    /// Opens the editor inside a window of the system's and gives its size in pixels.
     ///
     /// # Errors
     /// [`HostError::Unsupported`] where there is no editor, or none that can be embedded.
-    fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError>;
+    fn open_editor(&mut self, window: u32) -> Result<(u32, u32), HostError>;
 
     /// Tells the open editor how many pixels a point has on this screen, and gives its size in pixels then.
     ///

@@ -99,7 +99,7 @@ impl Slot {
                     FloatRange::Skewed { min, max, factor: skew as f32 }
                 };
                 let float = FloatParam::new(parameter.name, default as f32, range)
-                    .with_step_size(10f64.powi(-(decimals as i32)) as f32)
+                    .with_step_size(maths::powi(10.0, -(decimals as i32)) as f32)
                     .with_value_to_string(Arc::new(move |plain| text(f64::from(plain))))
                     .with_string_to_value(Arc::new(move |text| parse(text).map(|plain| plain as f32)));
                 Self::Float(if parameter.automatable { float } else { float.non_automatable() })

@@ -1,4 +1,5 @@
 #![doc = include_str!("../README.md")]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod automation;
 pub mod controller_file;
@@ -23,6 +24,5 @@ pub use parameter::{Kind, Parameter};
 pub use preset::Preset;
 pub use recent::Recent;
 pub use session::Session;
-pub(crate) use table::ids_as_list;
 pub use table::{COUNT, Id, PARAMETERS, host_order, index_of};
 pub use values::Values;

@@ -4,6 +4,7 @@
 //! table.
 
 use crate::Error;
+use crate::names::nearest;
 use crate::parameter::{Kind, Parameter};
 
 /// Places in [`PARAMETERS`].
@@ -912,32 +913,6 @@ pub fn host_order() -> Vec<usize> {
 pub fn index_of(id: &str) -> Result<usize, Error> {
     PARAMETERS.iter().position(|parameter| parameter.id == id).ok_or_else(|| Error::UnknownParameter {
         id: id.to_owned(),
-        nearest: PARAMETERS
-            .iter()
-            .map(|parameter| (edits(parameter.id, id), parameter.id))
-            .min()
-            .filter(|(distance, nearest)| *distance <= nearest.len() / 3)
-            .map(|(_, nearest)| nearest),
+        nearest: nearest(id, PARAMETERS.iter().map(|parameter| parameter.id)),
     })
-}
-
-/// All ids, for messages.
-pub(crate) fn ids_as_list() -> String {
-    PARAMETERS.iter().map(|parameter| parameter.id).collect::<Vec<_>>().join(", ")
-}
-
-/// Levenshtein distance.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -217,7 +217,7 @@ impl Values {
             elevation_deg: self.get(Id::VortexElevation),
             exponent: self.get(Id::VortexFalloff),
             level: OUTPUT_PER_PA[texture],
-            max_pressure_pa: 10f64.powf(self.get(Id::VortexLimit) / 20.0) / OUTPUT_PER_PA[texture],
+            max_pressure_pa: maths::pow(10.0, self.get(Id::VortexLimit) / 20.0) / OUTPUT_PER_PA[texture],
             ..VortexControls::default()
         }
     }
@@ -250,6 +250,6 @@ impl Values {
     /// A level in dB as a factor: exactly 1 at 0 dB, exactly 0 where it is off.
     fn factor(&self, id: Id) -> f64 {
         let plain = self.get(id);
-        if id.parameter().is_off(plain) { 0.0 } else { 10f64.powf(plain / 20.0) }
+        if id.parameter().is_off(plain) { 0.0 } else { maths::pow(10.0, plain / 20.0) }
     }
 }

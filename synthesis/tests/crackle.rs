@@ -271,6 +271,7 @@ fn bad_loudness_and_bad_controls_stay_finite_and_silence_is_silent() {
         let controls = CrackleControls {
             slot: 0,
             fuel: Fuel::Off,
+            slot: usize::MAX,
             density: value,
             sharpness: value,
             spread: value,

@@ -16,6 +16,12 @@ use crate::buses::Buses;
 use crate::lock::lock;
 use crate::{Block, ControllerMessage, Event, HostError, Processor, Tail, Transport};
 
+/// Flags of a context, which are signed on Windows.
+#[allow(clippy::unnecessary_cast, reason = "it is necessary on Windows")]
+const PLAYING: u32 = kPlaying as u32;
+#[allow(clippy::unnecessary_cast, reason = "it is necessary on Windows")]
+const TEMPO_VALID: u32 = kTempoValid as u32;
+
 pub(super) struct Vst3Processor {
     processor: ComPtr<IAudioProcessor>,
     instance: u64,
@@ -37,22 +43,15 @@ impl Vst3Processor {
         buses: Buses,
         setup: ProcessSetup,
         ids: HashSet<u32>,
-        pending: Arc<Mutex<Vec<Event>>>,
-        told: Arc<Mutex<Vec<Event>>>,
-        controllers: Vec<Option<u32>>,
+        [pending, told]: [Arc<Mutex<Vec<Event>>>; 2],
     ) -> Self {
-        Self {
-            processor,
-            instance,
-            buses,
-            setup,
-            ids,
-            pending,
-            told,
-            controllers,
-            messages: Vec::new(),
-            started: false,
-        }
+        let (controllers, messages) = (Vec::new(), Vec::new());
+        Self { processor, instance, buses, setup, ids, pending, told, controllers, messages, started: false }
+    }
+
+    /// With the parameters that controllers are, by number.
+    pub fn with_controllers(self, controllers: Vec<Option<u32>>) -> Self {
+        Self { controllers, ..self }
     }
 
     fn set_processing(&mut self, state: bool) -> i32 {
@@ -67,10 +66,10 @@ impl Vst3Processor {
         context.sampleRate = self.setup.sampleRate;
         context.projectTimeSamples = transport.position?;
         if transport.playing {
-            context.state |= kPlaying;
+            context.state |= PLAYING;
         }
         if let Some(tempo) = transport.tempo {
-            context.state |= kTempoValid;
+            context.state |= TEMPO_VALID;
             context.tempo = tempo;
         }
         Some(context)

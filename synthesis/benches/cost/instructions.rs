@@ -16,6 +16,8 @@ const SAMPLES: usize = 48_000;
 const BLOCK: usize = 64;
 /// Samples of the made-up recording.
 const RECORDING: usize = 150_000;
+/// Samples of the recording that is loaded, 14 s.
+const LOADED: usize = 672_000;
 /// Level of the quiet recording's noise floor.
 const FLOOR: f64 = 1e-3;
 
@@ -28,6 +30,8 @@ pub fn run(engine: &str) {
         "quiet" => texture(&bursts(0.5), &vec![0.0; SAMPLES], Quality::Exact),
         "extension" => extension(&drive),
         "default" => default_preset(&drive),
+        "load" => load(),
+        "activation" => activation(),
         other => panic!("no engine is called {other}"),
     }
 }
@@ -66,8 +70,13 @@ fn extension(drive: &[f64]) {
     });
 }
 
+/// The default preset's.
+fn companded() -> Structure {
+    Structure { dynamics: Dynamics::Companded, falloff: 0.025, ..Structure::default() }
+}
+
 fn default_preset(drive: &[f64]) {
-    let structure = Structure { dynamics: Dynamics::Companded, falloff: 0.025, ..Structure::default() };
+    let structure = companded();
     let shape = Shape::at_rate(&structure, RATE_HZ);
     let dictionary = Dictionary::companded(&[bursts(0.9)], RATE_HZ, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(RATE_HZ, Channels { input: 2, sidechain: 0, output: 2 }, &structure).unwrap();
@@ -83,6 +92,28 @@ fn default_preset(drive: &[f64]) {
             chain.process(&mut [&mut left[..], &mut right[..]], &[], &controls, transport);
         }
     });
+}
+
+/// From fourteen seconds of a recording to the default preset's dictionary.
+fn load() {
+    let signal = signal(&mut Random::new(2), 1, LOADED);
+    let shape = Shape::at_rate(&companded(), RATE_HZ);
+    counted_on_one_thread(|| {
+        std::hint::black_box(Dictionary::companded(std::slice::from_ref(&signal), RATE_HZ, &shape, &|_| true).unwrap());
+    });
+}
+
+/// The first activation at a rate.
+fn activation() {
+    counted_on_one_thread(|| {
+        let channels = Channels { input: 2, sidechain: 0, output: 2 };
+        std::hint::black_box(Chain::new(RATE_HZ, channels, &companded()).unwrap());
+    });
+}
+
+/// The same where work is shared among threads: only one is watched.
+fn counted_on_one_thread(work: impl FnMut() + Send) {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| counted_second(work));
 }
 
 /// What is counted: callgrind finds it by its name.

@@ -444,9 +444,9 @@ impl Companding {
             (DynamicRange::Learned | DynamicRange::Running, _) => self.running.level(),
         };
         if std::mem::take(&mut self.is_level_fresh) {
-            self.level.value = level.ln();
+            self.level.value = maths::ln(level);
         }
-        self.levels.push(self.level.next(level.ln()).exp());
+        self.levels.push(maths::exp(self.level.next(maths::ln(level))));
     }
 
     fn flat_gain_at(&mut self, place: (i64, f64), profile: Option<&Profile>) -> f64 {
@@ -457,7 +457,10 @@ impl Companding {
             let (loudness, level) = (loudness[0].frame(frame), levels.frame(frame));
             let matched = drive_match.next(within(controls.companding.drive_match, LEAST_MATCH, MOST_MATCH));
             let target = MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms) / level;
-            matched * target * (loudness / level).max(FLOOR).powf(-MATCH_EXPONENT) * audible(loudness, controls.gate)
+            matched
+                * target
+                * maths::pow((loudness / level).max(FLOOR), -MATCH_EXPONENT)
+                * audible(loudness, controls.gate)
         })
     }
 
@@ -478,7 +481,7 @@ impl Companding {
         output_gain.go_to(place.0, |frame| {
             let (loudness, level) = (loudness[1].frame(frame), levels.frame(frame));
             let exponent = dynamics.next(within(controls.companding.dynamics, 0.0, 1.0));
-            [(loudness / level).powf(exponent), audible(loudness, controls.gate)]
+            [maths::pow(loudness / level, exponent), audible(loudness, controls.gate)]
         });
     }
 
@@ -535,7 +538,7 @@ fn audible(loudness: f64, threshold: f64) -> f64 {
     if loudness <= threshold || loudness <= 0.0 {
         return 0.0;
     }
-    (1.0 - (threshold / loudness).powi(2)).max(0.0).sqrt()
+    (1.0 - maths::square(threshold / loudness)).max(0.0).sqrt()
 }
 
 #[cfg(test)]

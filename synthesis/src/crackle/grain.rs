@@ -43,7 +43,7 @@ pub(super) struct Grain {
 
 /// The coefficient of the tilt's low-pass.
 pub(super) fn tilt_step(sample_rate_hz: f64) -> f64 {
-    1.0 - (-2.0 * std::f64::consts::PI * TILT_HZ / sample_rate_hz).exp()
+    1.0 - maths::exp(-2.0 * std::f64::consts::PI * TILT_HZ / sample_rate_hz)
 }
 
 impl Grain {

@@ -104,7 +104,7 @@ impl Crackle {
             grains: vec![Grain::default(); GRAINS],
             sums: vec![vec![0; block]; channels.min(MOST_CHANNELS)],
             heard: [PRIOR_S * sample_rate_hz; 2],
-            keep: (-1.0 / (MEMORY_S * sample_rate_hz)).exp(),
+            keep: maths::exp(-1.0 / (MEMORY_S * sample_rate_hz)),
             position: 0,
             now: 0,
         }
@@ -267,8 +267,9 @@ impl Crackle {
         let mean = (sum / count).max(LEAST_MEAN);
         let loudness = within(loudness, 0.0, LOUDEST) / mean;
         let follow = within(controls.follow, 0.0, 2.0);
-        let density =
-            crackles.share() * within(controls.density, 0.0, STREAMS as f64) * loudness.powf(DENSITY_EXPONENT * follow);
+        let density = crackles.share()
+            * within(controls.density, 0.0, STREAMS as f64)
+            * maths::pow(loudness, DENSITY_EXPONENT * follow);
         if loudness <= 0.0 || due.threshold >= density {
             return;
         }
@@ -276,8 +277,8 @@ impl Crackle {
         let (event, variation) = (&crackles.events()[due.event], crackles.variation());
         let [late, rate, level, tilt, balance, ..] = due.draws;
         let sharpness = within(controls.sharpness, -1.0, 1.0);
-        let spread = (event.peak / crackles.median_peak()).powf(within(controls.spread, 0.0, 2.0) - 1.0);
-        let followed = mean.powf(MEAN_EXPONENT * follow) * loudness.powf(LEVEL_EXPONENT * follow);
+        let spread = maths::pow(event.peak / crackles.median_peak(), within(controls.spread, 0.0, 2.0) - 1.0);
+        let followed = maths::pow(mean, MEAN_EXPONENT * follow) * maths::pow(loudness, LEVEL_EXPONENT * follow);
         let gain = spread * followed * factor(variation.level_db * level) * source_gain;
         let gain = gain.min(within(controls.highest_peak, 0.0, f64::MAX) / event.peak);
         let tilt = factor(variation.tilt_db * tilt + SHARP_DB * sharpness);
@@ -289,12 +290,12 @@ impl Crackle {
             rate: 1.0 + variation.rate * rate,
             low: gain / tilt,
             high: gain * tilt,
-            decay: (-shortened).exp(),
+            decay: maths::exp(-shortened),
             sides: [factor(variation.balance_db * balance), factor(-variation.balance_db * balance)],
         });
     }
 }
 
 fn factor(db: f64) -> f64 {
-    10f64.powf(db / 20.0)
+    maths::pow(10.0, db / 20.0)
 }

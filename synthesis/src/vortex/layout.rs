@@ -199,7 +199,7 @@ impl Panner {
 impl Pair {
     /// Of azimuths in radians and channels. From one to the other it is less than half a turn.
     fn new((from, from_channel): (f64, usize), (to, to_channel): (f64, usize)) -> Self {
-        let ((from_x, from_y), (to_x, to_y)) = (from.sin_cos(), to.sin_cos());
+        let ((from_x, from_y), (to_x, to_y)) = (maths::sin_cos(from), maths::sin_cos(to));
         let determinant = from_x * to_y - from_y * to_x;
         let inverse = [[to_y / determinant, -to_x / determinant], [-from_y / determinant, from_x / determinant]];
         Self { channels: [from_channel, to_channel], inverse }

@@ -7,8 +7,8 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 
 use super::build::Built;
-use super::licences;
 use super::system::System;
+use super::{bill, licences};
 use crate::{bundle, cargo, install, project};
 
 /// Files from the workspace that every package has.
@@ -32,6 +32,7 @@ pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
         copy(&project::root().join(document), document)?;
     }
     fs::write(stage.join("THIRD-PARTY.md"), licences::page(system)?)?;
+    fs::write(stage.join("sbom.cdx.json"), bill::bill(system)?)?;
     for (folder, script) in scripts(system) {
         copy(&project::root().join("packages").join(folder).join(script), script)?;
     }

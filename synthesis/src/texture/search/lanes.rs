@@ -1,7 +1,7 @@
 //! Arithmetic on sixteen numbers at once, chosen at run time: AVX-512, AVX2, or what the compiler
 //! makes of plain arrays (on ARM that is NEON, which is always there).
 //!
-//! Paths may round differently; everything computed here in floating point is a bound that allows for it.
+//! All round alike, so that a search within a budget goes the same way on every machine. Bounds allow for the rounding.
 
 use super::LANES;
 use super::codes::{QUAD, Quad};
@@ -24,7 +24,7 @@ pub trait Lanes: Copy {
     fn load(self, numbers: &[f32; LANES]) -> Self::Singles;
     /// a - b
     fn sub(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
-    /// a b + c
+    /// a b + c, rounded twice: not every processor fuses them.
     fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles;
     /// The larger of a and b.
     fn max(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
@@ -46,6 +46,12 @@ pub trait Lanes: Copy {
     fn sum(self, a: Self::Doubles) -> f64;
     /// Asks for the memory of the first values, which will be read soon.
     fn prefetch<T>(self, values: &[T]);
+}
+
+/// The sum of eight numbers, in the one order in which vectors of any width add their halves.
+#[inline(always)]
+fn sum_of([a, b, c, d, e, f, g, h]: [f64; 8]) -> f64 {
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// Plain arrays.
@@ -113,7 +119,7 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn sum(self, a: Self::Doubles) -> f64 {
-        a.iter().sum()
+        sum_of(a)
     }
     #[inline(always)]
     fn prefetch<T>(self, _: &[T]) {}
@@ -128,7 +134,7 @@ mod x86 {
     use bytemuck::cast;
     use pulp::x86::{V3, V4};
 
-    use super::{LANES, Lanes, QUAD, Quad};
+    use super::{LANES, Lanes, QUAD, Quad, sum_of};
 
     /// Fetches 256 bytes.
     #[inline(always)]
@@ -151,7 +157,7 @@ mod x86 {
         }
         #[inline(always)]
         fn mul_add(self, a: __m512, b: __m512, c: __m512) -> __m512 {
-            self.avx512f._mm512_fmadd_ps(a, b, c)
+            self.avx512f._mm512_add_ps(self.avx512f._mm512_mul_ps(a, b), c)
         }
         #[inline(always)]
         fn load(self, numbers: &[f32; LANES]) -> __m512 {
@@ -200,11 +206,11 @@ mod x86 {
         #[inline(always)]
         fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: __m512d) -> __m512d {
             let difference = self.avx512f._mm512_sub_pd(cast(*a), cast(*b));
-            self.avx512f._mm512_fmadd_pd(difference, difference, sum)
+            self.avx512f._mm512_add_pd(sum, self.avx512f._mm512_mul_pd(difference, difference))
         }
         #[inline(always)]
         fn sum(self, a: __m512d) -> f64 {
-            self.avx512f._mm512_reduce_add_pd(a)
+            sum_of(cast(a))
         }
         #[inline(always)]
         fn prefetch<T>(self, values: &[T]) {
@@ -223,7 +229,8 @@ mod x86 {
         }
         #[inline(always)]
         fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles {
-            [self.fma._mm256_fmadd_ps(a[0], b[0], c[0]), self.fma._mm256_fmadd_ps(a[1], b[1], c[1])]
+            let one = |at: usize| self.avx._mm256_add_ps(self.avx._mm256_mul_ps(a[at], b[at]), c[at]);
+            [one(0), one(1)]
         }
         #[inline(always)]
         fn load(self, numbers: &[f32; LANES]) -> Self::Singles {
@@ -286,13 +293,13 @@ mod x86 {
             let (a, b): ([__m256d; 2], [__m256d; 2]) = (cast(*a), cast(*b));
             let add = |a, b, sum| {
                 let difference = self.avx._mm256_sub_pd(a, b);
-                self.fma._mm256_fmadd_pd(difference, difference, sum)
+                self.avx._mm256_add_pd(sum, self.avx._mm256_mul_pd(difference, difference))
             };
             [add(a[0], b[0], sum[0]), add(a[1], b[1], sum[1])]
         }
         #[inline(always)]
         fn sum(self, a: Self::Doubles) -> f64 {
-            cast::<_, [f64; 8]>(a).iter().sum()
+            sum_of(cast(a))
         }
         #[inline(always)]
         fn prefetch<T>(self, values: &[T]) {

@@ -289,7 +289,7 @@ impl Builder<'_> {
                 sum.1 += x * x;
             }
         }
-        let variance = |axis: &usize| sums[*axis].1 / count - (sums[*axis].0 / count).powi(2);
+        let variance = |axis: &usize| sums[*axis].1 / count - maths::square(sums[*axis].0 / count);
         let widest = (0..self.axes).max_by(|a, b| variance(a).total_cmp(&variance(b))).unwrap_or(0);
         let key = |i: &u32| self.points[*i as usize * self.axes + widest];
         order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
@@ -365,7 +365,7 @@ impl Builder<'_> {
             let mut lost = 0.0;
             for (axis, (x, middle)) in self.point(lanes[lane]).iter().zip(middles).enumerate() {
                 let (code, value) = code_of(*x, *middle, half_step);
-                lost += (value - f64::from(*x)).powi(2);
+                lost += maths::square(value - f64::from(*x));
                 quads[axis / QUAD][QUAD * lane + axis % QUAD] = code;
             }
             error = error.max(lost.sqrt());
