@@ -269,7 +269,6 @@ fn bad_loudness_and_bad_controls_stay_finite_and_silence_is_silent() {
     let bad = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300];
     for value in bad {
         let controls = CrackleControls {
-            slot: 0,
             fuel: Fuel::Off,
             slot: usize::MAX,
             density: value,
