@@ -255,16 +255,15 @@ impl Plugin for Vst3Plugin {
             return Err(HostError::Activate("it refuses".to_owned()));
         }
         self.set_active(true);
-        Ok(Box::new(Vst3Processor::new(
+        let processor = Vst3Processor::new(
             self.processor.clone(),
             self.number,
             Buses::new(layout, configuration.max_block),
             setup,
             self.parameters.iter().map(|p| p.id).collect(),
-            Arc::clone(&self.pending),
-            Arc::clone(&self.told),
-            read_controllers(&self.controller),
-        )))
+            [&self.pending, &self.told].map(Arc::clone),
+        );
+        Ok(Box::new(processor.with_controllers(read_controllers(&self.controller))))
     }
 
     fn deactivate(&mut self, mut processor: Box<dyn Processor>) -> Result<(), HostError> {

@@ -119,7 +119,7 @@ fn windowed_sinc(taps: usize, narrow: usize) -> Vec<f64> {
     // The cutoff at which the window's slope ends at half the rate, fitted by rubato's authors for 32 to 2048 taps.
     let n = narrow as f64;
     let cutoff = 1.0
-        / (1.0 + 13.745_202_940_783_823 / n + 121.735_325_863_749_34 / (n * n) + 5964.163_279_612_051 / (n * n * n));
+        / (1.0 + 13.745_202_940_783_823 / n + 121.735_325_863_749_34 / (n * n) + 5_964.163_279_612_051 / (n * n * n));
     let cutoff = cutoff * n / taps as f64;
     let tap = |at: usize| {
         let turn = 2.0 * PI * at as f64 / taps as f64;

@@ -270,6 +270,7 @@ fn bad_loudness_and_bad_controls_stay_finite_and_silence_is_silent() {
     for value in bad {
         let controls = CrackleControls {
             fuel: Fuel::Off,
+            slot: usize::MAX,
             density: value,
             sharpness: value,
             spread: value,

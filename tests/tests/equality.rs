@@ -72,7 +72,7 @@ fn every_preset_in_every_format_with_and_without_automation(inputs: usize, layou
     for (number, factory) in presets.iter().enumerate() {
         for automated in [false, true] {
             // Each preset with automation in one layout and without in the other; all with all in the long tests only.
-            if !is_soak() && automated == ((number + inputs) % 2 == 0) {
+            if !is_soak() && automated == (number + inputs).is_multiple_of(2) {
                 continue;
             }
             let automation = automated.then_some(csv.as_path());

@@ -135,7 +135,10 @@ impl HostContextMenuImpl for MainThread {
             entry(&second.1, second.0),
             Item::EndSubmenu,
         ];
-        items.iter().try_for_each(|item| builder.add_item(item)).map_err(HostError::Error)
+        items
+            .iter()
+            .try_for_each(|item| builder.add_item(item))
+            .map_err(|_| HostError::Message("the plug-in refuses the menu"))
     }
 
     fn perform(&self, target: ContextMenuTarget, action: ClapId) -> Result<(), HostError> {

@@ -43,22 +43,15 @@ impl Vst3Processor {
         buses: Buses,
         setup: ProcessSetup,
         ids: HashSet<u32>,
-        pending: Arc<Mutex<Vec<Event>>>,
-        told: Arc<Mutex<Vec<Event>>>,
-        controllers: Vec<Option<u32>>,
+        [pending, told]: [Arc<Mutex<Vec<Event>>>; 2],
     ) -> Self {
-        Self {
-            processor,
-            instance,
-            buses,
-            setup,
-            ids,
-            pending,
-            told,
-            controllers,
-            messages: Vec::new(),
-            started: false,
-        }
+        let (controllers, messages) = (Vec::new(), Vec::new());
+        Self { processor, instance, buses, setup, ids, pending, told, controllers, messages, started: false }
+    }
+
+    /// With the parameters that controllers are, by number.
+    pub fn with_controllers(self, controllers: Vec<Option<u32>>) -> Self {
+        Self { controllers, ..self }
     }
 
     fn set_processing(&mut self, state: bool) -> i32 {

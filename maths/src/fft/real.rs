@@ -129,7 +129,7 @@ impl RealTransform {
     #[inline(always)]
     fn for_pairs(&self, mut pairs: impl Pairs) {
         let mut bin = 1;
-        while bin + WIDTH <= (self.half_len + 1) / 2 {
+        while bin + WIDTH <= self.half_len.div_ceil(2) {
             pairs.several::<WIDTH>(bin, self.half_len - bin, self.turn(bin));
             bin += WIDTH;
         }

@@ -4,7 +4,7 @@
 //! structure that the parameters say. After each order, and twenty times a second, the worker
 //! does what is missing, for the slot that sounds first. What the user does to a recording is done to that of this slot.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;

@@ -481,7 +481,7 @@ impl Companding {
         output_gain.go_to(place.0, |frame| {
             let (loudness, level) = (loudness[1].frame(frame), levels.frame(frame));
             let exponent = dynamics.next(within(controls.companding.dynamics, 0.0, 1.0));
-            [(loudness / level).powf(exponent), audible(loudness, controls.gate)]
+            [maths::pow(loudness / level, exponent), audible(loudness, controls.gate)]
         });
     }
 

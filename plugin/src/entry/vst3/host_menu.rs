@@ -77,6 +77,7 @@ fn line(menu: &ComPtr<IContextMenu>, place: i32) -> Option<Line> {
     if unsafe { menu.getItem(place, &mut item, &mut target) } != kResultOk {
         return None;
     }
+    #[allow(clippy::unnecessary_cast, reason = "the type of flags is another one on Windows")]
     let has = |flags: Flags| item.flags as u32 & flags as u32 == flags as u32;
     let label = text::read(&item.name);
     // Groups are marked by two flags, of which each has a meaning alone.
