@@ -7,7 +7,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::package::{self, build::program};
+use crate::package::{self, System, build::program};
 use crate::setup::{self, is_program};
 use crate::tally::Tally;
 use crate::{cargo, project};
@@ -115,7 +115,53 @@ fn windows(tally: &mut Tally, build: bool) -> Result<()> {
     let prefix = project::target_dir().join("wine");
     std::fs::create_dir_all(&prefix).context("a folder for Wine")?;
     let environment = [("WINEPREFIX", prefix.to_string_lossy().into_owned()), ("WINEDEBUG", "-all".to_owned())];
-    compare(tally, name, &format!("{wine} {}", built.display()), &environment)
+    compare(tally, name, &format!("{wine} {}", built.display()), &environment)?;
+    if build {
+        tally.step("bounces under Wine", || bounces(wine, &environment));
+    }
+    Ok(())
+}
+
+/// Plays both bundles in our own host, all built for Windows: each writes what the command line writes.
+fn bounces(wine: &str, environment: &[(&str, String)]) -> Result<()> {
+    let player = program("xtask", WINDOWS, WINDOWS_LINKER, "xtask-sound.exe")?;
+    stand_in(&player)?;
+    let folder = project::target_dir().join("wine-bounces");
+    let built = package::build::build(System::Windows)?;
+    package::bundles(System::Windows, &built, &folder.join("bundled"))?;
+    let run = |program: &Path, arguments: &str| -> Result<()> {
+        let mut command = Command::new(wine);
+        command.arg(program).args(arguments.split_whitespace()).current_dir(&folder);
+        command.envs(environment.iter().map(|(name, value)| (*name, value)));
+        // Wine shows the root as drive Z.
+        command.env("CARGO_TARGET_DIR", format!("Z:{}", folder.display())).env("PYROPHONE_CACHE", "");
+        let status = command.status().context("calling wine")?;
+        ensure!(status.success(), "{} {arguments}: {status}", program.display());
+        Ok(())
+    };
+    run(&built.program, "simulate torch --seconds 1 --resolution 32 --output drive.wav")?;
+    for preset in ["extend", "campfire"] {
+        run(&built.program, &format!("render --preset {preset} --input drive.wav --output render.wav"))?;
+        let expected = std::fs::read(folder.join("render.wav")).context("render.wav")?;
+        for format in ["clap", "vst3"] {
+            run(
+                &player,
+                &format!("bounce --format {format} --preset {preset} --offline --input drive.wav --output bounce.wav"),
+            )?;
+            let found = std::fs::read(folder.join("bounce.wav")).context("bounce.wav")?;
+            ensure!(
+                samples(&found) == samples(&expected),
+                "{preset}, {format}: the bounce is not what `render` writes"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// The samples of a WAV file, after whatever else it begins with.
+fn samples(wav: &[u8]) -> Option<&[u8]> {
+    let at = wav.windows(4).position(|name| name == b"data")?;
+    wav.get(at + 8..)
 }
 
 /// Makes the library that Wine 8 lacks and Windows has, and puts it beside the program.

@@ -23,10 +23,7 @@ pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
         let to = stage.join(to);
         install::copy(from, &to).with_context(|| format!("copying {} to {}", from.display(), to.display()))
     };
-    copy(&built.library, "Pyrophone.clap")?;
-    let library = format!("Pyrophone.vst3/Contents/{}/{}", system.vst3_folder(), system.vst3_library());
-    copy(&built.library, &library)?;
-    bundle::describe(&stage.join("Pyrophone.vst3"))?;
+    bundles(system, built, stage)?;
     copy(&built.program, system.program())?;
     for document in DOCUMENTS {
         copy(&project::root().join(document), document)?;
@@ -41,6 +38,17 @@ pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
         write_manual(&built.program, stage)?;
     }
     Ok(())
+}
+
+/// Lays out both bundles in a folder.
+pub fn bundles(system: System, built: &Built, folder: &Path) -> Result<()> {
+    let vst3 = folder.join("Pyrophone.vst3");
+    let inner = vst3.join("Contents").join(system.vst3_folder()).join(system.vst3_library());
+    for to in [folder.join("Pyrophone.clap"), inner] {
+        install::copy(&built.library, &to)
+            .with_context(|| format!("copying {} to {}", built.library.display(), to.display()))?;
+    }
+    bundle::describe(&vst3)
 }
 
 /// What installs and removes a package: folder and name.

@@ -15,7 +15,8 @@ use anyhow::{Context, Result};
 use clap::ValueEnum;
 
 use crate::{project, setup};
-use system::System;
+pub use contents::bundles;
+pub use system::System;
 
 /// For which systems.
 #[derive(Debug, clap::Args)]
