@@ -133,6 +133,8 @@ fn bad_values_are_brought_into_range_or_dropped() {
         "macro_whoosh",
         "noise_amount",
         "quality",
+        "recording_blend",
+        "recording_slot",
         "scaling_auto",
         "take",
         "window",

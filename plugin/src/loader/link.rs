@@ -38,7 +38,7 @@ pub enum Retired {
 }
 
 /// Updates that may be under way; a few suffice, since the loader tries again.
-const UPDATES: usize = 8;
+const UPDATES: usize = 16;
 /// Retired things that may be under way.
 const RETIRED: usize = 32;
 /// Magnitudes that may be under way: three quarters of a minute at 44.1 kHz and six levels, for a

@@ -396,6 +396,7 @@ impl Worker {
 
     fn set_recording(&mut self, slot: usize, recording: Option<Arc<Recording>>) {
         let place = &mut self.slots[slot];
+        let is_empty = recording.is_none() && place.recording.is_none() && place.dictionary.is_none();
         let is_same = |known: &Arc<Recording>| recording.as_ref().is_some_and(|new| Arc::ptr_eq(new, known));
         if !place.recording.as_ref().is_some_and(is_same) {
             place.portrait = None;
@@ -404,7 +405,8 @@ impl Worker {
         place.failed = None;
         let fits = self.has_fitting_dictionary(slot);
         let place = &mut self.slots[slot];
-        place.is_sent &= fits;
+        // The engines need not be told of a slot in which there was nothing and is nothing.
+        place.is_sent &= fits || is_empty;
         if place.recording.is_none() {
             place.dictionary = None;
         }
