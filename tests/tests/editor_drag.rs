@@ -23,7 +23,8 @@ fn a_recorded_take_is_dropped_where_it_is_wanted() {
 
         // A program that does not want it gets nothing, and a click is no drag.
         let spot = RefCell::new(DropSpot::new((1100, 100), false));
-        hand.carry("button.Drag out", spot.borrow().middle(), "the spot is reached", || {
+        let middle = spot.borrow().middle();
+        hand.carry("button.Drag out", middle, "the spot is reached", || {
             assert_eq!(spot.borrow_mut().poll(), None);
             spot.borrow().entered == 1
         });
@@ -36,7 +37,8 @@ fn a_recorded_take_is_dropped_where_it_is_wanted() {
 
         let spot = RefCell::new(DropSpot::new((1150, 400), true));
         (0..40).for_each(|_| hand.pass());
-        hand.carry("button.Drag out", spot.borrow().middle(), "the spot is reached", || {
+        let middle = spot.borrow().middle();
+        hand.carry("button.Drag out", middle, "the spot is reached", || {
             spot.borrow_mut().poll();
             spot.borrow().entered == 1
         });
