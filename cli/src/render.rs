@@ -48,9 +48,9 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     let events = automation.events(rate_hz);
     let field = args.speed_field.as_deref().map(speed_field).transpose()?;
     check_sound(args, &values, &events)?;
-    say_what_is_unused(args, &values, &events);
 
     let sidechain = sidechain(args, main, work)?;
+    say_what_is_unused(args, &values, &events);
     let structure = values.structure();
     let channels = Channels { input: main.channels.len(), sidechain: sidechain.len(), output: outputs };
     let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&source.name))?;

@@ -3,9 +3,8 @@
 mod common;
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use common::{read, reference};
+use common::{read, reference, succeeds};
 use pyrophone_settings::Id;
 use pyrophone_settings::Preset;
 use pyrophone_settings::table::DRIVE_MODES;
@@ -14,8 +13,10 @@ use tempfile::TempDir;
 
 /// The most that is allowed, in dB relative to full scale between samples.
 const MOST_DBTP: f64 = -1.0;
-/// Seconds of what burns by itself.
-const SECONDS: f64 = 12.0;
+/// Seconds of what burns by itself, in every run and in the long tests.
+const SECONDS: [f64; 2] = [5.0, 20.0];
+/// Every so manyeth preset is heard over the reference data; all in the long tests.
+const STRIDE: usize = 5;
 /// Samples on either side from which a value between two samples is found, and places between two at which it is.
 const REACH: i64 = 16;
 const PLACES: i64 = 4;
@@ -55,17 +56,18 @@ fn is_paper(preset: &Preset) -> bool {
     preset.values.structure().dynamics == Dynamics::Paper
 }
 
+/// Whether the long tests run.
+fn is_soak() -> bool {
+    std::env::var_os("PYROPHONE_SOAK").is_some()
+}
+
 struct Studio(TempDir);
 
 impl Studio {
     /// What is rendered louder than it may be, in words.
     fn too_loud(&self, preset: &Preset, options: &str) -> Option<String> {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pyrophone"));
-        command.current_dir(self.0.path()).args(["render", "--quiet", "--preset", &preset.name, "--output", "out.wav"]);
-        // What many presets learn alike is learnt once.
-        command.env("PYROPHONE_CACHE", self.0.path().join("cache")).args(options.split_whitespace());
-        let output = command.output().unwrap();
-        assert!(output.status.success(), "{}: {}", preset.name, String::from_utf8_lossy(&output.stderr));
+        let run = format!("render --preset {} {options} --output out.wav", preset.name);
+        succeeds(self.0.path(), &run);
         let found_db = true_peak_db(&read(&self.0.path().join("out.wav")).channels);
         (found_db > MOST_DBTP).then(|| format!("{}: {found_db:.2} dBTP with {options}", preset.name))
     }
@@ -82,8 +84,8 @@ fn presets_that_burn_by_themselves_stay_below_minus_1_dbtp() {
     let presets = Preset::factory().unwrap();
     let alone: Vec<&Preset> = presets.iter().filter(|preset| burns(preset) && !is_paper(preset)).collect();
     assert!(alone.len() > 20, "{} presets burn by themselves", alone.len());
-    let loud: Vec<String> =
-        alone.iter().filter_map(|preset| studio.too_loud(preset, &format!("--seconds {SECONDS}"))).collect();
+    let options = format!("--seconds {}", SECONDS[usize::from(is_soak())]);
+    let loud: Vec<String> = alone.iter().filter_map(|preset| studio.too_loud(preset, &options)).collect();
     assert!(loud.is_empty(), "{loud:#?}");
 }
 
@@ -92,7 +94,7 @@ fn presets_over_the_reference_data_stay_below_minus_1_dbtp() {
     let Some(folder) = reference() else { return };
     let studio = Studio(tempfile::tempdir().unwrap());
     let mut loud = Vec::new();
-    for preset in Preset::factory().unwrap() {
+    for preset in Preset::factory().unwrap().into_iter().step_by(if is_soak() { 1 } else { STRIDE }) {
         let drive = |name: &str| match burns(&preset) {
             true => "--seconds 12".to_owned(),
             false => format!("--input {}", file(&folder, &format!("signals/{name}.wav"))),

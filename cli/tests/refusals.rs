@@ -99,7 +99,7 @@ fn options_out_of_range() {
         ("--set levels=20", &["levels", "20", "8"]),
         ("--channels 0", &["--channels", "0", "1"]),
         ("--channels 11", &["--channels", "11", "10"]),
-        ("--preset no-such", &["no-such", "factory presets"]),
+        ("--preset no-such", &["no-such", "factory preset"]),
         ("--speed-field good.wav", &["good.wav", "no speed field"]),
         ("--speed-field none.field", &["none.field"]),
         ("--automation none.csv", &["none.csv"]),

@@ -36,8 +36,8 @@ fn a_recorded_take_is_dropped_where_it_is_wanted() {
         hand.click("button.Drag out");
 
         let spot = RefCell::new(DropSpot::new((1150, 400), true));
-        let middle = spot.borrow().middle();
         (0..40).for_each(|_| hand.pass());
+        let middle = spot.borrow().middle();
         hand.carry("button.Drag out", middle, "the spot is reached", || {
             spot.borrow_mut().poll();
             spot.borrow().entered == 1
