@@ -141,6 +141,7 @@ mod tests {
         let whole = run(1000, false);
         assert!([1, 7, 333].iter().all(|cut| run(*cut, false) == whole), "however it is cut");
         assert!(whole[7_500..18_000].iter().all(|x| *x == 0.0));
-        assert_eq!(whole[18_000..], run(1000, true)[18_000..], "as if it had gone on");
+        // Its filters begin with the next of their blocks.
+        assert!(whole[18_100..] == run(1000, true)[18_100..], "then as if it had gone on");
     }
 }
