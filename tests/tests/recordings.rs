@@ -73,8 +73,8 @@ fn the_command_line_renders_what_the_plug_in_plays() {
     pyrophone_recording::write_wav_f32(&studio.path("flame.wav"), &input, RATE_HZ as u32).expect("written");
     let output = studio.path("out.wav");
     let done = Command::new(command_line())
-        .arg("render")
-        .args([studio.path("flame.wav"), output.clone()].map(|path| path.into_os_string()).iter().take(1))
+        .args(["render", "--input"])
+        .arg(studio.path("flame.wav"))
         .arg("--recording")
         .arg(studio.path("fire.wav"))
         .arg("--recording-b")

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::Recorded;
 use super::equalizer::Equalizer;
 use super::image::Image;
+use super::recorded::Recorded;
 
 /// Factor by which, from sample to sample, the rest of a recording ends that was taken away.
 const FADE: f64 = 0.99;

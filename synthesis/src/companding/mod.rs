@@ -23,6 +23,7 @@
 //! | [`equalizer`] | towards the recording's spectrum |
 //! | `image` | towards the recording's stereo image |
 //! | `deck` | from texture of one recording to what is heard of it |
+//! | `recorded` | what a slot's texture is made of |
 //! | `gain` | the factor on texture |
 //! | [`low_end`] | the drive's own low end |
 
@@ -38,6 +39,7 @@ pub mod level;
 pub mod low_end;
 pub mod profile;
 mod ramp;
+mod recorded;
 
 use std::ops::Range;
 
@@ -55,16 +57,14 @@ use gain::OutputGain;
 pub use learn::loudnesses;
 use level::{NOMINAL, RunningLevel};
 use low_end::LowEnd;
-pub use profile::Profile;
+use profile::MATCHED_HZ;
+pub use profile::{MATCH_EXPONENT, Profile};
 use ramp::Ramp;
+pub use recorded::Recorded;
 
-/// How much of both loudnesses is taken out before matching.
-pub const MATCH_EXPONENT: f64 = 0.6;
 /// How much louder than the recording's mean the drive is matched: quiet windows are many, loud
 /// ones are what fire is made of.
 const MATCH_FACTOR: f64 = 2.83;
-/// What texture's top level hears of the drive, about: its loudness is that of what lies below, in Hz.
-const MATCHED_HZ: f64 = 600.0;
 /// Time constants of the loudness's power, in seconds: 8 Hz.
 const PAST_S: f64 = 0.02;
 /// What matching knows of the future.
@@ -504,21 +504,6 @@ impl Companding {
             }
             below / levels.frame(frame)
         })
-    }
-}
-
-/// What a slot's texture is made of.
-#[derive(Debug, Clone, Copy)]
-pub struct Recorded<'a> {
-    /// The recording's side; none where the slot is empty.
-    pub profile: Option<&'a Profile>,
-    /// Factor on what is made of it, relative to the others.
-    pub gain: f64,
-}
-
-impl Default for Recorded<'_> {
-    fn default() -> Self {
-        Self { profile: None, gain: 1.0 }
     }
 }
 

@@ -3,12 +3,15 @@
 use super::bands::Power;
 use super::equalizer::design_low_pass;
 use super::frames::frame_samples;
-use super::{MATCH_EXPONENT, MATCHED_HZ};
 use crate::bulk::bulk_fields;
 use crate::filter::{Section, section_gain};
 use crate::texture::dictionary::mean_of;
 use bitcode::{Decode, Encode};
 
+/// How much of both loudnesses is taken out before matching.
+pub const MATCH_EXPONENT: f64 = 0.6;
+/// What texture's top level hears of the drive, about: its loudness is that of what lies below, in Hz.
+pub(super) const MATCHED_HZ: f64 = 600.0;
 /// Corner in Hz of the loudness that is taken out.
 const LOUDNESS_HZ: f64 = 8.0;
 /// Part of the loudest below which loudness is not followed: -50 dB.

@@ -1,0 +1,18 @@
+//! What texture of a slot is made of.
+
+use super::profile::Profile;
+
+/// What a slot's texture is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Recorded<'a> {
+    /// The recording's side; none where the slot is empty.
+    pub profile: Option<&'a Profile>,
+    /// Factor on what is made of it, relative to the others.
+    pub gain: f64,
+}
+
+impl Default for Recorded<'_> {
+    fn default() -> Self {
+        Self { profile: None, gain: 1.0 }
+    }
+}
