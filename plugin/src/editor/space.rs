@@ -5,13 +5,15 @@ use egui::Rect;
 use super::controls::{self, Page};
 use super::hand::Hand;
 use super::play::Parts;
-use super::{GAP, listen, meter_bridge, part};
+use super::{GAP, listen, meter_bridge, part, theme};
 
 /// Most of the width that the view takes, and width of the meters, in points.
 const VIEW: f32 = 0.5;
 const METERS: f32 = 190.0;
 /// Below this width there is no room for the meters.
 const ROOM_FOR_METERS: f32 = 900.0;
+/// Below this height there is none for the output's spectrogram under the view.
+const ROOM_FOR_COURSE: f32 = 60.0;
 
 /// The page.
 pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
@@ -19,6 +21,10 @@ pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut Han
     let (view, right) = rest.split_left_right_at_x(rest.left() + side);
     let channels = parts.monitor.channels();
     parts.monitor.space.show(ui, view.with_max_y(view.top() + side), channels, hand);
+    let below = view.with_min_y(view.top() + side + GAP);
+    if below.height() >= ROOM_FOR_COURSE {
+        parts.monitor.output.show(ui, below, theme::EMBER);
+    }
     let mut controls = right.with_min_x(right.left() + GAP);
     if rest.width() >= ROOM_FOR_METERS {
         let meters = controls.with_min_x(controls.right() - METERS);

@@ -13,6 +13,8 @@ use super::Parts;
 const ROW: f32 = 22.0;
 const LINE: f32 = 20.0;
 const GAP: f32 = 5.0;
+/// Height of the two rows for what is recorded, in points.
+const FOOT: f32 = 50.0;
 
 /// The panel.
 pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
@@ -26,7 +28,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
         hand.set_once(Id::Take as usize, f64::from(take));
     }
     amount_field(ui, amount.with_min_x(amount.left() + 2.0), hand);
-    let foot = inner.with_min_y(inner.bottom() - 2.0 * LINE);
+    let foot = inner.with_min_y(inner.bottom() - FOOT);
     let list = inner.with_min_y(top.bottom() + GAP).with_max_y(foot.top() - GAP);
     takes(ui, list, hand);
     recording(ui, foot, parts, hand);

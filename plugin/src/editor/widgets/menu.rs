@@ -15,6 +15,8 @@ pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut Hand<'
         hand.params.host_menu.ask(index);
     }
     response.context_menu(|ui| {
+        // What a host offers may be long.
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         let default = parameter.to_text(parameter.default_value());
         if entry(ui, format!("Reset to {default}"), "Reset") {
             hand.set_once(index, parameter.default_value());
