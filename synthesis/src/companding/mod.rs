@@ -44,7 +44,7 @@ use crate::smoothed::Smoothed;
 use crate::texture::Distribution;
 use crate::timeline::Timeline;
 use equalizer::Equalizer;
-use frames::{Kernel, Track, frame_samples};
+use frames::{Kernel, Places, Track, frame_samples};
 use image::Image;
 pub use learn::loudnesses;
 use level::{NOMINAL, RunningLevel};
@@ -265,10 +265,10 @@ impl Companding {
         flat.copy_from_slice(drive);
         self.wait.process(flat);
         let undertone = UNDERTONE * MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms);
+        let mut places = self.places(self.now - self.wait_samples, 0);
         for (i, sample) in drive.iter().enumerate() {
             self.measure(*sample, controls);
-            let place = self.place(self.now - self.wait_samples, 0);
-            let gain = self.flat_gain_at(place, profile);
+            let gain = self.flat_gain_at(places.step(), profile);
             flat[i] = flat[i] * gain + undertone * self.noise.at(self.position.wrapping_add(self.now));
             loudness[i] = self.heard;
             self.now += 1;
@@ -303,10 +303,13 @@ impl Companding {
         let mut start = 0;
         while start < samples {
             let (controls, end) = self.run(start, samples, self.latency_samples);
+            let mut places = self.places(self.now - (samples - start) as i64 - self.latency_samples, 1);
+            let below = profile.map_or(0.0, |profile| {
+                profile.rms_below(within(controls.companding.low_end_hz, low_end::LOWEST_HZ, low_end::HIGHEST_HZ))
+            });
             for (i, drive) in drive.iter_mut().enumerate().take(end).skip(start) {
-                let sample = self.now - (samples - i) as i64 - self.latency_samples;
-                let place = self.place(sample, 1);
-                let (gain, low_gain) = self.output_gains_at(place, &controls, profile);
+                let place = places.step();
+                let (gain, low_gain) = self.output_gains_at(place, &controls, profile, below);
                 self.relative_block[i] = self.relative_at(place, &controls);
                 channels.iter_mut().for_each(|channel| channel[i] *= gain);
                 *drive *= low_gain;
@@ -342,10 +345,9 @@ impl Companding {
         (controls, end.clamp(start as i64 + 1, samples as i64) as usize)
     }
 
-    /// Which frames' loudness holds at `sample` since reset: that told while the frame's future had arrived.
-    fn place(&self, sample: i64, kernel: usize) -> (i64, f64) {
-        let (frame, part) = self.loudness[kernel].place(sample + self.origin);
-        (frame + self.kernels[kernel].look_ahead(), part)
+    /// Which frames' loudness holds at `sample` since reset and those after it: that told while the frame's future had arrived.
+    fn places(&self, sample: i64, kernel: usize) -> Places {
+        self.loudness[kernel].places(sample + self.origin).later(self.kernels[kernel].look_ahead())
     }
 
     /// Takes one sample of the drive into account.
@@ -417,21 +419,16 @@ impl Companding {
         })
     }
 
-    /// Factors on texture and on the drive's low end.
+    /// Factors on texture and on the drive's low end, which the recording has as loud as `below`.
     fn output_gains_at(
         &mut self,
         place: (i64, f64),
         controls: &TextureControls,
         profile: Option<&Profile>,
+        below: f64,
     ) -> (f64, f64) {
         let Self { output_gain, low_gain_ramp, loudness, levels, dynamics, .. } = self;
-        let (own_level, below) = match profile {
-            Some(profile) => {
-                let crossover_hz = within(controls.companding.low_end_hz, low_end::LOWEST_HZ, low_end::HIGHEST_HZ);
-                (profile.level, profile.rms_below(crossover_hz))
-            }
-            None => (0.0, 0.0),
-        };
+        let own_level = profile.map_or(0.0, |profile| profile.level);
         let gain = output_gain.at(place, |frame| {
             let (loudness, level) = (loudness[1].frame(frame), levels.frame(frame));
             let exponent = dynamics.next(within(controls.companding.dynamics, 0.0, 1.0));
