@@ -3,7 +3,7 @@
 use bitcode::{Decode, Encode};
 use rayon::prelude::*;
 
-use super::codes::{Frame, QUAD, Quad, Scale, code_of, half_step_for, middle_and_half, square};
+use super::codes::{Frame, QUAD, Quad, Scale, code_of, first_axes, half_step_for, middle_and_half, square};
 use super::lanes::Lanes;
 use super::{LANES, Step};
 use crate::Error;
@@ -65,8 +65,9 @@ pub struct Tree {
     /// Of every leaf: a quad for every four axes.
     #[bitcode(skip)]
     codes: Vec<Quad>,
+    /// Of every leaf: along the first axes, and along the others.
     #[bitcode(skip)]
-    squares: Vec<[i32; LANES]>,
+    squares: Vec<[[i32; LANES]; 2]>,
     #[bitcode(skip)]
     windows: Vec<[u32; LANES]>,
     #[bitcode(skip)]
@@ -85,10 +86,10 @@ bulk_fields!(Tree: frames, codes, squares, windows, groups, faces);
 pub struct Leaf<'a> {
     /// The group whose frame its codes lie in.
     pub group: u32,
-    /// Its points.
-    pub codes: &'a [Quad],
-    /// Their squared lengths in half-steps.
-    pub squares: &'a [i32; LANES],
+    /// Its points, along the first axes and along the others.
+    pub codes: [&'a [Quad]; 2],
+    /// Their squared lengths in half-steps, likewise.
+    pub squares: &'a [[i32; LANES]; 2],
     /// Window numbers.
     pub windows: &'a [u32; LANES],
 }
@@ -142,7 +143,7 @@ impl Tree {
         let quads = self.axes / QUAD;
         Leaf {
             group: self.groups[leaf],
-            codes: &self.codes[leaf * quads..][..quads],
+            codes: self.codes[leaf * quads..][..quads].split_at(first_axes(self.axes) / QUAD).into(),
             squares: &self.squares[leaf],
             windows: &self.windows[leaf],
         }
@@ -167,9 +168,7 @@ impl Tree {
         match child.kind() {
             Kind::Leaf(leaf) => {
                 let quads = self.axes / QUAD;
-                let codes = &self.codes[leaf * quads..][..quads];
-                lanes.prefetch(codes);
-                lanes.prefetch(&codes[quads / 2..]);
+                lanes.prefetch(&self.codes[leaf * quads..]);
             }
             Kind::Node(node) => lanes.prefetch(&self.faces[node * self.axes..]),
         }
@@ -177,7 +176,7 @@ impl Tree {
 
     /// Bytes held, about.
     pub fn bytes(&self) -> usize {
-        let of_leaf = size_of::<[u32; LANES]>() + size_of::<[i32; LANES]>() + size_of::<u32>();
+        let of_leaf = size_of::<[u32; LANES]>() + size_of::<[[i32; LANES]; 2]>() + size_of::<u32>();
         let leaves = self.windows.len() * of_leaf + self.codes.len() * size_of::<Quad>();
         let groups = self.frames.len() * size_of::<f32>() + self.scales.len() * size_of::<Scale>();
         let nodes =
@@ -361,16 +360,17 @@ impl Builder<'_> {
         let lanes: [u32; LANES] = std::array::from_fn(|lane| order[lane.min(order.len() - 1)]);
         let mut quads = vec![[0; QUAD * LANES]; self.axes / QUAD];
         let mut error = 0.0f64;
-        let squares = std::array::from_fn(|lane| {
+        let mut squares = [[0; LANES]; 2];
+        for (lane, point) in lanes.iter().map(|point| self.point(*point)).enumerate() {
             let mut lost = 0.0;
-            for (axis, (x, middle)) in self.point(lanes[lane]).iter().zip(middles).enumerate() {
+            for (axis, (x, middle)) in point.iter().zip(middles).enumerate() {
                 let (code, value) = code_of(*x, *middle, half_step);
                 lost += (value - f64::from(*x)).powi(2);
                 quads[axis / QUAD][QUAD * lane + axis % QUAD] = code;
+                squares[usize::from(axis >= first_axes(self.axes))][lane] += square(code);
             }
             error = error.max(lost.sqrt());
-            square(quads.iter().flat_map(|quad| quad[QUAD * lane..][..QUAD].iter().copied()))
-        });
+        }
         tree.codes.extend(quads);
         tree.squares.push(squares);
         tree.windows.push(lanes.map(|i| self.windows[i as usize]));
