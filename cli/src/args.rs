@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use pyrophone_flame::scenes::Scene;
 use pyrophone_settings::Id;
 
@@ -173,17 +173,18 @@ pub struct ExtendArgs {
 
 /// Options of `pyrophone render`.
 #[derive(Debug, Args)]
+#[group(skip)]
+#[command(group = ArgGroup::new("length").args(["input", "seconds"]).required(true).multiple(false))]
 pub struct RenderArgs {
-    /// Preset: a factory preset (default, extend, texture, texture-paper, flame, campfire, flamethrower, explosion,
-    /// swinging-torch, paper-candle, paper-torch, paper-dragon, paper-burning-brick, paper-flame-jet), one of your own, or
-    /// a preset file; names are not case-sensitive
+    /// Preset: a factory preset or one of your own, by name or title in any case (`pyrophone presets` lists them), or a
+    /// preset file
     #[arg(long, value_name = "FILE|NAME")]
     pub preset: String,
     /// Main input
-    #[arg(long, value_name = "IN.wav", required_unless_present = "seconds")]
+    #[arg(long, value_name = "IN.wav")]
     pub input: Option<PathBuf>,
     /// Length of the output, for presets that need no input, 0.01-3600
-    #[arg(long, value_name = "S", conflicts_with = "input", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Sample rate of an output without an input
     #[arg(long, value_name = "HZ", default_value_t = 48_000, requires = "seconds", conflicts_with = "input")]
@@ -210,6 +211,9 @@ pub struct RenderArgs {
     /// Normalise that part of the recording to full scale first
     #[arg(long, alias = "recording-normalise", requires = "training")]
     pub training_normalise: bool,
+    /// Second fire recording, in slot 2: --set recording_blend=50 mixes half of it in, recording_slot=2 plays it alone
+    #[arg(long, value_name = "B.wav")]
+    pub recording_b: Option<PathBuf>,
     /// Source of the input's loudness distribution, instead of the preset's choice
     #[arg(long, value_enum)]
     pub dynamic_range: Option<DynamicRange>,

@@ -108,6 +108,13 @@ fn fail(error: &Error) -> ExitCode {
     ExitCode::FAILURE
 }
 
+/// The command that explains the command that was typed.
+fn help() -> String {
+    let commands = Cli::command();
+    let typed = std::env::args().skip(1).find(|word| commands.find_subcommand(word).is_some());
+    typed.map_or_else(|| "pyrophone --help".to_owned(), |command| format!("pyrophone {command} --help"))
+}
+
 /// Help and version as they are; an error in one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
@@ -118,6 +125,6 @@ fn usage(error: &clap::Error) -> ExitCode {
     let text = error.to_string();
     let is_hint = |line: &str| line.starts_with("Usage:") || line.starts_with("For more information");
     let message: Vec<&str> = text.lines().take_while(|line| !is_hint(line)).flat_map(str::split_whitespace).collect();
-    eprintln!("{}; see `pyrophone --help`", message.join(" "));
+    eprintln!("{}; see `{}`", message.join(" "), help());
     ExitCode::from(2)
 }

@@ -51,8 +51,9 @@ pub fn run(as_json: bool) -> Result<(), Error> {
     let widest = presets.iter().map(|preset| preset.name.chars().count()).max().unwrap_or(0);
     let line = |preset: &Listed| {
         let mark = if preset.path.is_some() { "yours: " } else { "" };
-        let description = preset.description.replace(['\n', '\r'], " ");
-        format!("{:widest$}  {mark}{description}\n", preset.name)
+        let title = if preset.title == preset.name { String::new() } else { format!("{}: ", preset.title) };
+        let text = format!("{mark}{title}{}", preset.description).replace(['\n', '\r'], " ");
+        format!("{:widest$}  {text}\n", preset.name)
     };
     print(&presets.iter().map(line).collect::<String>());
     Ok(())

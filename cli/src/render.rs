@@ -10,7 +10,7 @@ use std::sync::Arc;
 use pyrophone_flame::live::{Inline, LiveFlow};
 use pyrophone_recording::{Cut, MAX_CHANNELS, Recording};
 use pyrophone_settings::automation::Event;
-use pyrophone_settings::table::{DYNAMIC_RANGES, VORTEX_FLOWS};
+use pyrophone_settings::table::{DRIVE_MODES, DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, learn};
 use pyrophone_synthesis::controls::Fuel;
@@ -50,20 +50,11 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     check_sound(args, &values, &events)?;
 
     let sidechain = sidechain(args, main, work)?;
+    say_what_is_unused(args, &values, &events);
     let structure = values.structure();
     let channels = Channels { input: main.channels.len(), sidechain: sidechain.len(), output: outputs };
     let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&source.name))?;
-    if let Some(path) = &args.training {
-        let cut =
-            Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
-        let recording = input::load(path, work)?;
-        check_region(args.training_region, &recording, path)?;
-        let dictionary = training::dictionary(&recording, path, &cut, rate_hz, &structure, work)?;
-        if dictionary.is_impulsive() && !values.controls().texture.scaling_auto {
-            note(&format!("{}: {IMPULSIVE}", path.display()));
-        }
-        drop(chain.swap_dictionary(Some(dictionary)));
-    }
+    load_recordings(&mut chain, args, &values, work)?;
     simulate_gas(&mut chain)?;
     if let Some(field) = field {
         drop(chain.swap_field(Some(Arc::new(field))));
@@ -84,9 +75,34 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     Ok(Done { latency_samples: Some(chain.latency_samples()), ..Done::with_sound(&args.output, sound) })
 }
 
+/// Gives the engines the recordings, the second one in the slot after the first.
+fn load_recordings(chain: &mut Chain, args: &RenderArgs, values: &Values, work: &Work) -> Result<(), Error> {
+    let cut = Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
+    let (rate_hz, structure) = (chain.sample_rate_hz(), values.structure());
+    for (slot, path, cut) in [(0, &args.training, cut), (1, &args.recording_b, Cut::default())] {
+        let Some(path) = path else { continue };
+        let recording = input::load(path, work)?;
+        check_region(cut.region_s, &recording, path)?;
+        let dictionary = training::dictionary(&recording, path, &cut, rate_hz, &structure, work)?;
+        if dictionary.is_impulsive() && !values.controls().texture.scaling_auto {
+            note(&format!("{}: {IMPULSIVE}", path.display()));
+        }
+        drop(chain.swap_slot(slot, Some(dictionary)));
+    }
+    Ok(())
+}
+
 /// Refuses an output that could not be written, or is one of the files that it is made from.
 fn check_output(args: &RenderArgs) -> Result<(), Error> {
-    let sources = [&args.input, &args.sidechain, &args.training, &args.learn, &args.speed_field, &args.automation];
+    let sources = [
+        &args.input,
+        &args.sidechain,
+        &args.training,
+        &args.recording_b,
+        &args.learn,
+        &args.speed_field,
+        &args.automation,
+    ];
     let sources = sources.into_iter().flatten().map(|path| path.as_path());
     let sources: Vec<&Path> = sources.chain([Path::new(&args.preset)]).collect();
     output::check(&args.output, &sources)
@@ -137,13 +153,15 @@ fn values(args: &RenderArgs) -> Result<Values, Error> {
 }
 
 fn output_channels(args: &RenderArgs, main: &Recording) -> Result<usize, Error> {
-    let least = main.channels.len();
-    let found = args.channels.unwrap_or(least);
+    // What comes from no file has as many as are asked for.
+    let least = if args.input.is_some() { main.channels.len() } else { 1 };
+    let found = args.channels.unwrap_or(main.channels.len());
     if (least..=MAX_CHANNELS).contains(&found) {
         return Ok(found);
     }
+    let least = if args.input.is_some() { format!("the input's {least}") } else { least.to_string() };
     Err(Error::Conflict(format!(
-        "--channels is {found}, but must lie between the input's {least} and {MAX_CHANNELS}; choose a number in that range"
+        "--channels is {found}, but must lie between {least} and {MAX_CHANNELS}; choose a number in that range"
     )))
 }
 
@@ -159,7 +177,14 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     if args.speed_field.is_some() && !(follows && may_sound(Id::VortexLevel)) {
         note("the speed field is not used: that needs vortex_flow=field and a vortex_level");
     }
-    if args.training.is_some() || !may_sound(Id::TextureLevel) {
+    let is_set = |id: Id, is_wanted: fn(f64) -> bool| {
+        is_wanted(values.get(id)) || events.iter().any(|event| event.parameter == id as usize && is_wanted(event.value))
+    };
+    let uses_second = is_set(Id::RecordingBlend, |blend| blend > 0.0) || is_set(Id::RecordingSlot, |slot| slot == 1.0);
+    if args.recording_b.is_some() && !uses_second {
+        note("the second recording is not used: that needs a recording_blend, or recording_slot=2");
+    }
+    if args.training.is_some() || args.recording_b.is_some() && uses_second || !may_sound(Id::TextureLevel) {
         return Ok(());
     }
     if values.structure().dynamics == Dynamics::Companded {
@@ -175,6 +200,24 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     }
     let message = format!("preset {}: only texture is on, but there is no recording; add --training", args.preset);
     Err(Error::Conflict(message))
+}
+
+/// Says which sounds the drive does not listen to.
+fn say_what_is_unused(args: &RenderArgs, values: &Values, events: &[Event]) {
+    let listens = |wanted: &dyn Fn(&str) -> bool| {
+        let is_wanted = |plain: f64| DRIVE_MODES.get(plain as usize).is_some_and(|mode| wanted(mode));
+        let mut modes = events.iter().filter(|event| event.parameter == Id::DriveMode as usize);
+        is_wanted(values.get(Id::DriveMode)) || modes.any(|event| is_wanted(event.value))
+    };
+    if args.input.is_some() && !listens(&|mode| mode != "flame") {
+        note(
+            "drive_mode is flame: a built-in flame burns, and the input only sets length, sample rate and channels; \
+             choose another drive_mode to be driven by it",
+        );
+    }
+    if args.sidechain.is_some() && !listens(&|mode| mode == "envelope") {
+        note("the sidechain is not used: that needs drive_mode=envelope");
+    }
 }
 
 /// The sidechain's channels at the input's rate and of its length: cut, or followed by silence.

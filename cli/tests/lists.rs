@@ -46,6 +46,7 @@ fn presets_lists_the_factory_s_and_the_user_s() {
     let (plain, notes) = run(&["presets"]);
     assert_eq!(plain.lines().count(), FACTORY.len() + 1);
     assert!(plain.contains("swinging-torch") && plain.contains("Mein Glutofen"));
+    assert!(plain.contains("Hearth, evening: "), "titles are listed: {plain}");
     assert!(notes.starts_with("note: ") && notes.contains("broken.toml"), "{notes}");
     let (json, _) = run(&["presets", "--json", "-q"]);
     let json: Value = serde_json::from_str(&json).unwrap();

@@ -142,22 +142,15 @@ fn silence_and_channels_that_cancel_are_said_of_a_recording() {
     assert!(of("silent.wav").contains("silent.wav: it is silent"));
 }
 
+/// They would cost many times as much as other samples, if they reached the engines.
 #[test]
-fn denormal_recordings_cost_no_more_than_others() {
+fn denormal_recordings_are_silent() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     write(at, "in.wav", &[rumble(48_000, 48_000)], 48_000);
-    let loud = hiss(96_000, 4);
-    write(at, "denormal.wav", &[loud.iter().map(|sample| sample * 1e-39).collect()], 48_000);
-    write(at, "loud.wav", &[loud], 48_000);
-    let seconds = |name: &str| {
-        let start = std::time::Instant::now();
-        notes(at, &format!("render --preset default --input in.wav --training {name} --output out.wav"));
-        start.elapsed().as_secs_f64()
-    };
-    seconds("loud.wav");
-    let (loud_s, denormal_s) = (seconds("loud.wav"), seconds("denormal.wav"));
-    assert!(denormal_s < 3.0 * loud_s + 1.0, "{denormal_s} s instead of {loud_s} s");
+    write(at, "denormal.wav", &[hiss(48_000, 4).iter().map(|sample| sample * 1e-39).collect()], 48_000);
+    let said = notes(at, "render --preset default --input in.wav --training denormal.wav --output out.wav");
+    assert!(said.contains("denormal.wav: it is silent"), "{said}");
     assert!(read(&at.join("out.wav")).channels[0].iter().all(|sample| sample.is_finite()));
 }
 

@@ -99,7 +99,7 @@ fn options_out_of_range() {
         ("--set levels=20", &["levels", "20", "8"]),
         ("--channels 0", &["--channels", "0", "1"]),
         ("--channels 11", &["--channels", "11", "10"]),
-        ("--preset no-such", &["no-such", "factory presets"]),
+        ("--preset no-such", &["no-such", "factory preset"]),
         ("--speed-field good.wav", &["good.wav", "no speed field"]),
         ("--speed-field none.field", &["none.field"]),
         ("--automation none.csv", &["none.csv"]),
@@ -179,5 +179,31 @@ fn misunderstood() {
         ("render --preset default --input good.wav --output out.wav --dynamic-range wide", "wide"),
     ] {
         refuses(folder.path(), arguments, 2, &[says, "--help"]);
+    }
+}
+
+/// Each error of the command line names the help of the command that was typed.
+#[test]
+fn usage_errors_name_the_command_s_own_help() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, says) in [
+        ("render --preset hearth --output o.wav", ["--seconds", "see `pyrophone render --help`"]),
+        (
+            "render --preset hearth --seconds 1 --input a.wav --output o.wav",
+            ["--input", "see `pyrophone render --help`"],
+        ),
+        ("flux --no-such-option", ["--no-such-option", "see `pyrophone flux --help`"]),
+        ("no-such-command", ["no-such-command", "see `pyrophone --help`"]),
+    ] {
+        refuses(folder.path(), arguments, 2, &says);
+    }
+}
+
+#[test]
+fn channels_beyond_the_range_are_refused_without_an_input_too() {
+    let folder = tempfile::tempdir().unwrap();
+    for channels in ["0", "11"] {
+        let arguments = format!("render --preset hearth --seconds 0.1 --channels {channels} --output o.wav");
+        refuses(folder.path(), &arguments, 1, &["--channels", channels, "between 1 and 10"]);
     }
 }

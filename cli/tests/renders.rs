@@ -217,16 +217,16 @@ fn low_part_of_the_extension_is_in_time() {
 fn settings_and_automation_act() {
     let folder = folder();
     // Without the ceiling, which bends what is loud.
-    let plain = "render --preset extend --input mono.wav --set ceiling=off";
-    let plain = read(&made(&folder, "plain.wav", plain));
+    let plain = "render --preset extend --input mono.wav --set ceiling=off --set output_level=0";
+    let unautomated = read(&made(&folder, "plain.wav", plain));
     let silent = made(&folder, "off.wav", "render --preset extend --input mono.wav --set output_level=-60");
-    assert!(peak(&silent) < 0.002 * plain.channels[0].iter().fold(0.0f32, |peak, sample| peak.max(sample.abs())));
+    assert!(peak(&silent) < 0.002 * unautomated.channels[0].iter().fold(0.0f32, |peak, sample| peak.max(sample.abs())));
 
     std::fs::write(folder.path().join("steps.csv"), "sample,id,value\n15000,output_level,-60\n").unwrap();
-    let stepped = "render --preset extend --input mono.wav --set ceiling=off --automation steps.csv";
-    let stepped = read(&made(&folder, "stepped.wav", stepped));
-    assert_eq!(stepped.channels[0][..14_000], plain.channels[0][..14_000]);
-    for (stepped, plain) in stepped.channels[0].iter().zip(&plain.channels[0]).skip(18_000) {
+    let stepped = format!("{plain} --automation steps.csv");
+    let stepped = read(&made(&folder, "stepped.wav", &stepped));
+    assert_eq!(stepped.channels[0][..14_000], unautomated.channels[0][..14_000]);
+    for (stepped, plain) in stepped.channels[0].iter().zip(&unautomated.channels[0]).skip(18_000) {
         assert!(
             (stepped - 0.001 * plain).abs() < 1e-4 * plain.abs() + 1e-7,
             "{stepped} after the step, {plain} without"
@@ -264,4 +264,20 @@ fn betas_without_reference() {
     assert!(rows[2].starts_with("1,0.01133333"), "{}", rows[2]);
     let betas: Vec<f64> = rows[1..].iter().map(|row| row.rsplit(',').next().unwrap().parse().unwrap()).collect();
     assert!(betas[5..50].iter().all(|beta| *beta > 0.0), "{betas:?}");
+}
+
+#[test]
+fn sounds_that_the_drive_ignores_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "in.wav", &[rumble(4_800, 48_000)], 48_000);
+    let notes = |options: &str| {
+        let run = format!("render --preset hearth --input in.wav --output o.wav {options}");
+        let output = common::pyrophone(folder.path(), &run);
+        assert!(output.status.success(), "{run}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let found = notes("--sidechain in.wav");
+    assert!(found.contains("only sets length") && found.contains("the sidechain is not used"), "{found}");
+    let found = notes("--sidechain in.wav --set drive_mode=envelope");
+    assert!(!found.contains("only sets length") && !found.contains("is not used"), "{found}");
 }

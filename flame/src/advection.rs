@@ -48,7 +48,7 @@ pub fn fit(pairs: &[(Grid<1>, Grid<1>, Velocity)], time_s: f64) -> Option<Fit> {
     if !(still.is_finite() && still > 0.0) {
         return None;
     }
-    let factors = (-MOST_STEPS..=MOST_STEPS).map(|step| 2f64.powf(0.5 * f64::from(step)));
+    let factors = (-MOST_STEPS..=MOST_STEPS).map(|step| maths::pow(2.0, 0.5 * f64::from(step)));
     let tried: Vec<(f64, f64)> = factors.map(|factor| (factor, unexplained(factor) / still)).collect();
     let (factor, left) = tried.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let left_at_one = tried.get(MOST_STEPS as usize)?.1;
@@ -65,7 +65,7 @@ fn mismatch(before: &Grid<1>, after: &Grid<1>, flow: &Velocity, voxels: &[[i32; 
         let from = std::array::from_fn(|axis| world[axis] - time_s * speed[axis]);
         let expected = trilinear(before, transform.to_index(from))[0];
         let found = trilinear(after, after.transform().to_index(world))[0];
-        (found - expected).powi(2)
+        maths::square(found - expected)
     };
     voxels.iter().map(miss).sum()
 }

@@ -160,7 +160,7 @@ pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
         return Err(Error::NotFinite { what: "flux" });
     }
     // Smaller than this it is rounding, or nothing.
-    let to_peak = if peak > f64::MIN_POSITIVE { 10f64.powf(options.peak_db / 20.0) / peak } else { 1.0 };
+    let to_peak = if peak > f64::MIN_POSITIVE { maths::pow(10.0, options.peak_db / 20.0) / peak } else { 1.0 };
     let scale = options.scale.unwrap_or(to_peak);
     Ok(Sound { samples: samples.into_iter().map(|sample| (sample * scale) as f32).collect(), scale })
 }

@@ -12,7 +12,7 @@ pub fn seamless(values: &[f64], fade: usize) -> Vec<f64> {
     let mut looped = period.to_vec();
     for (n, (value, leaving)) in looped.iter_mut().zip(beyond).enumerate() {
         let angle = std::f64::consts::FRAC_PI_2 * n as f64 / fade as f64;
-        *value = mean + angle.sin() * (*value - mean) + angle.cos() * (leaving - mean);
+        *value = mean + maths::sin(angle) * (*value - mean) + maths::cos(angle) * (leaving - mean);
     }
     looped
 }

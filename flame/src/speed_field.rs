@@ -41,7 +41,7 @@ impl Regions {
         let voxel = voxel.max(1e-9);
         let size: [f64; 3] = std::array::from_fn(|axis| (high[axis] - low[axis]).max(voxel));
         // The largest cubes of which at most so many fit: by volume first, then finer than that never.
-        let mut edge = (size.iter().product::<f64>() / MOST_REGIONS).cbrt().max(voxel);
+        let mut edge = maths::cbrt(size.iter().product::<f64>() / MOST_REGIONS).max(voxel);
         let cut = |edge: f64| size.map(|size| (size / edge).round().max(1.0) as usize);
         while cut(edge).iter().product::<usize>() as f64 > MOST_REGIONS {
             edge *= 1.02;

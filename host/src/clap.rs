@@ -41,6 +41,7 @@ pub(crate) struct ClapPlugin {
     ranges: Arc<HashMap<u32, Range>>,
     flags: Arc<Flags>,
     pending: Arc<Mutex<Vec<Event>>>,
+    told: Arc<Mutex<Vec<Event>>>,
     editor_is_open: bool,
 }
 
@@ -72,6 +73,7 @@ impl ClapPlugin {
             ranges: Arc::new(ranges),
             flags,
             pending: Arc::default(),
+            told: Arc::default(),
             editor_is_open: false,
         })
     }
@@ -226,6 +228,7 @@ impl Plugin for ClapPlugin {
             configuration.sample_rate,
             Arc::clone(&self.ranges),
             Arc::clone(&self.pending),
+            Arc::clone(&self.told),
         )))
     }
 
@@ -243,6 +246,14 @@ impl Plugin for ClapPlugin {
         unplayed.iter().try_for_each(|event| self.set_value(event.id, event.value))
     }
 
+    fn take_told_values(&mut self) -> Vec<Event> {
+        std::mem::take(&mut *lock(&self.told))
+    }
+
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {
+        self.flags.take_chosen()
+    }
+
     fn latency_samples(&mut self) -> u32 {
         self.extension::<PluginLatency>("latency").map_or(0, |latency| latency.get(&self.instance.plugin_handle()))
     }
@@ -254,17 +265,24 @@ impl Plugin for ClapPlugin {
         self.flags.take_requests()
     }
 
-    fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError> {
+    fn open_editor(&mut self, window: u32) -> Result<(u32, u32), HostError> {
         let gui: PluginGui = self.extension("editor")?;
         let handle = self.instance.plugin_handle();
         let failed = |what: &str| HostError::Unsupported(format!("the editor cannot be {what}"));
-        let configuration = GuiConfiguration { api_type: GuiApiType::X11, is_floating: false };
-        gui.create(&handle, configuration).map_err(|_| failed("created for X11"))?;
+        let api_type = if cfg!(windows) { GuiApiType::WIN32 } else { GuiApiType::X11 };
+        let configuration = GuiConfiguration { api_type, is_floating: false };
+        gui.create(&handle, configuration).map_err(|_| failed("created for this system's windows"))?;
         self.editor_is_open = true;
         let size = gui.get_size(&handle).ok_or_else(|| failed("asked for its size"))?;
-        // SAFETY: the window is the caller's and an id, not memory; should it be gone, the X server says so.
-        unsafe { gui.set_parent(&handle, Window::from_x11_handle(x11_window.into())) }
-            .map_err(|_| failed("embedded"))?;
+        // SAFETY: the window is the caller's and an id, not memory; should it be gone, the system says so.
+        unsafe {
+            #[cfg(windows)]
+            let parent = Window::from_win32_hwnd(window as usize as *mut std::ffi::c_void);
+            #[cfg(not(windows))]
+            let parent = Window::from_x11_handle(window.into());
+            gui.set_parent(&handle, parent)
+        }
+        .map_err(|_| failed("embedded"))?;
         gui.show(&handle).map_err(|_| failed("shown"))?;
         Ok((size.width, size.height))
     }

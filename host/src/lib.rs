@@ -16,7 +16,8 @@ pub mod validator;
 pub use error::HostError;
 pub use id::numeric_id;
 pub use plugin::{
-    Block, Configuration, Event, Format, Layout, Parameter, Plugin, Processor, Requests, Tail, Transport,
+    Block, Configuration, ControllerMessage, Event, Format, Layout, MENU, Parameter, Plugin, Processor, Requests,
+    SUBMENU, Tail, Transport,
 };
 
 use std::path::Path;

@@ -107,6 +107,19 @@ pub struct Event {
     pub value: f64,
 }
 
+/// A message of a MIDI controller at a frame of a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ControllerMessage {
+    /// Frame within the block.
+    pub offset: u32,
+    /// MIDI channel, 0-15.
+    pub channel: u8,
+    /// Number of the controller, 0-127.
+    pub controller: u8,
+    /// Where it stands, 0-127.
+    pub position: u8,
+}
+
 /// The host's timeline at the first frame of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transport {
@@ -175,6 +188,11 @@ impl Requests {
     }
 }
 
+/// What the hosts of this crate add to the menu of every parameter: an entry, and another one in a menu of its own, by their numbers.
+pub const MENU: [(i32, &str); 2] = [(77, "Show automation"), (78, "To a modulator")];
+/// The name of that menu.
+pub const SUBMENU: &str = "Link";
+
 /// The half of a plugin instance that belongs to the main thread: the thread that loaded it.
 pub trait Plugin {
     /// The format it was loaded from.
@@ -236,17 +254,24 @@ pub trait Plugin {
     /// [`HostError::Lifecycle`] when the plugin is not active or `processor` is of another instance.
     fn deactivate(&mut self, processor: Box<dyn Processor>) -> Result<(), HostError>;
 
+    /// The values that the plug-in has told the host since the last query, as its parameters move by themselves. The host takes note
+    /// of them: in VST3 it hands them on to the controller.
+    fn take_told_values(&mut self) -> Vec<Event>;
+
+    /// What was chosen of the host's menus since the last query: the parameter, and the number of the entry.
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)>;
+
     /// The latency that the plugin reports, in samples; meaningful while active.
     fn latency_samples(&mut self) -> u32;
 
     /// Does what a host does on its main thread when idle: runs the callbacks the plugin asked for, and returns its other requests.
     fn run_callbacks(&mut self) -> Requests;
 
-    /// Opens the editor inside an X11 window and gives its size in pixels.
+    /// Opens the editor inside a window of the system's and gives its size in pixels.
     ///
     /// # Errors
     /// [`HostError::Unsupported`] where there is no editor, or none that can be embedded.
-    fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError>;
+    fn open_editor(&mut self, window: u32) -> Result<(u32, u32), HostError>;
 
     /// Tells the open editor how many pixels a point has on this screen, and gives its size in pixels then.
     ///
@@ -294,6 +319,9 @@ pub trait Processor: Send {
     /// [`HostError::EventOffset`] for a block that makes no sense; [`HostError::Process`] and [`HostError::Overrun`] when the plugin
     /// fails.
     fn process(&mut self, block: &mut Block<'_>) -> Result<(), HostError>;
+
+    /// Has these messages come with the next block, in order of their offsets. A VST3 host maps them to parameters as the plug-in says.
+    fn move_controllers(&mut self, messages: &[ControllerMessage]);
 
     /// The tail that the plugin reports at present.
     fn tail(&mut self) -> Tail;

@@ -19,7 +19,7 @@ use ::vst3::Steinberg::Vst::{
 use ::vst3::Steinberg::{FUnknown, IBStream, IPluginBaseTrait, kResultOk};
 use ::vst3::{ComPtr, ComWrapper};
 
-use self::description::{arrangement, create_component, from_utf16, read_parameters};
+use self::description::{arrangement, create_component, from_utf16, read_controllers, read_parameters};
 use self::editor::Editor;
 use self::interfaces::{Handler, HostApplication, MemoryStream};
 use self::module::Module;
@@ -46,6 +46,8 @@ pub(crate) struct Vst3Plugin {
     name: String,
     parameters: Vec<Parameter>,
     pending: Arc<Mutex<Vec<Event>>>,
+    /// Values that the plug-in has put out.
+    told: Arc<Mutex<Vec<Event>>>,
     active: bool,
     editor: Option<Editor>,
 }
@@ -84,6 +86,7 @@ impl Vst3Plugin {
             name,
             parameters,
             pending,
+            told: Arc::default(),
             active: false,
             editor: None,
         })
@@ -252,14 +255,15 @@ impl Plugin for Vst3Plugin {
             return Err(HostError::Activate("it refuses".to_owned()));
         }
         self.set_active(true);
-        Ok(Box::new(Vst3Processor::new(
+        let processor = Vst3Processor::new(
             self.processor.clone(),
             self.number,
             Buses::new(layout, configuration.max_block),
             setup,
             self.parameters.iter().map(|p| p.id).collect(),
-            Arc::clone(&self.pending),
-        )))
+            [&self.pending, &self.told].map(Arc::clone),
+        );
+        Ok(Box::new(processor.with_controllers(read_controllers(&self.controller))))
     }
 
     fn deactivate(&mut self, mut processor: Box<dyn Processor>) -> Result<(), HostError> {
@@ -278,6 +282,19 @@ impl Plugin for Vst3Plugin {
         unplayed.iter().try_for_each(|event| self.set_value(event.id, event.value))
     }
 
+    fn take_told_values(&mut self) -> Vec<Event> {
+        let told = std::mem::take(&mut *lock(&self.told));
+        for event in &told {
+            // SAFETY: a live controller.
+            unsafe { self.controller.setParamNormalized(event.id, event.value) };
+        }
+        told
+    }
+
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {
+        self.handler.take_chosen()
+    }
+
     fn latency_samples(&mut self) -> u32 {
         // SAFETY: a live processor.
         unsafe { self.processor.getLatencySamples() }
@@ -290,11 +307,11 @@ impl Plugin for Vst3Plugin {
         self.handler.take_requests()
     }
 
-    fn open_editor(&mut self, x11_window: u32) -> Result<(u32, u32), HostError> {
+    fn open_editor(&mut self, window: u32) -> Result<(u32, u32), HostError> {
         if self.editor.is_some() {
             return Err(HostError::Unsupported("the editor is open already".to_owned()));
         }
-        let (editor, size) = Editor::open(&self.controller, x11_window)?;
+        let (editor, size) = Editor::open(&self.controller, window)?;
         self.editor = Some(editor);
         Ok(size)
     }

@@ -51,7 +51,7 @@ fn cpu_s() -> f64 {
 }
 
 fn has_dictionary(link: &mut AudioLink) -> bool {
-    std::iter::from_fn(|| link.receive()).any(|update| matches!(update, Update::Dictionary(Some(_))))
+    std::iter::from_fn(|| link.receive()).any(|update| matches!(update, Update::Dictionary(_, Some(_))))
 }
 
 /// Opens a session with a recording as a host does; prints CPU and wall seconds until the audio thread has it, and CPU

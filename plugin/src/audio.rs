@@ -89,7 +89,7 @@ impl Audio {
         let Some(running) = &mut self.running else { return };
         while let Some(update) = self.link.receive() {
             let retired = match update {
-                Update::Dictionary(new) => running.chain.swap_dictionary(new).map(Retired::Dictionary),
+                Update::Dictionary(slot, new) => running.chain.swap_slot(slot, new).map(Retired::Dictionary),
                 Update::Distribution(new) => running.chain.swap_distribution(new).map(Retired::Distribution),
                 Update::Field(new) => running.chain.swap_field(new).map(Retired::Field),
                 Update::Tape(new) => running.audition.swap_tape(new).map(Retired::Tape),

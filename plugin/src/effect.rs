@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::*;
 use nice_plug_egui::RepaintNotifier;
-use pyrophone_settings::{Recent, Values};
+use pyrophone_settings::{ControllerFile, Recent, Values};
 use pyrophone_synthesis::chain::{Chain, Channels};
 
 use crate::audio::lights::Lights;
@@ -51,15 +51,26 @@ pub struct Pyrophone {
     /// States that had been loaded at the last activation.
     states_seen: u64,
     frame_pace: FramePace,
+    /// Where MIDI controllers are kept for instances to come.
+    controllers: Option<ControllerFile>,
 }
 
-/// What the framework's background thread does for an instance: nothing, see [`Fence`].
-pub struct PassFence;
+/// What the framework's threads do for an instance.
+pub enum Errand {
+    /// On the background thread: nothing, see [`Fence`].
+    PassFence,
+    /// On the host's main thread: what was ordered of the host's menu.
+    HostMenu,
+}
 
 impl Default for Pyrophone {
     fn default() -> Self {
         let notifier = RepaintNotifier::new();
         let (loader, params, link) = Loader::start(notifier.clone(), Recent::of_user());
+        let controllers = ControllerFile::of_user();
+        if let Some(file) = &controllers {
+            params.controllers.set_all(&file.read());
+        }
         let (probe_in, probe) = probe::pair();
         let meters = Arc::<Meters>::default();
         instance::announce(Instance { params: params.clone(), meters: meters.clone() });
@@ -79,6 +90,7 @@ impl Default for Pyrophone {
             is_rate_refused: false,
             states_seen: 0,
             frame_pace: FramePace::default(),
+            controllers,
         }
     }
 }
@@ -175,7 +187,8 @@ impl Pyrophone {
     /// What the editor shows in a window of the host.
     pub fn window(&self) -> Window {
         let (params, meters) = (self.params.clone(), self.meters.clone());
-        Window::new(params, self.loader.handle(), meters, self.probe(), self.notifier.clone())
+        let window = Window::new(params, self.loader.handle(), meters, self.probe(), self.notifier.clone());
+        window.keeping_controllers(self.controllers.clone())
     }
 }
 
@@ -226,11 +239,18 @@ impl Plugin for Pyrophone {
 
     type Editor = PyrophoneEditor;
     type SysExMessage = ();
-    type BackgroundTask = PassFence;
+    type BackgroundTask = Errand;
 
     fn task_executor(&mut self) -> TaskExecutor<Self> {
-        let fence = self.fence.clone();
-        Box::new(move |PassFence| fence.pass())
+        let (fence, params, notifier) = (self.fence.clone(), self.params.clone(), self.notifier.clone());
+        Box::new(move |errand| match errand {
+            Errand::PassFence => fence.pass(),
+            Errand::HostMenu => {
+                if params.host_menu.work() {
+                    notifier.request_repaint();
+                }
+            }
+        })
     }
 
     fn params(&self) -> Arc<dyn Params> {
@@ -238,6 +258,8 @@ impl Plugin for Pyrophone {
     }
 
     fn editor(&mut self, executor: AsyncExecutor<Self>) -> Option<Self::Editor> {
+        let main_thread = executor.clone();
+        self.params.host_menu.set_caller(move || main_thread.execute_gui(Errand::HostMenu));
         self.executor = Some(executor);
         PyrophoneEditor::new(self.window(), self.params.window.clone(), self.notifier.clone())
     }
@@ -341,7 +363,7 @@ impl Plugin for Pyrophone {
     fn deactivate(&mut self) {
         self.gas = None;
         if let Some(executor) = &self.executor
-            && !self.fence.wait(|| executor.execute_background(PassFence))
+            && !self.fence.wait(|| executor.execute_background(Errand::PassFence))
         {
             nice_warn!("Pyrophone's background tasks have not ended in time");
         }

@@ -10,6 +10,8 @@
 //! | [`channels`] | how many channels a bus has | any thread |
 //! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
 //! | [`persist`] | what a session keeps besides the parameters | any thread |
+//! | [`controllers`] | MIDI controllers that move parameters | any thread |
+//! | [`host_menu`] | what the host adds to the menus of parameters | the host's main thread, the window's |
 //! | [`takes`] | the takes that were tried | any thread |
 //! | [`window_size`] | the window's size, which outlives it | any thread |
 //! | [`meters`] | levels for the editor | any thread |
@@ -17,10 +19,14 @@
 //! | [`probe`] | drive and output for the editor | from the audio thread to the window's |
 //! | [`analysis`] | spectra and outlines for the editor | the loader's and the window's |
 //! | [`editor`] | the window | the host's window thread |
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+#[allow(clippy::disallowed_methods, reason = "it is only drawn")]
 pub mod analysis;
 pub mod audio;
 pub mod channels;
+pub mod controllers;
+#[allow(clippy::disallowed_methods, reason = "it is only drawn")]
 pub mod editor;
 pub mod effect;
 pub mod entry;
@@ -28,6 +34,7 @@ pub mod fence;
 pub mod frame_pace;
 pub mod gas;
 pub mod host_clock;
+pub mod host_menu;
 pub mod loader;
 pub mod meters;
 pub mod parameters;

@@ -12,7 +12,9 @@ use nice_plug_core::params::InternalParamMut;
 use nice_plug_core::plugin::ParamValue;
 use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, host_order, index_of, session};
 
+use crate::controllers::Controllers;
 use crate::entry::indication::Indications;
+use crate::host_menu::HostMenu;
 use crate::persist::SessionStore;
 use crate::takes::Takes;
 use crate::window_size::WindowSize;
@@ -37,13 +39,18 @@ pub struct EffectParams {
     pub window: Arc<WindowSize>,
     /// The takes that were tried.
     pub takes: Takes,
+    /// Which MIDI controllers move them.
+    pub controllers: Controllers,
+    /// What the host adds to their menus.
+    pub host_menu: HostMenu,
     /// What the host says about them.
     pub indications: Indications,
 }
 
-/// Names of the window's size and of the takes in the state.
+/// Names of the window's size, of the takes and of the MIDI controllers in the state.
 const WINDOW: &str = "window";
 const TAKES: &str = "takes";
+const CONTROLLERS: &str = "controllers";
 
 impl EffectParams {
     /// Parameters at their defaults.
@@ -53,6 +60,8 @@ impl EffectParams {
             session,
             window: Arc::default(),
             takes: Takes::default(),
+            controllers: Controllers::default(),
+            host_menu: HostMenu::default(),
             indications: Indications::default(),
         }
     }
@@ -90,7 +99,7 @@ impl Slot {
                     FloatRange::Skewed { min, max, factor: skew as f32 }
                 };
                 let float = FloatParam::new(parameter.name, default as f32, range)
-                    .with_step_size(10f64.powi(-(decimals as i32)) as f32)
+                    .with_step_size(maths::powi(10.0, -(decimals as i32)) as f32)
                     .with_value_to_string(Arc::new(move |plain| text(f64::from(plain))))
                     .with_string_to_value(Arc::new(move |text| parse(text).map(|plain| plain as f32)));
                 Self::Float(if parameter.automatable { float } else { float.non_automatable() })
@@ -186,6 +195,7 @@ unsafe impl Params for EffectParams {
             (session::FIELD.to_owned(), self.session.field().to_string()),
             (WINDOW.to_owned(), self.window.to_json()),
             (TAKES.to_owned(), self.takes.to_json()),
+            (CONTROLLERS.to_owned(), self.controllers.to_json()),
         ])
     }
 
@@ -198,6 +208,10 @@ unsafe impl Params for EffectParams {
         }
         if let Some(takes) = serialized.get(TAKES) {
             self.takes.read_json(takes);
+        }
+        // A state that says nothing of them, of an earlier version or from a preset, leaves them as they are.
+        if let Some(controllers) = serialized.get(CONTROLLERS) {
+            self.controllers.read_json(controllers);
         }
     }
 }

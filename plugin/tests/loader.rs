@@ -111,7 +111,7 @@ impl Instance {
     }
 
     fn dictionary(&mut self) -> Option<Option<Arc<Dictionary>>> {
-        self.last(|update| if let Update::Dictionary(dictionary) = update { Some(dictionary) } else { None })
+        self.last(|update| if let Update::Dictionary(0, dictionary) = update { Some(dictionary) } else { None })
     }
 }
 

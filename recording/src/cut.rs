@@ -55,7 +55,7 @@ impl Cut {
         let samples = channels.iter().flatten();
         let peak = if self.normalise { samples.fold(0.0f32, |peak, sample| peak.max(sample.abs())) } else { 0.0 };
         let full = if peak > 0.0 { 1.0 / f64::from(peak) } else { 1.0 };
-        full * 10f64.powf(self.gain_db / 20.0)
+        full * maths::pow(10.0, self.gain_db / 20.0)
     }
 
     /// The part of `recording`, at its level, without what lies below hearing: an offset and whatever moves slower than

@@ -113,7 +113,7 @@ impl Pcm<'_> {
 /// Value of an integer of `N` bytes, of which `bits` make up full scale.
 fn integer<const N: usize>(bits: u32) -> impl Fn([u8; N]) -> f32 {
     // A power of two: multiplying by it is as exact as dividing by full scale.
-    let step = 0.5f64.powi(bits as i32 - 1);
+    let step = maths::powi(0.5, bits as i32 - 1);
     move |bytes| {
         // The sign bit at the top of a word, and back: that extends it.
         let mut word = [0; 4];

@@ -42,8 +42,8 @@ fn remove_from(samples: &mut [f32], rate_hz: f64) {
     let judged = end..samples.len() - end;
     let (mut power, mut removed) = (0.0, 0.0);
     for (sample, left) in samples[judged.clone()].iter().zip(&filtered[judged]) {
-        power += f64::from(*sample).powi(2);
-        removed += (f64::from(*sample) - left).powi(2);
+        power += maths::square(f64::from(*sample));
+        removed += maths::square(f64::from(*sample) - left);
     }
     if removed > LEAST_SHARE * power {
         samples.iter_mut().zip(filtered).for_each(|(sample, left)| *sample = left as f32);
@@ -73,7 +73,7 @@ fn filtered(samples: &[f32], rate_hz: f64) -> Vec<f64> {
 
 /// A state-variable filter, which stays exact at corners far below the rate.
 fn high_pass(samples: &mut [f64], damping: f64, rate_hz: f64) {
-    let g = (PI * CORNER_HZ / rate_hz).tan();
+    let g = maths::tan(PI * CORNER_HZ / rate_hz);
     let scale = 1.0 / (1.0 + g * (g + damping));
     let (mut band, mut low) = (0.0, 0.0);
     for sample in samples {

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// No parameter has this id.
-    #[error("there is no parameter `{id}`{}; the ids are: {}", did_you_mean(.nearest), crate::ids_as_list())]
+    #[error("there is no parameter `{id}`{}; `pyrophone parameters` lists the ids", did_you_mean(*.nearest))]
     UnknownParameter {
         /// The id found.
         id: String,
@@ -78,13 +78,13 @@ pub enum Error {
     },
     /// Neither a factory preset nor a file.
     #[error(
-        "there is no preset `{name}`: it is neither a file, nor one of the factory presets {known}, nor one of yours in {folder}; check the spelling"
+        "there is no preset `{name}`: it is neither a file, nor a factory preset, nor one of yours in {folder}{}; `pyrophone presets` lists all", did_you_mean(*.nearest)
     )]
     UnknownPreset {
         /// The name found.
         name: String,
-        /// Names of the factory presets.
-        known: String,
+        /// The most similar name of a factory preset, where one is similar.
+        nearest: Option<&'static str>,
         /// Folder of the user's presets.
         folder: String,
     },
@@ -174,8 +174,8 @@ pub enum Error {
     },
 }
 
-fn did_you_mean(nearest: &Option<&'static str>) -> String {
-    nearest.map_or_else(String::new, |id| format!("; did you mean `{id}`?"))
+fn did_you_mean(nearest: Option<&'static str>) -> String {
+    nearest.map_or_else(String::new, |id| format!(" (did you mean `{id}`?)"))
 }
 
 fn reason_of(source: &std::io::Error) -> String {

@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod automation;
+pub mod controller_file;
 pub mod error;
 pub mod library;
 pub mod macros;
@@ -10,16 +12,17 @@ pub mod preset;
 pub mod recent;
 pub mod session;
 pub mod table;
+mod user_file;
 pub mod values;
 pub mod vst3_preset;
 
 pub use automation::Automation;
+pub use controller_file::ControllerFile;
 pub use error::Error;
 pub use library::Library;
 pub use parameter::{Kind, Parameter};
 pub use preset::Preset;
 pub use recent::Recent;
 pub use session::Session;
-pub(crate) use table::ids_as_list;
 pub use table::{COUNT, Id, PARAMETERS, host_order, index_of};
 pub use values::Values;

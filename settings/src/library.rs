@@ -5,6 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use crate::names::folded;
+use crate::preset::LARGEST_BYTES;
 use crate::{Error, Preset};
 
 /// Names the folder, where it is not to be the system's.
@@ -15,9 +16,6 @@ const EXTENSION: &str = "toml";
 
 /// The file with the names of the presets that the user has marked.
 const FAVOURITES: &str = "favourites.txt";
-
-/// Files larger than this are no presets.
-const LARGEST_BYTES: u64 = 1 << 20;
 
 /// Most files of a folder that are looked at.
 const MOST_FILES: usize = 10_000;
@@ -76,13 +74,16 @@ impl Library {
         }
         // One that cannot be read as a preset may still have a name.
         let is_called_so = |path: &PathBuf| {
-            let text = check(path).ok().and_then(|()| fs::read_to_string(path).ok());
+            let text = fs::metadata(path)
+                .is_ok_and(|file| file.is_file() && file.len() <= LARGEST_BYTES)
+                .then(|| fs::read_to_string(path).ok())
+                .flatten();
             let table = text.and_then(|text| text.parse::<toml::Table>().ok()).unwrap_or_default();
             let stated = table.get("name").and_then(|stated| stated.as_str());
             stated.is_some_and(&is_named) || path.file_stem().is_some_and(|stem| is_named(&stem.to_string_lossy()))
         };
-        let broken = self.paths().ok()?.into_iter().filter(|path| load(path).is_err()).find(is_called_so)?;
-        Some(load(&broken))
+        let broken = self.paths().ok()?.into_iter().filter(|path| Preset::load(path).is_err()).find(is_called_so)?;
+        Some(Preset::load(&broken))
     }
 
     /// The files that may be presets.
@@ -101,7 +102,7 @@ impl Library {
             Err(source) => return (presets, vec![Error::File { path: self.folder.clone(), source }]),
         };
         for path in paths {
-            match load(&path) {
+            match Preset::load(&path) {
                 Ok(preset) => presets.push(Stored { path, preset }),
                 Err(error) => errors.push(error),
             }
@@ -170,7 +171,7 @@ impl Library {
     /// Gives a stored preset another name, in the file and as the file's. Fails as [`save`](Self::save) does; then it keeps its
     /// old one.
     pub fn rename(&self, path: &Path, name: &str) -> Result<PathBuf, Error> {
-        let preset = Preset { name: name.to_owned(), ..load(path)? };
+        let preset = Preset { name: name.to_owned(), ..Preset::load(path)? };
         let is_same = self.path_of(name)? == path;
         let new = self.save(&preset, is_same)?;
         if !is_same {
@@ -196,25 +197,6 @@ impl Library {
 
 /// Names that no file may have on Windows, some with a digit behind.
 const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "com", "lpt"];
-
-fn load(path: &Path) -> Result<Preset, Error> {
-    check(path)?;
-    Preset::load(path)
-}
-
-/// Whether a file may be read as a preset.
-fn check(path: &Path) -> Result<(), Error> {
-    let refuse = |source| Error::File { path: path.to_owned(), source };
-    let metadata = fs::metadata(path).map_err(refuse)?;
-    // A pipe would be waited for, maybe for ever.
-    if !metadata.is_file() {
-        return Err(refuse(std::io::Error::other("it is no file")));
-    }
-    if metadata.len() > LARGEST_BYTES {
-        return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is no preset")));
-    }
-    Ok(())
-}
 
 #[cfg(test)]
 mod tests {

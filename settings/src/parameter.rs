@@ -114,7 +114,7 @@ impl Parameter {
         let clamped = plain.clamp(self.low(), self.high());
         match self.kind {
             Kind::Float { decimals, .. } => {
-                let per_unit = 10f64.powi(decimals as i32);
+                let per_unit = maths::powi(10.0, decimals as i32);
                 // Adding 0 turns a rounded -0 into 0.
                 (clamped * per_unit).round() / per_unit + 0.0
             }
@@ -137,7 +137,7 @@ impl Parameter {
     pub fn to_normalised(&self, plain: f64) -> f64 {
         let share = (self.snap(plain) - self.low()) / (self.high() - self.low());
         match self.kind {
-            Kind::Float { skew, .. } if skew != 1.0 => share.powf(skew),
+            Kind::Float { skew, .. } if skew != 1.0 => maths::pow(share, skew),
             _ => share,
         }
     }
@@ -148,7 +148,7 @@ impl Parameter {
             return self.default_value();
         }
         let share = match self.kind {
-            Kind::Float { skew, .. } if skew != 1.0 => normalised.clamp(0.0, 1.0).powf(skew.recip()),
+            Kind::Float { skew, .. } if skew != 1.0 => maths::pow(normalised.clamp(0.0, 1.0), skew.recip()),
             _ => normalised.clamp(0.0, 1.0),
         };
         self.snap(self.low() + share * (self.high() - self.low()))

@@ -22,11 +22,17 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-use crate::names::folded;
+use crate::names::{folded, nearest};
 use crate::{Error, Kind, Library, PARAMETERS, Parameter, Values, index_of};
 
 /// The version that [`Preset::to_toml`] writes.
 pub const VERSION: i64 = 2;
+
+/// Size from which on a file is no preset.
+pub const LARGEST_BYTES: u64 = 1 << 20;
+
+/// Most characters of a parser's message that are shown: it quotes the line, which may be anything.
+const LONGEST_MESSAGE: usize = 300;
 
 /// What turns a preset's parameters of version `index + 1` into those of the next version.
 const MIGRATIONS: &[fn(&mut Table)] = &[name_the_defaults_of_version_1];
@@ -131,8 +137,12 @@ impl Preset {
         if self.title.is_empty() { &self.name } else { &self.title }
     }
 
-    /// The factory's preset of this name, else the one in the file of this path, else the user's of this name; else the
-    /// factory's or the user's whose name differs in case or Unicode form only.
+    /// The preset that a user means by `name_or_path`: the factory's of this name, else the one in the file of this path,
+    /// else the user's of this name; else the factory's or the user's whose name, and at last whose title, differs in case
+    /// or Unicode form only.
+    ///
+    /// # Errors
+    /// Where there is none, or where its file cannot be read as a preset.
     pub fn find(name_or_path: &str) -> Result<Self, Error> {
         if let Some(found) = Self::find_factory(|name| name == name_or_path) {
             return found;
@@ -148,6 +158,7 @@ impl Preset {
             .and_then(|library| library.find(name_or_path))
             .or_else(|| Self::find_factory(|found| folded(found) == name))
             .or_else(|| library.as_ref()?.find_folded(name_or_path))
+            .or_else(|| Self::find_titled(&name, library.as_ref()))
             .unwrap_or_else(|| Err(unknown(name_or_path, library.as_ref())))
     }
 
@@ -156,8 +167,20 @@ impl Preset {
         Some(Self::from_toml(text, name))
     }
 
+    /// The first preset with this folded title, the factory's before the user's.
+    fn find_titled(title: &str, library: Option<&Library>) -> Option<Result<Self, Error>> {
+        let stored = || library.map_or_else(Vec::new, |library| library.list().0);
+        let factory = Self::factory().unwrap_or_default().into_iter();
+        let mut all = factory.chain(stored().into_iter().map(|stored| stored.preset));
+        all.find(|preset| folded(preset.title()) == title).map(Ok)
+    }
+
     /// Reads a preset's file.
+    ///
+    /// # Errors
+    /// Where it cannot be read, is larger than [`LARGEST_BYTES`], or holds no valid preset.
     pub fn load(path: &Path) -> Result<Self, Error> {
+        check_file(path)?;
         let text = std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
         Self::from_toml(&text, &path.display().to_string())
     }
@@ -204,13 +227,32 @@ impl Preset {
 }
 
 fn unknown(name: &str, library: Option<&Library>) -> Error {
-    let known = FACTORY.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    let nearest = nearest(&folded(name), FACTORY.iter().map(|(known, _)| *known));
     let folder = library.map_or_else(|| "no folder".to_owned(), |library| library.folder().display().to_string());
-    Error::UnknownPreset { name: name.to_owned(), known, folder }
+    Error::UnknownPreset { name: name.to_owned(), nearest, folder }
 }
 
+/// Whether a file may be read as a preset.
+fn check_file(path: &Path) -> Result<(), Error> {
+    let refuse = |source| Error::File { path: path.to_owned(), source };
+    let metadata = std::fs::metadata(path).map_err(refuse)?;
+    // A pipe would be waited for, maybe for ever.
+    if !metadata.is_file() {
+        return Err(refuse(std::io::Error::other("it is no file")));
+    }
+    if metadata.len() > LARGEST_BYTES {
+        return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is no preset")));
+    }
+    Ok(())
+}
+
+/// What the parser says, on one line, without the rest of a line that is longer than any preset's.
 fn one_line(error: &toml::de::Error) -> String {
-    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+    let words = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    match words.char_indices().nth(LONGEST_MESSAGE) {
+        Some((end, _)) => format!("{}…", &words[..end]),
+        None => words,
+    }
 }
 
 /// A TOML value as the parameter's plain value; it may still be out of range.

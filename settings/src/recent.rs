@@ -1,17 +1,13 @@
 //! Recordings that were loaded of late, beside the user's presets.
 
-use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::Library;
+use crate::{Library, user_file};
 
 /// Name of the list in the user's folder; not a preset's.
 const NAME: &str = "recent-recordings.txt";
 /// Most that are kept.
 pub const MOST: usize = 12;
-/// A larger file is none of ours.
-const LARGEST_BYTES: u64 = 1 << 20;
 
 /// A file with one path a line, the latest first.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,8 +28,7 @@ impl Recent {
 
     /// The paths, the latest first. A list that cannot be read is empty.
     pub fn list(&self) -> Vec<String> {
-        let is_list = fs::metadata(&self.file).is_ok_and(|found| found.is_file() && found.len() <= LARGEST_BYTES);
-        let text = if is_list { fs::read_to_string(&self.file).unwrap_or_default() } else { String::new() };
+        let text = user_file::read(&self.file);
         text.lines().filter(|line| !line.trim().is_empty()).take(MOST).map(str::to_owned).collect()
     }
 
@@ -46,27 +41,15 @@ impl Recent {
         paths.retain(|known| known != path);
         paths.insert(0, path.to_owned());
         paths.truncate(MOST);
-        let _ = self.write(&paths.join("\n"));
+        let _ = user_file::write(&self.file, &paths.join("\n"));
         paths
-    }
-
-    /// Whole or not at all: other instances write it too.
-    fn write(&self, text: &str) -> std::io::Result<()> {
-        let folder = self.file.parent().unwrap_or(Path::new("."));
-        fs::create_dir_all(folder)?;
-        let beside = folder.join(format!(".{NAME}.{}", std::process::id()));
-        let written = fs::File::create(&beside).and_then(|mut file| file.write_all(text.as_bytes()));
-        let done = written.and_then(|()| fs::rename(&beside, &self.file));
-        if done.is_err() {
-            // It may not be there.
-            let _ = fs::remove_file(&beside);
-        }
-        done
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -1,4 +1,4 @@
-//! What a session keeps besides the parameters: the recording, the learned distribution, the speed field.
+//! What a session keeps besides the parameters: the recordings, the learned distribution, the speed field.
 //!
 //! It is kept as JSON text, in the plugin's state as its field [`FIELD`]. A text that this
 //! version does not understand is refused as a whole; whoever holds it keeps it as it was.
@@ -8,6 +8,8 @@ use std::collections::BTreeMap;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
+
+use pyrophone_synthesis::controls::SLOTS;
 
 use crate::{Error, Kind, PARAMETERS, Values};
 
@@ -40,6 +42,8 @@ pub const EARLIER: &[(&str, f64)] = &[
     ("macro_tightness", 0.0),
     ("macro_distance", 0.0),
     ("take", 0.0),
+    ("recording_slot", 0.0),
+    ("recording_blend", 0.0),
 ];
 
 /// Most quantiles a learned distribution may have.
@@ -57,6 +61,19 @@ pub struct Session {
     /// The speed field that vortex sound follows.
     pub field: Option<FieldReference>,
     /// Which part of the recording is learnt from, and how loud it is taken.
+    pub cut: Cut,
+    /// The recordings of the slots after the first.
+    pub others: [Slot; SLOTS - 1],
+}
+
+/// A recording beside the first, and which part of it is learnt from.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Slot {
+    /// The recording; none where the slot is empty.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<RecordingReference>,
+    /// Its part, and its level.
+    #[serde(default, skip_serializing_if = "Cut::is_whole")]
     pub cut: Cut,
 }
 
@@ -148,6 +165,9 @@ struct File {
     field: Option<PackedField>,
     #[serde(default, skip_serializing_if = "Cut::is_whole")]
     cut: Cut,
+    /// Up to the last that is not empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    others: Vec<Slot>,
 }
 
 /// Quantiles as little-endian 64-bit floats in Base64: exact, and an eighth of their size as text.
@@ -161,6 +181,38 @@ struct PackedLearned {
 }
 
 impl Session {
+    /// The recording of a slot.
+    pub fn recording_in(&self, slot: usize) -> Option<&RecordingReference> {
+        match slot.checked_sub(1) {
+            None => self.recording.as_ref(),
+            Some(other) => self.others.get(other)?.recording.as_ref(),
+        }
+    }
+
+    /// The recording of a slot, to be changed; a slot beyond the last is the last.
+    pub fn recording_in_mut(&mut self, slot: usize) -> &mut Option<RecordingReference> {
+        match slot.checked_sub(1) {
+            None => &mut self.recording,
+            Some(other) => &mut self.others[other.min(SLOTS - 2)].recording,
+        }
+    }
+
+    /// Which part of a slot's recording is learnt from.
+    pub fn cut_in(&self, slot: usize) -> Cut {
+        match slot.checked_sub(1) {
+            None => self.cut,
+            Some(other) => self.others.get(other).map_or_else(Cut::default, |slot| slot.cut),
+        }
+    }
+
+    /// The same, to be changed; a slot beyond the last is the last.
+    pub fn cut_in_mut(&mut self, slot: usize) -> &mut Cut {
+        match slot.checked_sub(1) {
+            None => &mut self.cut,
+            Some(other) => &mut self.others[other.min(SLOTS - 2)].cut,
+        }
+    }
+
     /// The session as JSON text.
     pub fn to_json(&self) -> String {
         let learned = self.learned.as_ref().map(|learned| PackedLearned {
@@ -174,7 +226,9 @@ impl Session {
             .as_ref()
             .map(|field| PackedField { path: field.path.clone(), bytes: STANDARD.encode(&field.bytes) });
         let (recording, cut) = (self.recording.clone(), self.cut);
-        let file = File { version: VERSION, recording, embed: self.embed, learned, field, cut };
+        let used = self.others.iter().rposition(|slot| *slot != Slot::default()).map_or(0, |last| last + 1);
+        let others = self.others[..used].to_vec();
+        let file = File { version: VERSION, recording, embed: self.embed, learned, field, cut, others };
         // Strings, numbers and booleans always have a JSON form.
         serde_json::to_string(&file).unwrap_or_default()
     }
@@ -195,7 +249,14 @@ impl Session {
         let learned = file.learned.map(PackedLearned::unpack).transpose().map_err(damaged)?;
         let field = file.field.map(PackedField::unpack).transpose().map_err(damaged)?;
         let cut = file.cut.check().map_err(damaged)?;
-        Ok(Self { recording: file.recording, embed: file.embed, learned, field, cut })
+        if file.others.len() > SLOTS - 1 {
+            return Err(damaged(format!("it has more than {SLOTS} recordings")));
+        }
+        let mut others: [Slot; SLOTS - 1] = Default::default();
+        for (slot, found) in others.iter_mut().zip(file.others) {
+            *slot = Slot { cut: found.cut.check().map_err(damaged)?, ..found };
+        }
+        Ok(Self { recording: file.recording, embed: file.embed, learned, field, cut, others })
     }
 }
 

@@ -4,6 +4,7 @@
 //! table.
 
 use crate::Error;
+use crate::names::nearest;
 use crate::parameter::{Kind, Parameter};
 
 /// Places in [`PARAMETERS`].
@@ -90,12 +91,17 @@ pub enum Id {
     MacroDistance,
     Take,
     TakeAmount,
+    RecordingSlot,
+    RecordingSecond,
+    RecordingBlend,
 }
 
 /// Names of the values of `dynamic_range`.
 pub const DYNAMIC_RANGES: &[&str] = &["off", "learned", "running"];
 /// Names of the values of `quality`.
 pub const QUALITIES: &[&str] = &["draft", "normal", "high", "exact"];
+/// Names of the values of `recording_slot` and `recording_second`.
+pub const RECORDING_SLOTS: &[&str] = &["1", "2", "3", "4"];
 /// Names of the values of `dynamics_mode`.
 pub const DYNAMICS_MODES: &[&str] = &["paper", "companded"];
 /// Names of the values of `drive_mode`.
@@ -848,7 +854,37 @@ pub const PARAMETERS: &[Parameter] = &[
         None,
         "How far a take's texture may stray from the recording's nearest moments; noise, crackles and gas are other ones at once.",
     ),
+    control(
+        "recording_slot",
+        "Recording slot",
+        "Texture",
+        "",
+        Kind::Choice { names: RECORDING_SLOTS, default: 0 },
+        None,
+        "Slot of the recording that texture and crackle are made of; another one takes over within 50 ms.",
+    ),
+    control(
+        "recording_second",
+        "Second recording",
+        "Texture",
+        "",
+        Kind::Choice { names: RECORDING_SLOTS, default: 1 },
+        None,
+        "Slot of a second recording, which is mixed in by the recording blend.",
+    ),
+    control(
+        "recording_blend",
+        "Recording blend",
+        "Texture",
+        "%",
+        float(0.0, 100.0, 0.0, 1.0, 1),
+        None,
+        "Share of the second recording: how many windows of texture are taken from it, and how many of its crackles are heard.",
+    ),
 ];
+
+/// What belongs to a session's recordings, and stays as it is when a preset is chosen.
+pub const OF_SESSION: [Id; 3] = [Id::RecordingSlot, Id::RecordingSecond, Id::RecordingBlend];
 
 /// Number of parameters.
 pub const COUNT: usize = PARAMETERS.len();
@@ -877,32 +913,6 @@ pub fn host_order() -> Vec<usize> {
 pub fn index_of(id: &str) -> Result<usize, Error> {
     PARAMETERS.iter().position(|parameter| parameter.id == id).ok_or_else(|| Error::UnknownParameter {
         id: id.to_owned(),
-        nearest: PARAMETERS
-            .iter()
-            .map(|parameter| (edits(parameter.id, id), parameter.id))
-            .min()
-            .filter(|(distance, nearest)| *distance <= nearest.len() / 3)
-            .map(|(_, nearest)| nearest),
+        nearest: nearest(id, PARAMETERS.iter().map(|parameter| parameter.id)),
     })
-}
-
-/// All ids, for messages.
-pub(crate) fn ids_as_list() -> String {
-    PARAMETERS.iter().map(|parameter| parameter.id).collect::<Vec<_>>().join(", ")
-}
-
-/// Levenshtein distance.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, to) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(from != *to);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -3,11 +3,13 @@
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::controls::{
     CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
-    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, TextureControls, ToneControls, VortexControls,
+    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, RecordingControls, TextureControls, ToneControls,
+    VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::vortex::shipped::OUTPUT_PER_PA;
 
+use crate::table::OF_SESSION;
 use crate::{COUNT, Error, Id, PARAMETERS, index_of, macros};
 
 /// Plain values of all parameters, each in its range and on its grid.
@@ -50,6 +52,13 @@ impl Values {
     pub fn set(&mut self, index: usize, plain: f64) -> Result<(), Error> {
         self.plain[index] = PARAMETERS[index].check(plain)?;
         Ok(())
+    }
+
+    /// These values as a preset brings them: what belongs to a session's recordings stays as it is at `present`.
+    pub fn chosen_over(&self, present: &Self) -> Self {
+        let mut chosen = *self;
+        OF_SESSION.iter().for_each(|id| chosen.plain[*id as usize] = present.plain[*id as usize]);
+        chosen
     }
 
     /// Sets one parameter by its id from text, with or without unit.
@@ -111,6 +120,11 @@ impl Values {
                 width: self.get(Id::ExtensionWidth),
             },
             texture: TextureControls {
+                recordings: RecordingControls {
+                    slot: self.get(Id::RecordingSlot) as usize,
+                    second: self.get(Id::RecordingSecond) as usize,
+                    blend: self.get(Id::RecordingBlend) / 100.0,
+                },
                 scaling_alpha: self.get(Id::ScalingAlpha),
                 scaling_auto: on(Id::ScalingAuto),
                 dynamic_range: match self.get(Id::DynamicRange) as usize {
@@ -203,7 +217,7 @@ impl Values {
             elevation_deg: self.get(Id::VortexElevation),
             exponent: self.get(Id::VortexFalloff),
             level: OUTPUT_PER_PA[texture],
-            max_pressure_pa: 10f64.powf(self.get(Id::VortexLimit) / 20.0) / OUTPUT_PER_PA[texture],
+            max_pressure_pa: maths::pow(10.0, self.get(Id::VortexLimit) / 20.0) / OUTPUT_PER_PA[texture],
             ..VortexControls::default()
         }
     }
@@ -236,6 +250,6 @@ impl Values {
     /// A level in dB as a factor: exactly 1 at 0 dB, exactly 0 where it is off.
     fn factor(&self, id: Id) -> f64 {
         let plain = self.get(id);
-        if id.parameter().is_off(plain) { 0.0 } else { 10f64.powf(plain / 20.0) }
+        if id.parameter().is_off(plain) { 0.0 } else { maths::pow(10.0, plain / 20.0) }
     }
 }

@@ -109,6 +109,9 @@ fn every_id_is_at_its_place() {
         (Id::MacroDistance, "macro_distance"),
         (Id::Take, "take"),
         (Id::TakeAmount, "take_amount"),
+        (Id::RecordingSlot, "recording_slot"),
+        (Id::RecordingSecond, "recording_second"),
+        (Id::RecordingBlend, "recording_blend"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {
@@ -251,7 +254,10 @@ fn wrong_texts_name_the_remedy() {
         message("quality", "best"),
         "quality is `best`, but must be one of \"draft\", \"normal\", \"high\", \"exact\"; write it as in `quality = \"normal\"`"
     );
-    assert!(message("alhpa", "2").starts_with("there is no parameter `alhpa`; the ids are"));
+    assert_eq!(
+        message("alhpa", "2"),
+        "there is no parameter `alhpa` (did you mean `alpha`?); `pyrophone parameters` lists the ids"
+    );
     assert!(message("scaling_alfa", "2").contains("did you mean `scaling_alpha`?"));
     for (id, text) in
         [("alpha", "nan"), ("alpha", "inf"), ("alpha", ""), ("levels", "4.5"), ("gate", "maybe"), ("alpha", "off")]

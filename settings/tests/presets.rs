@@ -116,8 +116,25 @@ fn bad_files_are_refused() {
     for spelt in ["Texture-Paper", "TEXTURE-PAPER", " texture-paper "] {
         assert_eq!(Preset::find(spelt).unwrap(), texture, "{spelt}");
     }
-    assert!(matches!(Preset::find("no-such-preset"), Err(Error::UnknownPreset { .. })));
+    for spelt in ["Hearth, evening", "hearth, EVENING "] {
+        assert_eq!(Preset::find(spelt).unwrap().name, "hearth", "{spelt}");
+    }
+    assert!(matches!(Preset::find("no-such-preset"), Err(Error::UnknownPreset { nearest: None, .. })));
+    assert!(matches!(Preset::find("campfir"), Err(Error::UnknownPreset { nearest: Some("campfire"), .. })));
     assert!(matches!(Preset::load(Path::new("/no/such/file")), Err(Error::File { .. })));
+}
+
+#[test]
+fn large_files_are_refused_in_few_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let load = |text: &str| {
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, text).unwrap();
+        Preset::load(&path).unwrap_err()
+    };
+    assert!(matches!(load(&"#".repeat(preset::LARGEST_BYTES as usize + 1)), Error::File { .. }));
+    let quoted = load(&format!("version = 2\nname = {}", "ü".repeat(100_000)));
+    assert!(matches!(&quoted, Error::PresetSyntax { message, .. } if message.chars().count() <= 301), "{quoted}");
 }
 
 proptest! {

@@ -1,7 +1,7 @@
 //! What a session keeps: round trips, and damaged ones.
 
 use proptest::prelude::*;
-use pyrophone_settings::session::{Cut, FieldReference, Learned, RecordingReference, Session, plugin_state};
+use pyrophone_settings::session::{Cut, FieldReference, Learned, RecordingReference, Session, Slot, plugin_state};
 use pyrophone_settings::{Error, Values};
 
 fn full() -> Session {
@@ -20,7 +20,34 @@ fn full() -> Session {
         }),
         field: Some(FieldReference { path: "/caches/flame.field".to_owned(), bytes: vec![0, 255, 7] }),
         cut: Cut { region_s: Some([0.5, 2.25]), gain_db: -3.0, normalise: true },
+        others: [Slot::default(), other(), Slot::default()],
     }
+}
+
+/// What is in another slot.
+fn other() -> Slot {
+    let recording =
+        RecordingReference { path: "/sound/embers.wav".to_owned(), content_hash: "cd".repeat(32), embedded: None };
+    Slot { recording: Some(recording), cut: Cut { gain_db: 6.0, ..Cut::default() } }
+}
+
+#[test]
+fn slots_are_numbered_from_the_first_recording() {
+    let mut session = full();
+    assert_eq!(session.recording_in(0), session.recording.as_ref());
+    assert_eq!((session.recording_in(1), session.recording_in(2)), (None, other().recording.as_ref()));
+    assert_eq!((session.cut_in(0), session.cut_in(2), session.recording_in(4)), (session.cut, other().cut, None));
+    *session.recording_in_mut(3) = other().recording;
+    session.cut_in_mut(0).gain_db = 1.0;
+    assert_eq!((&session.others[2].recording, session.cut.gain_db), (&other().recording, 1.0));
+}
+
+#[test]
+fn sessions_from_before_there_were_slots_have_one() {
+    let mut session = full();
+    session.others = Default::default();
+    assert!(!session.to_json().contains("others"), "as it was written before");
+    assert_eq!(Session::from_json(&session.to_json()).unwrap(), session);
 }
 
 #[test]
@@ -52,6 +79,8 @@ fn damaged_texts_are_refused() {
     bad.push(good.replace("[0.5,2.25]", "[2.25,0.5]"));
     bad.push(good.replace("[0.5,2.25]", "[0.5]"));
     bad.push(good.replace("\"gain_db\":-3.0", "\"gain_db\":1e9"));
+    bad.push(good.replace("\"gain_db\":6.0", "\"gain_db\":61.0"));
+    bad.push(good.replace("\"others\":[{},", "\"others\":[{},{},{},{},"));
     assert!(bad.iter().all(|text| *text != good), "every one is damaged");
     for text in bad {
         assert!(matches!(Session::from_json(&text), Err(Error::Session { .. })), "{text:.80}");

@@ -17,7 +17,7 @@ pub(crate) fn gain(magnitude: f64) -> f64 {
         return 0.0;
     }
     let room = MOST - KNEE;
-    (KNEE + room * ((magnitude - KNEE) / room).tanh()).min(MOST) / magnitude
+    (KNEE + room * maths::tanh((magnitude - KNEE) / room)).min(MOST) / magnitude
 }
 
 #[cfg(test)]

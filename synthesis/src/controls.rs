@@ -154,9 +154,38 @@ impl Default for Quality {
     }
 }
 
+/// Recordings that are kept ready side by side.
+pub const SLOTS: usize = 4;
+
+/// Which recordings texture and crackle are made of. A slot beyond the last is the last.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RecordingControls {
+    /// Slot of the recording.
+    pub slot: usize,
+    /// Slot of a second one; without a recording in it, or equal to the first, there is none.
+    pub second: usize,
+    /// Share of the second one, 0-1.
+    pub blend: f64,
+}
+
+impl RecordingControls {
+    /// Slot of the recording, within range.
+    pub fn first(&self) -> usize {
+        self.slot.min(SLOTS - 1)
+    }
+
+    /// Slot and share of the second recording, of which `is_there` tells whether it is loaded; none where it has no share.
+    pub(crate) fn other(&self, is_there: impl Fn(usize) -> bool) -> Option<(usize, f64)> {
+        let (slot, share) = (self.second.min(SLOTS - 1), crate::error::within(self.blend, 0.0, 1.0));
+        (share > 0.0 && slot != self.first() && is_there(slot)).then_some((slot, share))
+    }
+}
+
 /// Controls of [`crate::texture`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureControls {
+    /// Which recordings it is made of.
+    pub recordings: RecordingControls,
     /// How far the recording's amplitudes are mapped onto the drive's, 0-1 (1: the paper).
     pub scaling_alpha: f64,
     /// Whether that is lowered while single tones stand out ([`crate::texture::buzz`]).
@@ -179,6 +208,7 @@ pub struct TextureControls {
 impl Default for TextureControls {
     fn default() -> Self {
         Self {
+            recordings: RecordingControls::default(),
             scaling_alpha: 1.0,
             scaling_auto: false,
             dynamic_range: DynamicRange::Running,
@@ -372,6 +402,8 @@ impl Default for FuelControls {
 /// value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrackleControls {
+    /// Slot of the recording that crackles.
+    pub slot: usize,
     /// Fuel that crackles where no recording does.
     pub fuel: Fuel,
     /// Crackles relative to the recording's, 0-4.
@@ -392,6 +424,7 @@ pub struct CrackleControls {
 impl Default for CrackleControls {
     fn default() -> Self {
         Self {
+            slot: 0,
             fuel: Fuel::Off,
             density: 1.0,
             sharpness: 0.0,

@@ -23,7 +23,7 @@ pub(crate) struct Bands {
 
 /// The integrators' gain, tan(pi corner / rate), for a corner in Hz below half the rate.
 pub(crate) fn section_gain(corner_hz: f64, sample_rate_hz: f64) -> f64 {
-    (PI * corner_hz / sample_rate_hz).tan()
+    maths::tan(PI * corner_hz / sample_rate_hz)
 }
 
 impl Section {

@@ -34,8 +34,8 @@ impl Biquad {
 /// R128 loudness measurement" (2018), has their analogue parameters.
 fn k_weighting(sample_rate_hz: f64) -> [Biquad; 2] {
     let (corner_hz, gain_db, q) = (1_681.974_450_955_533, 3.999_843_853_973_347, 0.707_175_236_955_419_6);
-    let (k, v) = ((PI * corner_hz / sample_rate_hz).tan(), 10f64.powf(gain_db / 20.0));
-    let vb = v.powf(0.499_666_774_154_541_6);
+    let (k, v) = (maths::tan(PI * corner_hz / sample_rate_hz), maths::pow(10.0, gain_db / 20.0));
+    let vb = maths::pow(v, 0.499_666_774_154_541_6);
     let a0 = 1.0 + k / q + k * k;
     let shelf = Biquad {
         b: [(v + vb * k / q + k * k) / a0, 2.0 * (k * k - v) / a0, (v - vb * k / q + k * k) / a0],
@@ -43,7 +43,7 @@ fn k_weighting(sample_rate_hz: f64) -> [Biquad; 2] {
         ..Biquad::default()
     };
     let (corner_hz, q) = (38.135_470_876_024_44, 0.500_327_037_323_877_3);
-    let k = (PI * corner_hz / sample_rate_hz).tan();
+    let k = maths::tan(PI * corner_hz / sample_rate_hz);
     let a0 = 1.0 + k / q + k * k;
     let high_pass =
         Biquad { b: [1.0, -2.0, 1.0], a: [2.0 * (k * k - 1.0) / a0, (1.0 - k / q + k * k) / a0], ..Biquad::default() };
@@ -59,13 +59,13 @@ pub(crate) fn integrated_lufs(channels: &[Vec<f64>], sample_rate_hz: f64) -> Opt
     for channel in channels {
         let [mut shelf, mut high_pass] = k_weighting(sample_rate_hz);
         for (power, samples) in steps.iter_mut().zip(channel.chunks_exact(step)) {
-            *power += samples.iter().map(|x| high_pass.process(shelf.process(*x)).powi(2)).sum::<f64>();
+            *power += samples.iter().map(|x| maths::square(high_pass.process(shelf.process(*x)))).sum::<f64>();
         }
     }
     let scale = 1.0 / (step * channels.len()) as f64;
     let width = OVERLAP.min(steps.len()).max(1);
     let blocks: Vec<f64> = steps.windows(width).map(|part| scale * part.iter().sum::<f64>() / width as f64).collect();
-    let lufs = |power: f64| OFFSET_LUFS + 10.0 * power.log10();
+    let lufs = |power: f64| OFFSET_LUFS + 10.0 * maths::log10(power);
     let mean_above = |gate: f64| {
         let (sum, count) = blocks.iter().filter(|x| lufs(**x) > gate).fold((0.0, 0.0), |(s, n), x| (s + x, n + 1.0));
         (count > 0.0).then(|| lufs(sum / count))

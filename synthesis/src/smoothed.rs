@@ -14,7 +14,7 @@ pub(crate) struct Smoothed {
 impl Smoothed {
     /// A level at 0; `time_s` is its time constant in seconds.
     pub fn new(time_s: f64, sample_rate_hz: f64) -> Self {
-        Self { value: 0.0, coefficient: 1.0 - (-1.0 / (time_s * sample_rate_hz)).exp() }
+        Self { value: 0.0, coefficient: 1.0 - maths::exp(-1.0 / (time_s * sample_rate_hz)) }
     }
 
     /// The level one sample later.

@@ -67,7 +67,7 @@ impl Structure {
     /// Pyramid levels at `sample_rate_hz`: one more per doubling of the rate, so that the top
     /// level's band stays where it is.
     pub fn levels_at(&self, sample_rate_hz: f64) -> usize {
-        let doublings = (sample_rate_hz / Self::REFERENCE_RATE_HZ).log2().round();
+        let doublings = maths::log2(sample_rate_hz / Self::REFERENCE_RATE_HZ).round();
         (self.levels as f64 + doublings).max(2.0) as usize
     }
 

@@ -44,7 +44,7 @@ impl Tone {
     /// Neutral filters.
     pub fn new(sample_rate_hz: f64) -> Self {
         let coefficient = |corner_hz: f64| {
-            let g = (PI * (corner_hz / sample_rate_hz).min(HIGHEST)).tan();
+            let g = maths::tan(PI * (corner_hz / sample_rate_hz).min(HIGHEST));
             g / (1.0 + g)
         };
         Self {

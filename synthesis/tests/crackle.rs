@@ -270,6 +270,7 @@ fn bad_loudness_and_bad_controls_stay_finite_and_silence_is_silent() {
     for value in bad {
         let controls = CrackleControls {
             fuel: Fuel::Off,
+            slot: usize::MAX,
             density: value,
             sharpness: value,
             spread: value,
@@ -406,7 +407,7 @@ fn nothing_is_allocated_while_crackles_play() {
             }
             crackle.process(&loudness, &controls, &Sources::of_recording(&crackles), &mut [&mut left, &mut right]);
         }
-        crackle.forget();
+        crackle.forget_slot(0);
     });
     assert!(left.iter().any(|x| *x != 0.0));
     assert_eq!((seen.count_total, seen.count_current), (0, 0));

@@ -32,7 +32,7 @@ fn process(
 
 #[cfg_attr(sanitize_realtime, sanitize(realtime = "nonblocking"))]
 fn exchange(chain: &mut Chain, new: &mut Recording, old: &mut Recording) {
-    old.0 = chain.swap_dictionary(new.0.take());
+    old.0 = chain.swap_slot(new.2, new.0.take());
     old.1 = chain.swap_distribution(new.1.take());
 }
 
@@ -42,7 +42,8 @@ fn reset(chain: &mut Chain) {
     let _ = (chain.take_meters(), chain.is_silent(), chain.tail_samples());
 }
 
-type Recording = (Option<Arc<pyrophone_synthesis::texture::Dictionary>>, Option<Arc<Distribution>>);
+/// A dictionary, a distribution, and the slot of the dictionary.
+type Recording = (Option<Arc<pyrophone_synthesis::texture::Dictionary>>, Option<Arc<Distribution>>, usize);
 
 /// Every block size eight times, and all that happens now and then at least once with each; more of it in the long tests.
 fn rounds() -> usize {
@@ -67,12 +68,12 @@ fn everything(rate_hz: f64, layout: Channels, dynamics: Dynamics) {
         let controls = any_controls(&mut random);
         let position = (round % 3 == 0).then(|| random.below(1_000_000) as i64);
         let transport = Transport { playing: true, position };
-        let mut new: Recording = (None, None);
+        let mut new: Recording = (None, None, round % 5);
         if round % 7 == 0 {
             new.0 = (round % 21 != 0).then(|| dictionary(rate_hz, &structure, 1 + round % 2));
             new.1 = Some(Arc::new(Distribution::from_magnitudes(vec![0.1, 0.2, 0.3])));
         }
-        let mut old: Recording = (None, None);
+        let mut old: Recording = (None, None, 0);
         let seen = allocation_counter::measure(|| {
             process(&mut chain, &mut main, &side, &controls, transport);
             if round % 7 == 0 {

@@ -6,6 +6,7 @@ mod hand;
 mod map;
 mod parcel;
 mod picture;
+mod spot;
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ use x11rb::wrapper::ConnectionExt;
 pub use hand::{ESCAPE, Hand, RETURN};
 pub use map::Map;
 pub use picture::Picture;
+pub use spot::DropSpot;
 
 use crate::target_dir;
 

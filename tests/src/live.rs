@@ -1,7 +1,7 @@
 //! An instance that is played block by block, while the test's own thread is the host's main thread.
 
 use pyrophone_host::bounce::AutomationPoint;
-use pyrophone_host::{Block, Configuration, Event, Layout, Plugin, Processor, Tail, Transport};
+use pyrophone_host::{Block, Configuration, ControllerMessage, Event, Layout, Plugin, Processor, Tail, Transport};
 
 /// Longest block, in frames.
 pub const MAX_BLOCK: usize = 8192;
@@ -79,6 +79,11 @@ impl Live {
         points: &[AutomationPoint],
     ) -> Vec<Vec<f32>> {
         self.player.play_automated(input, clock, block, points)
+    }
+
+    /// Has messages of MIDI controllers come with the next block.
+    pub fn move_controllers(&mut self, messages: &[ControllerMessage]) {
+        self.player.processor.move_controllers(messages);
     }
 
     /// The tail reported at present.

@@ -15,7 +15,7 @@ use pyrophone_tests::{
     rounds, session, set,
 };
 
-const CYCLES: (usize, usize) = (40, 100);
+const CYCLES: (usize, usize) = (28, 100);
 /// From this one on nothing more is kept than before: caches are full.
 const SETTLED: usize = 16;
 /// How much more memory may be held after the last cycle, beside what is known to stay.

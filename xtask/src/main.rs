@@ -6,6 +6,7 @@
 mod bench;
 mod bundle;
 mod cargo;
+mod elsewhere;
 mod install;
 mod instructions;
 mod package;

@@ -59,18 +59,34 @@ pub const LINUX_PACKAGE: [Need; 5] = [
     program("dpkg-deb", "dpkg"),
 ];
 
+/// Debian's compiler, with the source of its standard library.
+const DEBIAN_RUSTC: Need = path("/usr/bin/rustc", "rustc-web");
+const DEBIAN_CARGO: Need = path("/usr/bin/cargo", "cargo-web");
+const DEBIAN_SOURCE: Need = path("/usr/lib/rustlib/src/rust/library/std", "rust-web-src");
+
 /// Enough to build packages for Windows.
 pub const WINDOWS_PACKAGE: [Need; 7] = [
     LINKER,
     C_LIBRARY,
-    Need { found: Found::Path("/usr/bin/rustc"), package: "rustc-web", purpose: PACKAGES },
-    Need { found: Found::Path("/usr/bin/cargo"), package: "cargo-web", purpose: PACKAGES },
-    Need { found: Found::Path("/usr/lib/rustlib/src/rust/library/std"), package: "rust-web-src", purpose: PACKAGES },
+    DEBIAN_RUSTC,
+    DEBIAN_CARGO,
+    DEBIAN_SOURCE,
     program("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64"),
     program("zip", "zip"),
 ];
 
+/// Enough to compile for any system, without linking.
+pub const CHECK: [Need; 3] = [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE];
+
+/// Enough to build for Linux on 64-bit ARM.
+pub const ARM_BUILD: [Need; 4] =
+    [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE, program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu")];
+
 const PACKAGES: &str = "making packages";
+
+const fn path(path: &'static str, package: &'static str) -> Need {
+    Need { found: Found::Path(path), package, purpose: PACKAGES }
+}
 
 const fn program(name: &'static str, package: &'static str) -> Need {
     Need { found: Found::Program(name), package, purpose: PACKAGES }
@@ -138,6 +154,11 @@ fn library_folders() -> impl Iterator<Item = String> {
     ["/usr/lib", "/lib", "/usr/local/lib"]
         .into_iter()
         .flat_map(move |folder| [format!("{folder}/{triplet}"), folder.to_owned(), format!("{folder}64")])
+}
+
+/// What is missing of these, as Debian names it.
+pub fn missing(needs: &[Need]) -> Vec<&'static str> {
+    needs.iter().filter(|need| !need.is_met()).map(|need| need.package).collect()
 }
 
 /// Whether a program is in PATH.

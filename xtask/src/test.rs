@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 
 use crate::bundle::{self, Profile};
 use crate::tally::Tally;
-use crate::{cargo, instructions, project, setup, validators};
+use crate::{cargo, elsewhere, instructions, project, setup, validators};
 
 /// End-to-end tests: real bundles in real hosts.
 const END_TO_END: &str = "pyrophone-tests";
@@ -36,6 +36,7 @@ pub fn run() -> Result<ExitCode> {
     if tally.step("building", build_tests) && tally.step("bundles", || bundle::wrap(Profile::Dev).map(drop)) {
         all_tests(&mut tally, &[(BUILD, "debug")], &["--workspace"])?;
         validators::run(&mut tally)?;
+        elsewhere::test(&mut tally)?;
     }
     for (sanitizer, test) in SANITIZED {
         sanitized(&mut tally, sanitizer, ENGINES, test)?;
@@ -65,6 +66,7 @@ pub fn soak() -> Result<ExitCode> {
     arguments.extend(["realtime", "chain", "extend_stream"].into_iter().flat_map(|test| ["--test", test]));
     tally.cargo_test("soak of the engines", &[SOAK], &arguments)?;
     sanitized(&mut tally, "realtime", PLUGIN, "realtime")?;
+    elsewhere::soak(&mut tally)?;
     Ok(tally.conclude())
 }
 

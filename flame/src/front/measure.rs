@@ -175,7 +175,7 @@ impl Front {
         }
         // Rounding must not make surface where the field rests on the iso value: such a plateau does not burn. Voxels
         // are `f32` and cannot lie on the level itself.
-        let level = self.iso + self.iso.abs() * 2f64.powi(-30);
+        let level = self.iso + self.iso.abs() * maths::powi(2.0, -30);
         let background = f64::from(field.background()[0]);
         if background > level { Err(Error::Unbounded { background, iso: self.iso }) } else { Ok(level) }
     }
@@ -241,7 +241,7 @@ fn mean_curvature(gradient: [f64; 3], hessian: [[f64; 3]; 3]) -> f64 {
     let steepness = length(gradient);
     let trace = hessian[0][0] + hessian[1][1] + hessian[2][2];
     let along = dot(gradient, hessian.map(|row| dot(row, gradient)));
-    let bending = -(steepness * steepness * trace - along) / (2.0 * steepness.powi(3));
+    let bending = -(steepness * steepness * trace - along) / (2.0 * maths::powi(steepness, 3));
     // At a cusp there is no normal, and no curvature to speak of.
     if bending.is_finite() { bending } else { 0.0 }
 }

@@ -46,7 +46,11 @@ pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
     }
     let main = sorts.iter().max_by_key(|(_, files)| files.len());
     let Some((main, files)) = main else {
-        let found = format!("but it holds {others} other files or folders");
+        let found = match others {
+            0 => "but it is empty".to_owned(),
+            1 => "but it holds one other file or folder".to_owned(),
+            _ => format!("but it holds {others} other files or folders"),
+        };
         return Err(Error::NoFrames { path: shown_path(folder), found });
     };
     if sorts.iter().any(|(sort, stray)| sort != main && (stray.len() > 1 || files.len() < 2)) {

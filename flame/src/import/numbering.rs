@@ -34,7 +34,7 @@ impl Number {
             return true;
         }
         let places = i32::try_from(self.fraction.len()).unwrap_or(i32::MAX).min(15);
-        let (scaled, tolerated) = (share * parts as f64, parts as f64 * 10f64.powi(-places));
+        let (scaled, tolerated) = (share * parts as f64, parts as f64 * maths::powi(10.0, -places));
         let nearest = scaled.round();
         (1.0..parts as f64).contains(&nearest) && (scaled - nearest).abs() <= tolerated
     }

@@ -35,12 +35,12 @@ impl Bursts {
         let mut random = Random::new(self.seed ^ (slot as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15));
         let since_s = time_s - (slot as f64 + random.uniform()) / self.rate_hz;
         // Heights as those of what happens at random: most are low.
-        let height = (-(1.0 - random.uniform()).ln()).clamp(HEIGHTS.0, HEIGHTS.1);
+        let height = (-maths::ln(1.0 - random.uniform())).clamp(HEIGHTS.0, HEIGHTS.1);
         if since_s <= 0.0 || since_s > FALLS * self.fall_s {
             return 0.0;
         }
-        let rise = 1.0 - (-(since_s / self.rise_s).powi(2)).exp();
-        height * rise * (-since_s / self.fall_s).exp()
+        let rise = 1.0 - maths::exp(-maths::square(since_s / self.rise_s));
+        height * rise * maths::exp(-since_s / self.fall_s)
     }
 }
 

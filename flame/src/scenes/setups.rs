@@ -176,7 +176,7 @@ impl Script {
             Scene::Torch => {
                 // A swing back and forth, faster in the middle, and not always alike.
                 let angle = TAU * 0.8 * wind * time_s + 0.5 * slow(0);
-                let centre_m = [0.38 * angle.sin(), 0.08 * slow(1), 0.3 + 0.1 * (2.0 * angle).cos()];
+                let centre_m = [0.38 * maths::sin(angle), 0.08 * slow(1), 0.3 + 0.1 * maths::cos(2.0 * angle)];
                 let head = burner(Shape::Ball { radius_m: 0.07 }, centre_m);
                 let flow = 1.2 * power * (1.0 + 0.25 * fast);
                 let fuel = if power > 0.0 { 1.0 } else { 0.0 };
@@ -199,9 +199,9 @@ impl Script {
             Scene::BurningBrick => {
                 let swing = TAU * 0.9 * wind * time_s;
                 let centre_m = [
-                    0.32 * swing.sin() + 0.04 * slow(0),
-                    0.06 * (1.7 * swing).sin(),
-                    0.28 + 0.09 * (1.3 * swing + 1.0).sin(),
+                    0.32 * maths::sin(swing) + 0.04 * slow(0),
+                    0.06 * maths::sin(1.7 * swing),
+                    0.28 + 0.09 * maths::sin(1.3 * swing + 1.0),
                 ];
                 let brick = burner(Shape::Box { half_m: [0.09, 0.05, 0.05] }, centre_m);
                 (Emitter { flicker: 0.5, velocity_m_s: [0.0, 0.0, 0.5 * power], drag_hz: 30.0, ..brick }, 0.0, 0.0)
@@ -253,7 +253,7 @@ impl Script {
                     fuel: if bursting { ball.fuel } else { 0.0 },
                     temperature: if bursting { 1.0 } else { 0.0 },
                     flicker: 0.3,
-                    outflow_hz: if bursting { 45.0 * power * (-since / 0.06).exp() } else { 0.0 },
+                    outflow_hz: if bursting { 45.0 * power * maths::exp(-since / 0.06) } else { 0.0 },
                     ..ball
                 };
                 (burst, 0.0, 0.0)

@@ -19,7 +19,7 @@ impl Wander {
         let waves = std::array::from_fn(|wave| {
             // One in each equal part of the band's logarithm, so that no part is left out.
             let share = (wave as f64 + random.uniform()) / WAVES as f64;
-            let frequency_hz = low_hz * (high_hz / low_hz).powf(share);
+            let frequency_hz = low_hz * maths::pow(high_hz / low_hz, share);
             (std::f64::consts::TAU * frequency_hz, std::f64::consts::TAU * random.uniform())
         });
         Self { waves }
@@ -27,7 +27,7 @@ impl Wander {
 
     /// Its value at a time.
     pub fn at(&self, time_s: f64) -> f64 {
-        let sum: f64 = self.waves.iter().map(|(rate, phase)| (rate * time_s + phase).sin()).sum();
+        let sum: f64 = self.waves.iter().map(|(rate, phase)| maths::sin(rate * time_s + phase)).sum();
         sum * (2.0 / WAVES as f64).sqrt()
     }
 }

@@ -103,7 +103,7 @@ pub(crate) fn burn(
             let core = Core {
                 expanding_m_s: (flame_speed_m_s * expansion) as f32,
                 depth_m: depth_m.max(FEWEST_EXPANDING_CELLS * fire.domain.voxel_size_m()) as f32,
-                kept: (-fire.dt_s / fall_s.max(1e-6)).exp() as f32,
+                kept: maths::exp(-fire.dt_s / fall_s.max(1e-6)) as f32,
             };
             burn_cells(cooling, fire, scalars, source, front, TEMPERATURE, |scalar, mixing| {
                 burn_core(&core, scalar, mixing)
@@ -154,7 +154,7 @@ fn burn_cells(
             }
             (*source, *front) = burn(scalar, &|| fire.mixing.factor(fire.place_m([i, j, k])));
             // Implicit, so that it cannot overshoot.
-            let cube = scalar[TEMPERATURE].powi(3);
+            let cube = maths::powi(scalar[TEMPERATURE], 3);
             scalar[TEMPERATURE] /= 1.0 + radiation * cube;
             scalar[SMOKE] /= 1.0 + dissipation;
             // What is too thin to matter becomes air, of which nothing need be carried.
@@ -185,7 +185,7 @@ fn burn_fuel(fuel: &Fuel, scalar: &mut [f32; 4], dt_s: f32, mixing: impl Fn() ->
         return (0.0, 0.0);
     }
     // Exact for lean gas, so that it does not depend on how a step is cut.
-    let burnt = left * (1.0 - (-fuel.rate_hz * kindled * mixing() * dt_s / left.max(LEAN)).exp());
+    let burnt = left * (1.0 - maths::exp(-fuel.rate_hz * kindled * mixing() * dt_s / left.max(LEAN)));
     scalar[FUEL] = left - burnt;
     scalar[TEMPERATURE] = (scalar[TEMPERATURE] + fuel.heat * burnt).clamp(0.0, HOTTEST);
     scalar[SMOKE] = (scalar[SMOKE] + burnt).clamp(0.0, 1.0);
@@ -228,5 +228,5 @@ fn delta(distance: f32, width: f32) -> f32 {
     if distance.abs() >= width {
         return 0.0;
     }
-    (1.0 + (std::f32::consts::PI * distance / width).cos()) / (2.0 * width)
+    (1.0 + maths::cos(std::f32::consts::PI * distance / width)) / (2.0 * width)
 }

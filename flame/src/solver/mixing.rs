@@ -83,14 +83,14 @@ impl MixingField {
                 *value = spread as f32 * waves.at(time_s);
             }
         });
-        self.offset = (boost.clamp(1e-3, 1e3).ln() - 0.5 * spread * spread) as f32;
+        self.offset = (maths::ln(boost.clamp(1e-3, 1e3)) - 0.5 * spread * spread) as f32;
     }
 
     /// Burn rate at a place in m, relative to the average.
     #[inline(always)]
     pub fn factor(&self, place_m: [f64; 3]) -> f32 {
         if self.values.is_empty() {
-            return self.offset.exp();
+            return maths::exp(self.offset);
         }
         let brackets = std::array::from_fn(|axis| {
             let at =
@@ -100,7 +100,7 @@ impl MixingField {
             // Without a kink at the nodes.
             (low, share * share * (3.0 - 2.0 * share))
         });
-        (self.offset + self.between(brackets)).exp()
+        maths::exp(self.offset + self.between(brackets))
     }
 
     #[inline(always)]
@@ -126,10 +126,11 @@ impl Waves {
         let number = node.iter().fold(seed, |number, at| Random::new(number ^ (*at as u64)).bits());
         let mut random = Random::new(number);
         let band = mixing.fastest_hz / mixing.slowest_hz;
-        let frequency_hz: [f64; WAVES] =
-            std::array::from_fn(|wave| mixing.slowest_hz * band.powf((wave as f64 + random.uniform()) / WAVES as f64));
+        let frequency_hz: [f64; WAVES] = std::array::from_fn(|wave| {
+            mixing.slowest_hz * maths::pow(band, (wave as f64 + random.uniform()) / WAVES as f64)
+        });
         // A density of f^-2, times the width f of a part of the logarithm.
-        let amplitude = frequency_hz.map(|frequency_hz| frequency_hz.powf(-0.5));
+        let amplitude = frequency_hz.map(|frequency_hz| maths::pow(frequency_hz, -0.5));
         let rms = amplitude.iter().map(|a| 0.5 * a * a).sum::<f64>().sqrt();
         let turns = std::array::from_fn(|_| random.uniform());
         Self { frequency_hz, turns, amplitude: amplitude.map(|a| (a / rms) as f32) }
@@ -149,7 +150,7 @@ impl Waves {
 /// Cosine of -0.5 to 0.5 turns, to 1e-4: Taylor's polynomial, which has no jump where the turns wrap round.
 #[inline(always)]
 fn cosine(turns: f32) -> f32 {
-    let square = (std::f32::consts::TAU * turns).powi(2);
+    let square = maths::square(std::f32::consts::TAU * turns);
     const TERMS: [f32; 6] =
         [-1.0 / 2.0, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0, 1.0 / 479_001_600.0];
     1.0 + square * TERMS.iter().rev().fold(0.0, |sum, term| sum * square + term)

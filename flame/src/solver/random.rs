@@ -33,7 +33,7 @@ impl Random {
 
     /// Normally distributed, mean 0, deviation 1 (Box & Muller 1958).
     pub fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
+        let radius = (-2.0 * maths::ln(1.0 - self.uniform())).sqrt();
+        radius * maths::cos(std::f64::consts::TAU * self.uniform())
     }
 }

@@ -32,7 +32,7 @@ impl Solver {
         let (h, shape) = (self.domain.voxel_size_m(), self.domain.shape());
         let is_core = matches!(self.parameters.combustion, Some(Combustion::BlueCore { .. }));
         for emitter in &surroundings.emitters {
-            let hold = 1.0 - (-emitter.drag_hz.max(0.0) * dt_s).exp();
+            let hold = 1.0 - maths::exp(-emitter.drag_hz.max(0.0) * dt_s);
             for ([i, j, k], place) in self.covered(emitter) {
                 let cover = emitter.cover(place, h) as f32;
                 let scalar = &mut self.scalars[at(shape, i, j, k)];

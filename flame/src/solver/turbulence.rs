@@ -68,7 +68,7 @@ impl Turbulence {
             let norm = crate::grid::length(direction).max(1e-9);
             // Energy per wave number falls as k^(-5/3); a shell holds k² waves, so a wave's amplitude as k^(-11/6). Waves
             // are drawn evenly over the ball.
-            let amplitude = magnitude.powf(-11.0 / 6.0) / norm;
+            let amplitude = maths::pow(magnitude, -11.0 / 6.0) / norm;
             let phase = std::f64::consts::TAU * random.uniform();
             // Few phases occur: they are whole parts of a turn.
             let last = SIZE as i32 - 1;
@@ -76,7 +76,7 @@ impl Turbulence {
             let highest: i32 = wave.iter().map(|k| k.max(&0) * last).sum();
             let add = |parts: i32| {
                 let turns = f64::from(parts) / SIZE as f64;
-                let wave = amplitude * (std::f64::consts::TAU * turns + phase).cos();
+                let wave = amplitude * maths::cos(std::f64::consts::TAU * turns + phase);
                 direction.map(|along| (wave * along) as f32)
             };
             let added: Vec<[f32; 3]> = (lowest..=highest).map(add).collect();
@@ -90,7 +90,7 @@ impl Turbulence {
                 }
             }
         }
-        let power: f64 = tile.iter().flat_map(|value| &value[..3]).map(|v| f64::from(*v).powi(2)).sum();
+        let power: f64 = tile.iter().flat_map(|value| &value[..3]).map(|v| maths::square(f64::from(*v))).sum();
         let rms = (power / (3 * tile.len()) as f64).sqrt().max(1e-30) as f32;
         tile.iter_mut().flatten().for_each(|value| *value /= rms);
         Self { tile: tile.into() }

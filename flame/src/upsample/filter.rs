@@ -10,8 +10,8 @@ impl HighPass {
     /// Second order Butterworth at `corner` (cycles per sample, below 0.5).
     fn new(corner: f64) -> Self {
         let turn = std::f64::consts::TAU * corner;
-        let alpha = turn.sin() * std::f64::consts::FRAC_1_SQRT_2;
-        let (cos, whole) = (turn.cos(), 1.0 + alpha);
+        let alpha = maths::sin(turn) * std::f64::consts::FRAC_1_SQRT_2;
+        let (cos, whole) = (maths::cos(turn), 1.0 + alpha);
         let outer = 0.5 * (1.0 + cos) / whole;
         Self { feed: [outer, -2.0 * outer, outer], back: [-2.0 * cos / whole, (1.0 - alpha) / whole] }
     }

@@ -132,7 +132,7 @@ fn normal_share(x: f64) -> f64 {
     let t = 1.0 / (1.0 + 0.231_641_9 * x.abs());
     let series =
         t * (0.319_381_530 + t * (-0.356_563_782 + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));
-    let tail = (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt() * series;
+    let tail = maths::exp(-0.5 * x * x) / std::f64::consts::TAU.sqrt() * series;
     if x < 0.0 { tail } else { 1.0 - tail }
 }
 
@@ -140,7 +140,7 @@ fn normal_share(x: f64) -> f64 {
 pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) -> Vec<f64> {
     let substeps = upsampler.substeps();
     let unit = if upsampler.takes_field_alone() { flux_per_source(values, pairs) } else { 1.0 };
-    let scale = unit * 10f64.powf(gain_db(values, pairs, unit) / 20.0);
+    let scale = unit * maths::pow(10.0, gain_db(values, pairs, unit) / 20.0);
     let mut steps = vec![0.0; values.len() * substeps];
     for (steps, change) in steps.chunks_exact_mut(substeps).zip(pairs) {
         let Some(change) = change.filter(|change| change.len() == HEAD + substeps - 1) else { continue };
@@ -159,14 +159,14 @@ fn gain_db(values: &[f64], pairs: &[Option<&[f64]>], unit: f64) -> f64 {
         let Some(middle) = change.and_then(|change| change.get(4)).filter(|middle| **middle >= 0.0) else { continue };
         // Halfway between the third and the fifth by a cubic through every second one.
         let between = (9.0 * (window[2] + window[4]) - (window[0] + window[6])) / 16.0;
-        true_power += (window[3] - between).powi(2);
+        true_power += maths::square(window[3] - between);
         flipped_power += middle * unit * unit;
         count += 1.0;
     }
     if !(true_power > 0.0 && flipped_power > 0.0) {
         return 0.0;
     }
-    let found_db = 10.0 * (flipped_power / true_power).log10();
+    let found_db = 10.0 * maths::log10(flipped_power / true_power);
     let gain_db = if found_db < -TOGETHER_DB { -found_db - TOGETHER_DB } else { (APART_DB - found_db).min(0.0) };
     gain_db.clamp(-MOST_DB, MOST_DB) * count / (count + HALF_BELIEVED)
 }

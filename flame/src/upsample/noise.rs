@@ -48,10 +48,10 @@ pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) ->
 fn fallen(samples: &[f64], slope_db: f64) -> Vec<f64> {
     let mut out = samples.to_vec();
     // A pole at f and a zero at f times this fall so far together that, an octave apart, they make the slope.
-    let apart = 2f64.powf(-slope_db / 20.0);
+    let apart = maths::pow(2.0, -slope_db / 20.0);
     for stage in 0..STAGES {
-        let pole = 0.5 * 2f64.powi(-(stage as i32) - 1);
-        let [low, high] = [pole, pole * apart].map(|corner| (-std::f64::consts::TAU * corner).exp());
+        let pole = 0.5 * maths::powi(2.0, -(stage as i32) - 1);
+        let [low, high] = [pole, pole * apart].map(|corner| maths::exp(-std::f64::consts::TAU * corner));
         let (mut last_in, mut last_out) = (0.0, 0.0);
         for sample in &mut out {
             let passed = *sample - high * last_in + low * last_out;

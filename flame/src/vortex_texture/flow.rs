@@ -75,12 +75,12 @@ impl Flow {
         let domain = Domain::new(recipe.voxels, voxel_size_m, sides)?;
         // Gas of this speed has been brought to it by its buoyancy, here within the box. Fast gas comes from further below
         // and is as unsteady: the box has its part of that all the same.
-        let buoyancy_m_s2 = (speed_m_s / RISE).powi(2) / (2.0 * nz as f64 * voxel_size_m);
+        let buoyancy_m_s2 = maths::square(speed_m_s / RISE) / (2.0 * nz as f64 * voxel_size_m);
         let parameters = Parameters {
             buoyancy_m_s2: if recipe.kind == Kind::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
             confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
             // The disturbance fits into the periodic sides, and passes as the gas does.
-            turbulence_m_s2: (STIRRING * speed_m_s.powi(2) / width_m).min(MOST_STIRRING_M_S2),
+            turbulence_m_s2: (STIRRING * maths::square(speed_m_s) / width_m).min(MOST_STIRRING_M_S2),
             turbulence_scale_m: width_m,
             turbulence_rate_hz: speed_m_s / width_m,
             ..Parameters::still()
@@ -163,7 +163,7 @@ impl Flow {
     pub fn unrest_m2_s2(&self) -> f64 {
         let power = |axis: usize, values: &[f32]| {
             let mean = if axis == 2 { self.mean_m_s } else { 0.0 };
-            values.iter().map(|value| (f64::from(*value) - mean).powi(2)).sum::<f64>() / values.len() as f64
+            values.iter().map(|value| maths::square(f64::from(*value) - mean)).sum::<f64>() / values.len() as f64
         };
         self.solver.face_velocities().into_iter().enumerate().map(|(axis, values)| power(axis, values)).sum()
     }

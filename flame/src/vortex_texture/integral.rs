@@ -38,7 +38,7 @@ pub struct Integral {
 impl Integral {
     /// For fields of `shape` voxels of edge `voxel_size_m`.
     pub fn new(shape: [usize; 3], voxel_size_m: f64, origin: Origin) -> Self {
-        let volume = voxel_size_m.powi(3);
+        let volume = maths::powi(voxel_size_m, 3);
         match origin {
             Origin::Centre => {
                 let weights: Vec<f64> = places(shape).map(|voxel| taper(shape, voxel)).collect();
@@ -52,7 +52,7 @@ impl Integral {
             }
             Origin::Cells => {
                 let moments = places(shape).map(|voxel| cells(shape, voxel));
-                let scale = volume * voxel_size_m.powi(2);
+                let scale = volume * maths::square(voxel_size_m);
                 Self { shape, moments: moments.map(|moment| moment.map(|m| scale * m)).collect(), shares: None }
             }
         }
@@ -106,7 +106,7 @@ fn taper(shape: [usize; 3], voxel: [usize; 3]) -> f64 {
     let along = |axis: usize| {
         let place = (voxel[axis] as f64 + 0.5) / shape[axis] as f64;
         let share = (place.min(1.0 - place) / TAPER).min(1.0);
-        (0.5 * std::f64::consts::PI * share).sin().powi(2)
+        maths::square(maths::sin(0.5 * std::f64::consts::PI * share))
     };
     (0..3).map(along).product()
 }
@@ -119,7 +119,7 @@ fn cells(shape: [usize; 3], voxel: [usize; 3]) -> [f64; 6] {
     let (mut sum, mut weights) = ([0.0; 6], 0.0);
     for offset in offsets.filter(is_inside) {
         let offset = offset.map(|x| x as f64);
-        let weight = (-FALLOFF * crate::grid::length(offset)).exp();
+        let weight = maths::exp(-FALLOFF * crate::grid::length(offset));
         weights += weight;
         sum.iter_mut().zip(square(offset)).for_each(|(sum, square)| *sum += weight * square);
     }

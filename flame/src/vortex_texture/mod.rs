@@ -70,7 +70,7 @@ impl Recipe {
         }
         let band = Band::of_flow(speed_m_s / self.voxel_size_m, 1.0 / step_s, self.rate_hz);
         let sound = Series::looped(&values, period, step_s).sound(self.period_samples(), band);
-        Ok(sound.row(speed_m_s, DENSITY_KG_M3 / (12.0 * std::f64::consts::PI * SOUND_M_S.powi(2))))
+        Ok(sound.row(speed_m_s, DENSITY_KG_M3 / (12.0 * std::f64::consts::PI * maths::square(SOUND_M_S))))
     }
 }
 
@@ -86,6 +86,6 @@ pub fn speeds(low_m_s: f64, high_m_s: f64, count: usize) -> Result<Vec<f64>, Err
         let least = low_m_s * (1.0 + 1e-3 * (count - 1) as f64);
         return Err(Error::OutOfRange { what: "highest speed in m/s", found: high_m_s, low: least, high: 100.0 });
     }
-    let step = (high_m_s / low_m_s).powf(1.0 / (count.max(2) - 1) as f64);
-    Ok((0..count).map(|index| f64::from((low_m_s * step.powi(index as i32)) as f32)).collect())
+    let step = maths::pow(high_m_s / low_m_s, 1.0 / (count.max(2) - 1) as f64);
+    Ok((0..count).map(|index| f64::from((low_m_s * maths::powi(step, index as i32)) as f32)).collect())
 }

@@ -36,7 +36,7 @@ impl Band {
             return 0.0;
         }
         let share = (frequency_hz - self.pass_hz) / (self.stop_hz - self.pass_hz);
-        0.5 + 0.5 * (PI * share).cos()
+        0.5 + 0.5 * maths::cos(PI * share)
     }
 }
 
@@ -67,7 +67,7 @@ impl Series {
                 if step >= fade {
                     return rest(value, c);
                 }
-                let (sin, cos) = (0.5 * PI * smooth(step as f64 / fade as f64)).sin_cos();
+                let (sin, cos) = maths::sin_cos(0.5 * PI * smooth(step as f64 / fade as f64));
                 sin * rest(value, c) + cos * rest(&tail[step], c)
             })
         };
@@ -100,7 +100,7 @@ impl Series {
             }
             let frequency_hz = wave as f64 / period_s;
             // Both waves of the pair; (iω)³ = -iω³.
-            let factor = 2.0 / steps as f64 * band.gain(frequency_hz) * (TAU * frequency_hz).powi(3);
+            let factor = 2.0 / steps as f64 * band.gain(frequency_hz) * maths::powi(TAU * frequency_hz, 3);
             let (re, im) = (im.map(|im| factor * im), re.map(|re| -factor * re));
             let mut turn = 0;
             for value in &mut sound {
@@ -130,10 +130,10 @@ impl Series {
 
 /// Sine and cosine of all parts of a turn.
 fn turns(parts: usize) -> Vec<(f64, f64)> {
-    (0..parts).map(|part| (TAU * part as f64 / parts as f64).sin_cos()).collect()
+    (0..parts).map(|part| maths::sin_cos(TAU * part as f64 / parts as f64)).collect()
 }
 
 /// From 0 to 1 with three derivatives that begin and end at 0.
 fn smooth(x: f64) -> f64 {
-    x.powi(4) * (35.0 - 84.0 * x + 70.0 * x * x - 20.0 * x.powi(3))
+    maths::powi(x, 4) * (35.0 - 84.0 * x + 70.0 * x * x - 20.0 * maths::powi(x, 3))
 }

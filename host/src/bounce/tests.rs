@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Format, Parameter, Tail};
+use crate::{ControllerMessage, Event, Format, Parameter, Tail};
 
 #[test]
 fn random_sizes_reach_from_none_to_the_longest() {
@@ -47,6 +47,8 @@ impl Processor for Delay {
         }
         Ok(())
     }
+
+    fn move_controllers(&mut self, _: &[ControllerMessage]) {}
 
     fn tail(&mut self) -> Tail {
         Tail::Samples(0)
@@ -102,6 +104,14 @@ impl Plugin for DelayPlugin {
 
     fn deactivate(&mut self, _: Box<dyn Processor>) -> Result<(), HostError> {
         Ok(())
+    }
+
+    fn take_told_values(&mut self) -> Vec<Event> {
+        Vec::new()
+    }
+
+    fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {
+        Vec::new()
     }
 
     fn latency_samples(&mut self) -> u32 {

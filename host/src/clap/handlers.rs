@@ -1,8 +1,12 @@
 //! Host side of CLAP: requests that a plug-in may make.
 
+use std::ffi::CString;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use clack_extensions::context_menu::{
+    ContextMenuBuilder, ContextMenuTarget, HostContextMenu, HostContextMenuImpl, Item,
+};
 use clack_extensions::gui::{GuiSize, HostGui, HostGuiImpl};
 use clack_extensions::latency::{HostLatency, HostLatencyImpl};
 use clack_extensions::params::{
@@ -11,8 +15,8 @@ use clack_extensions::params::{
 use clack_extensions::state::{HostState, HostStateImpl};
 use clack_host::prelude::*;
 
-use crate::Requests;
 use crate::lock::lock;
+use crate::{MENU, Requests, SUBMENU};
 
 /// Requests that wait to be noticed; set from any thread.
 #[derive(Default)]
@@ -22,6 +26,8 @@ pub(super) struct Flags {
     latency_changed: AtomicBool,
     values_changed: AtomicBool,
     editor_size: Mutex<Option<(u32, u32)>>,
+    /// Parameters and entries that were chosen of menus.
+    chosen: Mutex<Vec<(u32, i32)>>,
 }
 
 impl Flags {
@@ -31,6 +37,10 @@ impl Flags {
 
     pub fn take_editor_size(&self) -> Option<(u32, u32)> {
         lock(&self.editor_size).take()
+    }
+
+    pub fn take_chosen(&self) -> Vec<(u32, i32)> {
+        std::mem::take(&mut *lock(&self.chosen))
     }
 
     pub fn take_requests(&self) -> Requests {
@@ -51,6 +61,7 @@ impl HostHandlers for Handlers {
 
     fn declare_extensions(builder: &mut HostExtensions<'_, Self>, _: &Shared) {
         builder.register::<HostLatency>().register::<HostParams>().register::<HostState>().register::<HostGui>();
+        builder.register::<HostContextMenu>();
     }
 }
 
@@ -110,6 +121,40 @@ impl HostParamsImplMainThread for MainThread {
     }
 
     fn clear(&self, _: ClapId, _: ParamClearFlags) {}
+}
+
+impl HostContextMenuImpl for MainThread {
+    fn populate(&self, _: ContextMenuTarget, builder: &mut ContextMenuBuilder) -> Result<(), HostError> {
+        let [first, second] = MENU.map(|(action, words)| (action, CString::new(words).unwrap_or_default()));
+        let entry = |label, action: i32| Item::Entry { label, enabled: true, action_id: ClapId::new(action as u32) };
+        let submenu = CString::new(SUBMENU).unwrap_or_default();
+        let items = [
+            entry(&first.1, first.0),
+            Item::Separator,
+            Item::BeginSubmenu { label: &submenu, enabled: true },
+            entry(&second.1, second.0),
+            Item::EndSubmenu,
+        ];
+        items
+            .iter()
+            .try_for_each(|item| builder.add_item(item))
+            .map_err(|_| HostError::Message("the plug-in refuses the menu"))
+    }
+
+    fn perform(&self, target: ContextMenuTarget, action: ClapId) -> Result<(), HostError> {
+        if let ContextMenuTarget::Param(id) = target {
+            lock(&self.0.chosen).push((id.get(), action.get() as i32));
+        }
+        Ok(())
+    }
+
+    fn can_popup(&self) -> bool {
+        false
+    }
+
+    fn popup(&self, _: ContextMenuTarget, _: i32, _: i32, _: i32) -> Result<(), HostError> {
+        Err(HostError::Message("menus are shown by the plug-in"))
+    }
 }
 
 impl HostStateImpl for MainThread {

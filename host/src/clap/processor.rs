@@ -4,8 +4,10 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
 use clack_extensions::tail::{PluginTail, TailLength};
-use clack_host::events::EventFlags;
-use clack_host::events::event_types::{ParamValueEvent, TransportEvent, TransportFlags};
+use clack_host::events::event_types::{MidiEvent, ParamValueEvent, TransportEvent, TransportFlags};
+use clack_host::events::io::EventBuffer;
+use clack_host::events::spaces::CoreEventSpace;
+use clack_host::events::{Event as _, EventFlags};
 use clack_host::prelude::*;
 use clack_host::utils::{BeatTime, SecondsTime};
 use clap_sys::audio_buffer::clap_audio_buffer;
@@ -14,7 +16,7 @@ use super::description::Range;
 use super::handlers::Handlers;
 use crate::buses::Buses;
 use crate::lock::lock;
-use crate::{Block, Event, HostError, Processor, Tail, Transport};
+use crate::{Block, ControllerMessage, Event, HostError, Processor, Tail, Transport};
 
 pub(super) struct ClapProcessor {
     processor: PluginAudioProcessor<Handlers>,
@@ -23,6 +25,8 @@ pub(super) struct ClapProcessor {
     sample_rate: f64,
     ranges: Arc<HashMap<u32, Range>>,
     pending: Arc<Mutex<Vec<Event>>>,
+    told: Arc<Mutex<Vec<Event>>>,
+    messages: Vec<ControllerMessage>,
 }
 
 impl ClapProcessor {
@@ -33,8 +37,22 @@ impl ClapProcessor {
         sample_rate: f64,
         ranges: Arc<HashMap<u32, Range>>,
         pending: Arc<Mutex<Vec<Event>>>,
+        told: Arc<Mutex<Vec<Event>>>,
     ) -> Self {
-        Self { processor, instance, buses, sample_rate, ranges, pending }
+        Self { processor, instance, buses, sample_rate, ranges, pending, told, messages: Vec::new() }
+    }
+
+    /// Notes the values that the plug-in has put out.
+    fn hear(&self, output: &EventBuffer) {
+        let values = output.iter().filter_map(|event| match event.as_core_event() {
+            Some(CoreEventSpace::ParamValue(event)) => {
+                let id = event.param_id()?.get();
+                let value = self.ranges.get(&id)?.normalized(event.value());
+                Some(Event { offset: event.time(), id, value })
+            }
+            _ => None,
+        });
+        lock(&self.told).extend(values);
     }
 
     fn param_event(&self, event: &Event) -> Result<ParamValueEvent, HostError> {
@@ -93,8 +111,16 @@ impl Processor for ClapProcessor {
         }
         let (frames, mut pointers) = self.buses.load(block)?;
         let pending = std::mem::take(&mut *lock(&self.pending));
-        let events =
-            pending.iter().chain(block.events).map(|event| self.param_event(event)).collect::<Result<Vec<_>, _>>()?;
+        let mut events = EventBuffer::with_capacity(pending.len() + block.events.len() + self.messages.len());
+        for event in pending.iter().chain(block.events) {
+            events.push(&self.param_event(event)?);
+        }
+        for message in self.messages.drain(..) {
+            let bytes = [0xb0 | message.channel, message.controller, message.position];
+            events.push(&MidiEvent::new(message.offset, 0, bytes));
+        }
+        events.sort();
+        let mut told = EventBuffer::new();
         let transport = block.transport.map(|t| self.transport_event(t));
 
         let mut inputs = vec![audio_buffer(&mut pointers.input)];
@@ -114,16 +140,14 @@ impl Processor for ClapProcessor {
         self.processor
             .as_started_mut()
             .map_err(|_| HostError::Process)?
-            .process(
-                &input,
-                &mut output,
-                &InputEvents::from_buffer(&events),
-                &mut OutputEvents::void(),
-                None,
-                transport.as_ref(),
-            )
+            .process(&input, &mut output, &events.as_input(), &mut told.as_output(), None, transport.as_ref())
             .map_err(|_| HostError::Process)?;
+        self.hear(&told);
         self.buses.store(block, frames)
+    }
+
+    fn move_controllers(&mut self, messages: &[ControllerMessage]) {
+        self.messages.extend_from_slice(messages);
     }
 
     fn tail(&mut self) -> Tail {

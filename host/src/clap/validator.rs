@@ -44,7 +44,7 @@ use clap_sys::plugin::clap_plugin;
 use clap_sys::process::{CLAP_PROCESS_ERROR, clap_process};
 use clap_sys::stream::{clap_istream, clap_ostream};
 use clap_sys::version::CLAP_VERSION;
-use libloading::os::unix::Library;
+use libloading::Library;
 
 use crate::numeric_id;
 use crate::validator::{Check, ODD_RATES_HZ, duplicate, ensure};

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::ffi::CStr;
 
 use ::vst3::Steinberg::Vst::{
-    IComponent, IEditController, IEditControllerTrait, IUnitInfo, IUnitInfoTrait, ParameterInfo,
-    ParameterInfo_::ParameterFlags_, SpeakerArr, SpeakerArrangement, UnitInfo,
+    IComponent, IEditController, IEditControllerTrait, IMidiMapping, IMidiMappingTrait, IUnitInfo, IUnitInfoTrait,
+    ParameterInfo, ParameterInfo_::ParameterFlags_, SpeakerArr, SpeakerArrangement, UnitInfo,
 };
 use ::vst3::Steinberg::{IPluginFactoryTrait, PClassInfo, kResultOk};
 use ::vst3::{ComPtr, Interface};
@@ -50,6 +50,10 @@ pub(super) fn read_parameters(controller: &ComPtr<IEditController>) -> Vec<Param
                 return None;
             }
             let has = |flag| info.flags & flag != 0;
+            // MIDI controllers are parameters, and nothing that people see.
+            if has(ParameterFlags_::kIsHidden) && !has(ParameterFlags_::kCanAutomate) {
+                return None;
+            }
             Some(Parameter {
                 id: info.id,
                 name: from_utf16(&info.title),
@@ -100,6 +104,18 @@ pub(super) const fn arrangement(channels: u32) -> SpeakerArrangement {
         64.. => SpeakerArrangement::MAX,
         _ => (1 << channels) - 1,
     }
+}
+
+/// The parameters that the controllers of the first MIDI channel are, by number.
+pub(super) fn read_controllers(controller: &ComPtr<IEditController>) -> Vec<Option<u32>> {
+    let mapping = controller.cast::<IMidiMapping>();
+    let id_of = |number| {
+        let mut id = 0;
+        // SAFETY: a live interface and a place to write to.
+        let result = unsafe { mapping.as_ref()?.getMidiControllerAssignment(0, 0, number, &mut id) };
+        (result == kResultOk).then_some(id)
+    };
+    (0..128).map(id_of).collect()
 }
 
 pub(super) fn from_utf16(text: &[u16]) -> String {

@@ -11,11 +11,17 @@ use ::vst3::Steinberg::Linux::{
 use ::vst3::Steinberg::Vst::{IEditController, IEditControllerTrait, ViewType};
 use ::vst3::Steinberg::{
     IPlugFrame, IPlugFrameTrait, IPlugView, IPlugViewContentScaleSupport, IPlugViewContentScaleSupportTrait,
-    IPlugViewTrait, ViewRect, kInvalidArgument, kPlatformTypeX11EmbedWindowID, kResultOk, tresult,
+    IPlugViewTrait, ViewRect, kInvalidArgument, kResultOk, tresult,
 };
 use ::vst3::{Class, ComPtr, ComRef, ComWrapper};
 
 use crate::HostError;
+
+#[cfg(windows)]
+use ::vst3::Steinberg::kPlatformTypeHWND as PLATFORM;
+/// The kind of windows that this system has.
+#[cfg(not(windows))]
+use ::vst3::Steinberg::kPlatformTypeX11EmbedWindowID as PLATFORM;
 
 /// An open editor.
 pub(super) struct Editor {
@@ -25,14 +31,14 @@ pub(super) struct Editor {
 }
 
 impl Editor {
-    /// Opens the editor in an X11 window and gives its size in pixels.
-    pub fn open(controller: &ComPtr<IEditController>, x11_window: u32) -> Result<(Self, (u32, u32)), HostError> {
+    /// Opens the editor in a window of the system's and gives its size in pixels.
+    pub fn open(controller: &ComPtr<IEditController>, window: u32) -> Result<(Self, (u32, u32)), HostError> {
         // SAFETY: a live controller, which gives a view and one reference to it, or null.
         let view = unsafe { ComPtr::from_raw(controller.createView(ViewType::kEditor)) }
             .ok_or_else(|| HostError::Unsupported("the plugin has no editor".to_owned()))?;
         // SAFETY: a live view.
-        if unsafe { view.isPlatformTypeSupported(kPlatformTypeX11EmbedWindowID) } != kResultOk {
-            return Err(failed("created for X11"));
+        if unsafe { view.isPlatformTypeSupported(PLATFORM) } != kResultOk {
+            return Err(failed("created for this system's windows"));
         }
         // From here on `drop` takes back what was given.
         let editor = Self { view, frame: ComWrapper::new(Frame::default()), is_forgotten: false };
@@ -41,9 +47,9 @@ impl Editor {
         if unsafe { editor.view.setFrame(frame) } != kResultOk {
             return Err(failed("given a frame"));
         }
-        let parent = x11_window as usize as *mut c_void;
-        // SAFETY: the window is the caller's and an id, not memory; should it be gone, the X server says so.
-        if unsafe { editor.view.attached(parent, kPlatformTypeX11EmbedWindowID) } != kResultOk {
+        let parent = window as usize as *mut c_void;
+        // SAFETY: the window is the caller's and an id, not memory; should it be gone, the system says so.
+        if unsafe { editor.view.attached(parent, PLATFORM) } != kResultOk {
             return Err(failed("embedded"));
         }
         let size = editor.size()?;
@@ -162,6 +168,13 @@ impl Frame {
     }
 }
 
+#[cfg(not(unix))]
+fn is_readable(_: FileDescriptor) -> bool {
+    // No plugin waits for descriptors where run loops are the system's.
+    false
+}
+
+#[cfg(unix)]
 fn is_readable(descriptor: FileDescriptor) -> bool {
     let mut asked = libc::pollfd { fd: descriptor, events: libc::POLLIN, revents: 0 };
     // SAFETY: one structure to read and write; a descriptor that is closed is told as such.

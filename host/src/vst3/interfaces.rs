@@ -7,16 +7,19 @@ use std::sync::{Arc, Mutex};
 
 use ::vst3::Steinberg::IBStream_::IStreamSeekMode_::{kIBSeekCur, kIBSeekEnd, kIBSeekSet};
 use ::vst3::Steinberg::Vst::{
-    IComponentHandler, IComponentHandlerTrait, IHostApplication, IHostApplicationTrait, IParamValueQueue,
-    IParamValueQueueTrait, IParameterChanges, IParameterChangesTrait, ParamID, ParamValue, RestartFlags_, String128,
+    IComponentHandler, IComponentHandler3, IComponentHandler3Trait, IComponentHandlerTrait, IContextMenu,
+    IContextMenu_::Item, IContextMenuItem, IContextMenuItem_::Flags_, IContextMenuTarget, IContextMenuTargetTrait,
+    IContextMenuTrait, IHostApplication, IHostApplicationTrait, IParamValueQueue, IParamValueQueueTrait,
+    IParameterChanges, IParameterChangesTrait, ParamID, ParamValue, RestartFlags_, String128,
 };
 use ::vst3::Steinberg::{
-    IBStream, IBStreamTrait, TUID, int32, int64, kInvalidArgument, kNotImplemented, kResultFalse, kResultOk, tresult,
+    IBStream, IBStreamTrait, IPlugView, TUID, UCoord, int32, int64, kInvalidArgument, kNotImplemented, kResultFalse,
+    kResultOk, tresult,
 };
 use ::vst3::{Class, ComPtr, ComWrapper};
 
 use crate::lock::lock;
-use crate::{Event, Requests};
+use crate::{Event, MENU, Requests, SUBMENU};
 
 /// Tells the plugin who its host is.
 pub(super) struct HostApplication;
@@ -47,11 +50,18 @@ pub(super) struct Handler {
     /// Changes that go to the plug-in with the next block.
     pending: Arc<Mutex<Vec<Event>>>,
     active: AtomicBool,
+    /// Parameters and entries that were chosen of menus.
+    chosen: Arc<Mutex<Vec<(u32, i32)>>>,
 }
 
 impl Handler {
     pub fn new(pending: Arc<Mutex<Vec<Event>>>) -> Self {
-        Self { restart_flags: AtomicI32::new(0), pending, active: AtomicBool::new(false) }
+        Self { restart_flags: AtomicI32::new(0), pending, active: AtomicBool::new(false), chosen: Arc::default() }
+    }
+
+    /// What was chosen of menus since the last time.
+    pub fn take_chosen(&self) -> Vec<(u32, i32)> {
+        std::mem::take(&mut *lock(&self.chosen))
     }
 
     /// Whether there are blocks for changes to go with.
@@ -71,7 +81,79 @@ impl Handler {
 }
 
 impl Class for Handler {
-    type Interfaces = (IComponentHandler,);
+    type Interfaces = (IComponentHandler, IComponentHandler3);
+}
+
+impl IComponentHandler3Trait for Handler {
+    unsafe fn createContextMenu(&self, view: *mut IPlugView, id: *const ParamID) -> *mut IContextMenu {
+        // SAFETY: null or the plug-in's id.
+        let Some(id) = (unsafe { id.as_ref() }).filter(|_| !view.is_null()) else { return std::ptr::null_mut() };
+        let target = ComWrapper::new(MenuTarget { id: *id, chosen: self.chosen.clone() });
+        ComWrapper::new(Menu(target)).to_com_ptr::<IContextMenu>().map_or(std::ptr::null_mut(), ComPtr::into_raw)
+    }
+}
+
+/// Hears what is chosen of a parameter's menu.
+struct MenuTarget {
+    id: ParamID,
+    chosen: Arc<Mutex<Vec<(u32, i32)>>>,
+}
+
+impl Class for MenuTarget {
+    type Interfaces = (IContextMenuTarget,);
+}
+
+impl IContextMenuTargetTrait for MenuTarget {
+    unsafe fn executeMenuItem(&self, tag: int32) -> tresult {
+        lock(&self.chosen).push((self.id, tag));
+        kResultOk
+    }
+}
+
+/// A parameter's menu, which the plug-in shows.
+struct Menu(ComWrapper<MenuTarget>);
+
+impl Class for Menu {
+    type Interfaces = (IContextMenu,);
+}
+
+impl IContextMenuTrait for Menu {
+    unsafe fn getItemCount(&self) -> int32 {
+        5
+    }
+
+    unsafe fn getItem(&self, index: int32, item: *mut Item, target: *mut *mut IContextMenuTarget) -> tresult {
+        let [first, second] = MENU;
+        let (words, tag, flags) = match index {
+            0 => (first.1, first.0, 0),
+            1 => ("", 0, Flags_::kIsSeparator),
+            2 => (SUBMENU, 0, Flags_::kIsGroupStart),
+            3 => (second.1, second.0, 0),
+            4 => ("", 0, Flags_::kIsGroupEnd),
+            _ => return kInvalidArgument,
+        };
+        let mut name: String128 = [0; 128];
+        name.iter_mut().zip(words.encode_utf16()).for_each(|(to, from)| *to = from);
+        let own = self.0.as_com_ref::<IContextMenuTarget>().map_or(std::ptr::null_mut(), |target| target.as_ptr());
+        // SAFETY: places to write to.
+        unsafe {
+            item.write(IContextMenuItem { name, tag, flags: flags as int32 });
+            target.write(own);
+        }
+        kResultOk
+    }
+
+    unsafe fn addItem(&self, _: *const Item, _: *mut IContextMenuTarget) -> tresult {
+        kNotImplemented
+    }
+
+    unsafe fn removeItem(&self, _: *const Item, _: *mut IContextMenuTarget) -> tresult {
+        kNotImplemented
+    }
+
+    unsafe fn popup(&self, _: UCoord, _: UCoord) -> tresult {
+        kNotImplemented
+    }
 }
 
 impl IComponentHandlerTrait for Handler {
@@ -221,6 +303,85 @@ impl IParamValueQueueTrait for Queue {
     /// Input queues are the host's to fill.
     unsafe fn addPoint(&self, _: int32, _: ParamValue, _: *mut int32) -> tresult {
         kResultFalse
+    }
+}
+
+/// What a plug-in puts out of one parameter.
+struct OutputQueue {
+    id: ParamID,
+    points: RefCell<Vec<(int32, ParamValue)>>,
+}
+
+impl Class for OutputQueue {
+    type Interfaces = (IParamValueQueue,);
+}
+
+impl IParamValueQueueTrait for OutputQueue {
+    unsafe fn getParameterId(&self) -> ParamID {
+        self.id
+    }
+
+    unsafe fn getPointCount(&self) -> int32 {
+        self.points.borrow().len() as int32
+    }
+
+    unsafe fn getPoint(&self, _: int32, _: *mut int32, _: *mut ParamValue) -> tresult {
+        kNotImplemented
+    }
+
+    unsafe fn addPoint(&self, offset: int32, value: ParamValue, index: *mut int32) -> tresult {
+        let mut points = self.points.borrow_mut();
+        // SAFETY: null or a place to write to.
+        unsafe { write_if_wanted(index, points.len() as int32) };
+        points.push((offset, value));
+        kResultOk
+    }
+}
+
+/// What a plug-in puts out within a block, used by the thread that plays it only.
+#[derive(Default)]
+pub(super) struct OutputChanges {
+    queues: RefCell<Vec<(ComWrapper<OutputQueue>, ComPtr<IParamValueQueue>)>>,
+}
+
+impl OutputChanges {
+    /// All of it.
+    pub fn events(&self) -> Vec<Event> {
+        let queues = self.queues.borrow();
+        let of = |queue: &OutputQueue| {
+            let event = |(offset, value): &(int32, f64)| Event { offset: *offset as u32, id: queue.id, value: *value };
+            queue.points.borrow().iter().map(event).collect::<Vec<_>>()
+        };
+        queues.iter().flat_map(|(queue, _)| of(queue)).collect()
+    }
+}
+
+impl Class for OutputChanges {
+    type Interfaces = (IParameterChanges,);
+}
+
+impl IParameterChangesTrait for OutputChanges {
+    unsafe fn getParameterCount(&self) -> int32 {
+        self.queues.borrow().len() as int32
+    }
+
+    unsafe fn getParameterData(&self, _: int32) -> *mut IParamValueQueue {
+        std::ptr::null_mut()
+    }
+
+    unsafe fn addParameterData(&self, id: *const ParamID, index: *mut int32) -> *mut IParamValueQueue {
+        // SAFETY: null or the plug-in's id.
+        let Some(id) = (unsafe { id.as_ref() }).copied() else { return std::ptr::null_mut() };
+        let mut queues = self.queues.borrow_mut();
+        let place = queues.iter().position(|(queue, _)| queue.id == id).unwrap_or(queues.len());
+        if place == queues.len() {
+            let queue = ComWrapper::new(OutputQueue { id, points: RefCell::default() });
+            let Some(pointer) = queue.to_com_ptr() else { return std::ptr::null_mut() };
+            queues.push((queue, pointer));
+        }
+        // SAFETY: null or a place to write to.
+        unsafe { write_if_wanted(index, place as int32) };
+        queues[place].1.as_ptr()
     }
 }
 

@@ -1,18 +1,16 @@
 //! A VST3 bundle's code.
 
 use std::collections::HashMap;
-use std::ffi::c_void;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use ::vst3::ComPtr;
 use ::vst3::Steinberg::IPluginFactory;
-use libloading::os::unix::Library;
+use libloading::Library;
 
 /// Modules stay loaded, see [`load`](crate::load).
 static MODULES: LazyLock<Mutex<HashMap<PathBuf, Arc<Module>>>> = LazyLock::new(Mutex::default);
 
-type ModuleEntry = unsafe extern "system" fn(*mut c_void) -> bool;
 type GetPluginFactory = unsafe extern "system" fn() -> *mut IPluginFactory;
 
 pub(super) struct Module {
@@ -35,16 +33,9 @@ impl Module {
     fn open(bundle: &Path) -> Result<Self, String> {
         let text = |error: libloading::Error| error.to_string();
         let binary = binary_of(bundle)?;
-        // SAFETY: loading runs code of the bundle, which is what the caller asked for.
-        let handle = unsafe { Library::new(&binary) }.map_err(text)?.into_raw();
-        // SAFETY: the handle was given out by the line above and is owned here again.
-        let library = unsafe { Library::from_raw(handle) };
-        // SAFETY: these names have these signatures in the VST3 SDK; the module is entered once, before its factory is used.
+        let library = enter(&binary)?;
+        // SAFETY: this name has this signature in the VST3 SDK, and the module has been entered.
         let factory = unsafe {
-            let enter = library.get::<ModuleEntry>(b"ModuleEntry\0").map_err(text)?;
-            if !enter(handle) {
-                return Err("its module cannot be entered".to_owned());
-            }
             let get = library.get::<GetPluginFactory>(b"GetPluginFactory\0").map_err(text)?;
             ComPtr::from_raw(get())
         }
@@ -57,15 +48,49 @@ impl Module {
     }
 }
 
-/// `Name.vst3/Contents/<architecture>-linux/Name.so`; a bundle may also be the library itself.
+/// Loads a library and enters its module once, before its factory is used.
+#[cfg(not(windows))]
+fn enter(binary: &Path) -> Result<Library, String> {
+    use std::ffi::c_void;
+
+    use libloading::os::unix;
+
+    type ModuleEntry = unsafe extern "system" fn(*mut c_void) -> bool;
+    let text = |error: libloading::Error| error.to_string();
+    // SAFETY: loading runs code of the bundle, which is what the caller asked for.
+    let handle = unsafe { unix::Library::new(binary) }.map_err(text)?.into_raw();
+    // SAFETY: the handle was given out by the line above and is owned here again.
+    let library = unsafe { unix::Library::from_raw(handle) };
+    // SAFETY: this name has this signature in the VST3 SDK.
+    let is_entered = unsafe { library.get::<ModuleEntry>(b"ModuleEntry\0").map_err(text)?(handle) };
+    if is_entered { Ok(library.into()) } else { Err("its module cannot be entered".to_owned()) }
+}
+
+/// Loads a library and enters its module once, before its factory is used. On Windows modules need not want that.
+#[cfg(windows)]
+fn enter(binary: &Path) -> Result<Library, String> {
+    type InitDll = unsafe extern "system" fn() -> bool;
+    // SAFETY: loading runs code of the bundle, which is what the caller asked for.
+    let library = unsafe { Library::new(binary) }.map_err(|error| error.to_string())?;
+    // SAFETY: this name has this signature in the VST3 SDK.
+    let is_entered = unsafe { library.get::<InitDll>(b"InitDll\0").map_or(true, |enter| enter()) };
+    if is_entered { Ok(library) } else { Err("its module cannot be entered".to_owned()) }
+}
+
+/// Names of the system and of its libraries in a bundle.
+const SYSTEM: &str = if cfg!(windows) { "win" } else { std::env::consts::OS };
+const SUFFIX: &str = if cfg!(windows) { ".vst3" } else { ".so" };
+
+/// `Name.vst3/Contents/<architecture>-linux/Name.so`, or `.../<architecture>-win/Name.vst3`; a bundle may also be the library
+/// itself.
 fn binary_of(bundle: &Path) -> Result<PathBuf, String> {
     if bundle.is_file() {
         return Ok(bundle.to_owned());
     }
     let stem = bundle.file_stem().ok_or("it has no name")?;
-    let folder = format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS);
+    let folder = format!("{}-{SYSTEM}", std::env::consts::ARCH);
     let mut library = stem.to_owned();
-    library.push(".so");
+    library.push(SUFFIX);
     let binary = bundle.join("Contents").join(folder).join(library);
     if binary.is_file() { Ok(binary) } else { Err(format!("it has no {}", binary.display())) }
 }

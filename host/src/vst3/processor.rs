@@ -11,10 +11,16 @@ use ::vst3::Steinberg::Vst::{
 use ::vst3::Steinberg::kResultOk;
 use ::vst3::{ComPtr, ComWrapper};
 
-use super::interfaces::ParameterChanges;
+use super::interfaces::{OutputChanges, ParameterChanges};
 use crate::buses::Buses;
 use crate::lock::lock;
-use crate::{Block, Event, HostError, Processor, Tail, Transport};
+use crate::{Block, ControllerMessage, Event, HostError, Processor, Tail, Transport};
+
+/// Flags of a context, which are signed on Windows.
+#[allow(clippy::unnecessary_cast, reason = "it is necessary on Windows")]
+const PLAYING: u32 = kPlaying as u32;
+#[allow(clippy::unnecessary_cast, reason = "it is necessary on Windows")]
+const TEMPO_VALID: u32 = kTempoValid as u32;
 
 pub(super) struct Vst3Processor {
     processor: ComPtr<IAudioProcessor>,
@@ -23,6 +29,10 @@ pub(super) struct Vst3Processor {
     setup: ProcessSetup,
     ids: HashSet<u32>,
     pending: Arc<Mutex<Vec<Event>>>,
+    told: Arc<Mutex<Vec<Event>>>,
+    /// Parameters that controllers are, by number.
+    controllers: Vec<Option<u32>>,
+    messages: Vec<Event>,
     started: bool,
 }
 
@@ -33,9 +43,15 @@ impl Vst3Processor {
         buses: Buses,
         setup: ProcessSetup,
         ids: HashSet<u32>,
-        pending: Arc<Mutex<Vec<Event>>>,
+        [pending, told]: [Arc<Mutex<Vec<Event>>>; 2],
     ) -> Self {
-        Self { processor, instance, buses, setup, ids, pending, started: false }
+        let (controllers, messages) = (Vec::new(), Vec::new());
+        Self { processor, instance, buses, setup, ids, pending, told, controllers, messages, started: false }
+    }
+
+    /// With the parameters that controllers are, by number.
+    pub fn with_controllers(self, controllers: Vec<Option<u32>>) -> Self {
+        Self { controllers, ..self }
     }
 
     fn set_processing(&mut self, state: bool) -> i32 {
@@ -50,10 +66,10 @@ impl Vst3Processor {
         context.sampleRate = self.setup.sampleRate;
         context.projectTimeSamples = transport.position?;
         if transport.playing {
-            context.state |= kPlaying;
+            context.state |= PLAYING;
         }
         if let Some(tempo) = transport.tempo {
-            context.state |= kTempoValid;
+            context.state |= TEMPO_VALID;
             context.tempo = tempo;
         }
         Some(context)
@@ -91,7 +107,9 @@ impl Processor for Vst3Processor {
             return Err(HostError::UnknownParameter { id: event.id });
         }
         let pending = std::mem::take(&mut *lock(&self.pending));
-        let changes = ComWrapper::new(ParameterChanges::new(pending.iter().chain(block.events)));
+        let messages = std::mem::take(&mut self.messages);
+        let changes = ComWrapper::new(ParameterChanges::new(pending.iter().chain(block.events).chain(&messages)));
+        let told = ComWrapper::new(OutputChanges::default());
         let mut context = block.transport.and_then(|t| self.context(t));
 
         // A bus that is switched off keeps its place but has no channels.
@@ -112,7 +130,9 @@ impl Processor for Vst3Processor {
             inputParameterChanges: changes
                 .as_com_ref::<IParameterChanges>()
                 .map_or(std::ptr::null_mut(), |changes| changes.as_ptr()),
-            outputParameterChanges: std::ptr::null_mut(),
+            outputParameterChanges: told
+                .as_com_ref::<IParameterChanges>()
+                .map_or(std::ptr::null_mut(), |told| told.as_ptr()),
             inputEvents: std::ptr::null_mut(),
             outputEvents: std::ptr::null_mut(),
             processContext: context.as_mut().map_or(std::ptr::null_mut(), std::ptr::from_mut),
@@ -122,7 +142,16 @@ impl Processor for Vst3Processor {
         if unsafe { self.processor.process(&mut data) } != kResultOk {
             return Err(HostError::Process);
         }
+        lock(&self.told).extend(told.events());
         self.buses.store(block, frames)
+    }
+
+    fn move_controllers(&mut self, messages: &[ControllerMessage]) {
+        let event = |message: &ControllerMessage| {
+            let id = (*self.controllers.get(usize::from(message.controller))?)?;
+            Some(Event { offset: message.offset, id, value: f64::from(message.position) / 127.0 })
+        };
+        self.messages.extend(messages.iter().filter_map(event));
     }
 
     fn tail(&mut self) -> Tail {

@@ -26,7 +26,7 @@ impl Burst {
     /// A burst that does not sound yet. Allocates.
     pub fn new(sample_rate_hz: f64) -> Self {
         let noise = White::new(0x4255_5253, 0);
-        let part = 1.0 - (-TAU * CUTOFF_HZ / sample_rate_hz).exp();
+        let part = 1.0 - maths::exp(-TAU * CUTOFF_HZ / sample_rate_hz);
         let mut poles = [0.0f64; 4];
         let sample = |n: usize| {
             let mut value = noise.at(n as i64);
@@ -38,7 +38,7 @@ impl Burst {
             let swell = (time_s / ATTACK_S).min(1.0);
             // The last part takes what is left of it to nothing.
             let end = ((LENGTH_S - time_s) / (0.2 * LENGTH_S)).min(1.0);
-            value * swell * end * (-time_s / DECAY_S).exp()
+            value * swell * end * maths::exp(-time_s / DECAY_S)
         };
         let samples: Vec<f64> = (0..(LENGTH_S * sample_rate_hz) as usize).map(sample).collect();
         let peak = samples.iter().fold(1e-9f64, |peak, x| peak.max(x.abs()));

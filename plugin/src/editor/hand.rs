@@ -26,10 +26,11 @@ impl Hand<'_> {
         self.history.gesture.map_or_else(|| self.params.values(), |(_, now)| now)
     }
 
-    /// What the host says about a parameter: whether a controller is mapped to it, and how it is automated.
+    /// Whether a controller is mapped to a parameter, here or in the host, and how the host automates it.
     pub fn indication(&self, index: usize) -> (bool, Automation) {
         let indications = &self.params.indications;
-        (indications.is_mapped(index), indications.automation(index))
+        let is_mapped = indications.is_mapped(index) || self.params.controllers.number(index).is_some();
+        (is_mapped, indications.automation(index))
     }
 
     /// Why a parameter has no effect at present; none where it has one.
@@ -90,7 +91,8 @@ impl Hand<'_> {
     /// undone.
     pub fn choose(&mut self, chosen: Chosen) {
         let Some(entry) = chosen.clone() else { return };
-        let made = changes(&self.params.values(), &entry.preset.values);
+        let now = self.params.values();
+        let made = changes(&now, &entry.preset.values.chosen_over(&now));
         self.send(&made, |change| change.after);
         let before = std::mem::replace(&mut self.history.chosen, chosen.clone());
         if !made.is_empty() || before != chosen {

@@ -2,14 +2,16 @@
 
 use pyrophone_settings::{COUNT, Id, PARAMETERS, Parameter, Values};
 use pyrophone_synthesis::Controls;
-use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow, Fuel};
+use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow, Fuel, SLOTS};
 use pyrophone_synthesis::structure::Dynamics;
 
 /// What decides that besides the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Circumstances {
-    /// Whether a recording is loaded.
+    /// Whether a recording is loaded in the slot that sounds.
     pub has_recording: bool,
+    /// Whether one is loaded, by slot.
+    pub loaded: [bool; SLOTS],
 }
 
 const EXTENSION_OFF: &str = "Extension level is off";
@@ -31,6 +33,7 @@ pub fn reasons(values: &Values, circumstances: Circumstances) -> Reasons {
         controls: values.controls(),
         is_companded: values.structure().dynamics == Dynamics::Companded,
         has_recording: circumstances.has_recording,
+        loaded: circumstances.loaded,
         values,
     };
     std::array::from_fn(|index| situation.reason(&PARAMETERS[index]))
@@ -40,6 +43,7 @@ struct Situation<'a> {
     controls: Controls,
     is_companded: bool,
     has_recording: bool,
+    loaded: [bool; SLOTS],
     values: &'a Values,
 }
 
@@ -77,6 +81,8 @@ impl Situation<'_> {
     fn texture(&self, id: &str) -> Option<&'static str> {
         let texture = &self.controls.texture;
         match id {
+            "recording_slot" | "recording_second" => None,
+            "recording_blend" => self.blend(),
             _ if self.controls.mix.texture == 0.0 => Some(TEXTURE_OFF),
             _ if !self.has_recording => Some(NO_RECORDING),
             "dynamics" | "drive_match" | "low_end" | "spectrum_match" if !self.is_companded => Some(PAPER),
@@ -85,6 +91,15 @@ impl Situation<'_> {
             }
             "scaling_auto" if texture.scaling_alpha == 0.0 => Some("Scaling alpha is 0"),
             "gate_threshold" if texture.gate == 0.0 => Some("Gate is off"),
+            _ => None,
+        }
+    }
+
+    fn blend(&self) -> Option<&'static str> {
+        let recordings = &self.controls.texture.recordings;
+        match recordings.second {
+            second if second == recordings.slot => Some("The second recording is the first"),
+            second if !self.loaded.get(second).is_some_and(|loaded| *loaded) => Some("There is no second recording"),
             _ => None,
         }
     }
@@ -164,7 +179,22 @@ mod tests {
     fn why(id: &str, changes: &[(&str, &str)], has_recording: bool) -> Option<&'static str> {
         let mut values = Values::default();
         changes.iter().for_each(|(id, text)| values.set_text(id, text).expect("known"));
-        reasons(&values, Circumstances { has_recording })[index_of(id).expect("known")]
+        why_with(id, &values, [has_recording, false, false, true])
+    }
+
+    fn why_with(id: &str, values: &Values, loaded: [bool; SLOTS]) -> Option<&'static str> {
+        reasons(values, Circumstances { has_recording: loaded[0], loaded })[index_of(id).expect("known")]
+    }
+
+    #[test]
+    fn a_blend_needs_a_second_recording() {
+        assert_eq!(why("recording_blend", &[], true), Some("There is no second recording"));
+        assert_eq!(
+            why("recording_blend", &[("recording_second", "1")], true),
+            Some("The second recording is the first")
+        );
+        assert_eq!(why("recording_blend", &[("recording_second", "4")], true), None);
+        assert_eq!(why("recording_slot", &[], false), None, "an empty slot can be left");
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! Listening to drive, recording and output alone; a burst to try settings with; takes, and saving what was heard.
 
 use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use egui::{Button, Rect, RichText, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_recording::write_wav_f32;
-use pyrophone_settings::Id;
 use pyrophone_settings::table::DRIVE_MODES;
+use pyrophone_settings::{Id, Library};
+use raw_window_handle::HasWindowHandle;
 
 use super::dialog::{Ask, Dialog};
+use super::drag::{DragSource, Outcome};
 use super::hand::Hand;
 use super::monitor::Monitor;
 use super::task::Task;
@@ -41,6 +44,8 @@ impl Sound {
 pub struct ListenPanel {
     dialog: Option<(Sound, Dialog)>,
     saving: Option<Task<Result<PathBuf, String>>>,
+    /// Where what was recorded is dragged out of, where the system lets it.
+    drag: Option<DragSource>,
     message: Option<(String, bool)>,
     /// Sample rate of the engine in Hz, while one runs.
     rate_hz: Option<f32>,
@@ -50,12 +55,18 @@ pub struct ListenPanel {
 impl ListenPanel {
     /// A panel; `notifier` wakes the window when something was saved.
     pub fn new(notifier: RepaintNotifier) -> Self {
-        Self { dialog: None, saving: None, message: None, rate_hz: None, notifier }
+        Self { dialog: None, saving: None, drag: None, message: None, rate_hz: None, notifier }
+    }
+
+    /// Lets what was recorded be dragged out of this window.
+    pub fn drag_from(&mut self, window: &impl HasWindowHandle) {
+        self.drag = DragSource::of(window);
     }
 
     /// Ends what goes on for a window that closes.
     pub fn close(&mut self, loader: &LoaderHandle) {
         self.dialog = None;
+        self.drag = None;
         self.message = None;
         loader.audition(false);
     }
@@ -69,6 +80,11 @@ impl ListenPanel {
                 Ok(path) => (format!("Saved: {}", path.display()), false),
                 Err(message) => (message, true),
             });
+        }
+        match self.drag.as_mut().and_then(DragSource::poll) {
+            Some(Outcome::Taken(path)) => self.message = Some((format!("Dragged: {}", path.display()), false)),
+            Some(Outcome::Failed(message)) => self.message = Some((message, true)),
+            Some(Outcome::Dropped) | None => {}
         }
         let Some((sound, chosen)) = self.dialog.as_mut().and_then(|(sound, dialog)| Some((*sound, dialog.poll()?)))
         else {
@@ -156,6 +172,33 @@ impl ListenPanel {
         }
     }
 
+    /// A handle by which the output that was recorded is dragged into another program.
+    pub fn drag_out(&mut self, ui: &mut Ui, monitor: &Monitor) {
+        let Some(drag) = &mut self.drag else { return };
+        let is_there = monitor.take.len_samples() > 0 && !monitor.take.is_on();
+        let handle = Button::new("Drag out").sense(egui::Sense::drag());
+        let button = ui.add_enabled(is_there && !drag.is_busy(), handle);
+        map::note(ui, "button.Drag out", button.rect);
+        let hint = "Drag this onto another program's timeline, or into a folder: the output that was recorded, as WAV. \
+                    It is kept in Pyrophone's folder of takes.";
+        let button = button.on_hover_text(hint).on_disabled_hover_text("Record something first");
+        if !button.drag_started() {
+            return;
+        }
+        let Some(path) = take_path() else {
+            self.message = Some(("There is no folder to keep takes in: save it instead".to_owned(), true));
+            return;
+        };
+        let (channels, rate_hz) = (monitor.take.output(), self.rate_hz.unwrap_or(44_100.0) as u32);
+        let write = move |path: &Path| {
+            let folder = path.parent().unwrap_or(Path::new("."));
+            std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+            write_wav_f32(path, &channels, rate_hz).map_err(|error| error.to_string())
+        };
+        let notifier = self.notifier.clone();
+        drag.start(path, write, move || notifier.request_repaint());
+    }
+
     /// A menu of what can be saved.
     pub fn saves(&mut self, ui: &mut Ui, monitor: &Monitor, view: &View) {
         let menu = ui.menu_button("Save…", |ui| {
@@ -200,6 +243,18 @@ pub fn monitoring(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &
             loader.audition(listen == Listen::Recording);
         }
     }
+}
+
+/// A file of its own in the folder of takes, beside the presets': the other program may use it where it lies.
+fn take_path() -> Option<PathBuf> {
+    let library = Library::of_user()?;
+    let folder = library.folder().parent()?.join("takes");
+    let now_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_secs());
+    let name = |number: u32| match number {
+        1 => format!("take {now_s}.wav"),
+        number => format!("take {now_s}-{number}.wav"),
+    };
+    (1..).map(|number| folder.join(name(number))).find(|path| !path.exists())
 }
 
 fn with_extension(path: PathBuf) -> PathBuf {

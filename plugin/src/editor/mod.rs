@@ -6,6 +6,7 @@
 //! | [`header`] | presets, undo, A and B, pages, bypass, cost |
 //! | [`presets`] | the list of presets; saving them |
 //! | [`play`] | the first page: flame, output, recording, layers, macros, takes |
+//! | [`space`] | vortex sound from above, and what places it |
 //! | [`engines`] | the other pages: pictures of what the engines do, and their parameters |
 //! | [`plots`] | spectra with handles, running spectrograms, the recording's outline, what the engines do |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
@@ -13,13 +14,14 @@
 //! | [`meter_bridge`] | level meters; solo and mute of layers |
 //! | [`listen`] | monitoring one sound alone, a burst, [recording](take) what is played and saving it |
 //!
-//! [`cure`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
+//! [`midi`] is what the window has to do with MIDI controllers. [`cure`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
 //! sound, [`hand`] moves parameters and [`history`] keeps what it did, [`theme`] is how it looks, [`dialog`] the system's file dialog,
-//! [`mod@drop`] takes files that are dropped, [`task`] work with files, [`map`] tells tests where things are.
+//! [`mod@drop`] takes files that are dropped, [`drag`] gives sounds to other programs, [`task`] work with files, [`map`] tells tests where things are.
 
 pub mod controls;
 pub mod cure;
 pub mod dialog;
+pub mod drag;
 pub mod drop;
 pub mod engines;
 pub mod frame;
@@ -31,11 +33,13 @@ pub mod levels;
 pub mod listen;
 pub mod map;
 pub mod meter_bridge;
+pub mod midi;
 pub mod monitor;
 pub mod play;
 pub mod plots;
 pub mod presets;
 pub mod recording;
+pub mod space;
 pub mod take;
 pub mod task;
 pub mod theme;
@@ -49,8 +53,8 @@ use nice_plug::prelude::ParamSetter;
 use nice_plug_core::context::gui::GuiContext;
 use nice_plug_egui::resizable_window::ResizableWindow;
 use nice_plug_egui::{Frame, NiceEguiApp, RepaintNotifier};
-use pyrophone_settings::Id;
 use pyrophone_settings::table::DYNAMIC_RANGES;
+use pyrophone_settings::{ControllerFile, Id};
 
 use crate::analysis::fidelity::Fault;
 use crate::analysis::range::{BUZZING_DB, mean_gain_db};
@@ -67,6 +71,7 @@ use history::History;
 use inert::{Circumstances, reasons};
 use levels::Levels;
 use listen::ListenPanel;
+use midi::MidiPanel;
 use monitor::Monitor;
 use play::pad::Pad;
 use plots::spectrum::Told;
@@ -90,6 +95,7 @@ pub struct Window {
     levels: Levels,
     listen: ListenPanel,
     pad: Pad,
+    midi: MidiPanel,
     /// Whether a frame was drawn since it was opened.
     is_seen: bool,
 }
@@ -115,8 +121,15 @@ impl Window {
             levels: Levels::default(),
             listen: ListenPanel::new(notifier),
             pad: Pad::default(),
+            midi: MidiPanel::default(),
             is_seen: false,
         }
+    }
+
+    /// The same, with MIDI controllers kept in this file.
+    pub fn keeping_controllers(mut self, file: Option<ControllerFile>) -> Self {
+        self.midi = MidiPanel::new(file);
+        self
     }
 }
 
@@ -129,6 +142,7 @@ impl NiceEguiApp for Window {
     ) -> Result<(), baseview::HandlerError> {
         self.open(&context, host);
         self.recording.take_drops(frame.baseview_window());
+        self.listen.drag_from(frame.baseview_window());
         Ok(())
     }
 
@@ -146,6 +160,7 @@ impl NiceEguiApp for Window {
         self.header.presets.close();
         self.recording.clear_pictures();
         self.listen.close(&self.loader);
+        self.params.controllers.stop_learning();
     }
 
     fn resized(&mut self, size: baseview::WindowSize) {
@@ -160,6 +175,7 @@ impl Window {
         self.host = Some(host);
         self.loader.shared.is_watched.store(true, Ordering::Relaxed);
         self.is_seen = false;
+        self.midi.open();
     }
 
     /// Shows this page.
@@ -197,7 +213,11 @@ impl Window {
 
         let (head, rest) = all.split_top_bottom_at_y(all.top() + HEAD);
         let rest = rest.with_min_y(rest.top() + GAP);
-        let inert = reasons(&self.params.values(), Circumstances { has_recording: view.recording.is_some() });
+        let circumstances = Circumstances {
+            has_recording: view.recording.is_some(),
+            loaded: std::array::from_fn(|slot| view.slots[slot].is_some()),
+        };
+        let inert = reasons(&self.params.values(), circumstances);
         let mut hand = Hand { params: &self.params, setter, history: &mut self.history, inert: &inert };
         part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
 
@@ -219,9 +239,11 @@ impl Window {
         };
         match self.header.page {
             Page::Play => play::show(ui, rest, &mut parts, &mut hand),
+            Page::Space => space::show(ui, rest, &mut parts, &mut hand),
             page => engines::show(ui, rest, page, &mut parts, &mut hand),
         }
         self.monitor.silence(self.levels.silenced());
+        self.midi.show(ui, all, &self.params.controllers);
     }
 }
 

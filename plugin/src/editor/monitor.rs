@@ -9,6 +9,7 @@ use super::plots::course::Course;
 use super::plots::dynamics::Dynamics;
 use super::plots::heat::Heat;
 use super::plots::pyramid::Levels;
+use super::plots::space::Space;
 use super::plots::spectrum::Spectra;
 use super::plots::trace::Outline;
 use super::take::Take;
@@ -50,6 +51,8 @@ pub struct Monitor {
     pub levels: Levels,
     /// What dynamic-range matching maps.
     pub dynamics: Dynamics,
+    /// Sources of vortex sound.
+    pub space: Space,
     /// What is kept of drive and output to be saved.
     pub take: Take,
     worst: Worst,
@@ -94,6 +97,7 @@ impl Monitor {
             betas: Betas::default(),
             levels: Levels::default(),
             dynamics: Dynamics::default(),
+            space: Space::default(),
             take: Take::default(),
             worst: Worst::default(),
         }
@@ -112,6 +116,7 @@ impl Monitor {
         self.betas = Betas::default();
         self.levels = Levels::default();
         self.dynamics = Dynamics::default();
+        self.space = Space::default();
         self.take = Take::default();
     }
 
@@ -165,7 +170,10 @@ impl Monitor {
     pub fn follow_traces(&mut self, recording_s: Option<[f64; 2]>, now_s: f64) {
         self.heat.cool(now_s);
         let (heat, dynamics, levels, betas) = (&mut self.heat, &mut self.dynamics, &mut self.levels, &mut self.betas);
+        let space = &mut self.space;
         self.probe.take_traces(|trace| match trace {
+            Trace::Sources(count) => space.begin(count),
+            Trace::Source(source) => space.take(source),
             Trace::Beta(beta) => betas.take(beta),
             Trace::Extent(extent) => levels.take(extent),
             Trace::Match(found) => {
@@ -175,6 +183,11 @@ impl Monitor {
                 dynamics.take(found);
             }
         });
+    }
+
+    /// Channels of the output.
+    pub fn channels(&self) -> usize {
+        self.probe.channels()
     }
 
     /// What is heard.

@@ -80,10 +80,11 @@ impl Presets {
         self.follow(hand);
         let values = hand.values();
         if hand.history.chosen.is_none() {
-            hand.history.chosen = self.factory.iter().find(|entry| entry.preset.values == values).cloned();
+            hand.history.chosen =
+                self.factory.iter().find(|entry| entry.preset.values.chosen_over(&values) == values).cloned();
         }
         let shown = match &hand.history.chosen {
-            Some(entry) if entry.preset.values == values => entry.preset.title().to_owned(),
+            Some(entry) if entry.preset.values.chosen_over(&values) == values => entry.preset.title().to_owned(),
             Some(entry) => format!("{} *", entry.preset.title()),
             None => "changed *".to_owned(),
         };

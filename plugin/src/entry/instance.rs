@@ -44,7 +44,7 @@ pub const fn numeric_id(id: &str) -> u32 {
 }
 
 /// Numeric ids in the table's order, known beforehand so that the audio thread only compares.
-static NUMERIC_IDS: [u32; COUNT] = {
+pub static NUMERIC_IDS: [u32; COUNT] = {
     let (mut ids, mut index) = ([0; COUNT], 0);
     while index < COUNT {
         ids[index] = numeric_id(PARAMETERS[index].id);

@@ -15,8 +15,8 @@ use crate::audio::audition::Tape;
 
 /// Something new for the engines.
 pub enum Update {
-    /// The recording's dictionary, or none.
-    Dictionary(Option<Arc<Dictionary>>),
+    /// The dictionary of a slot's recording, or none.
+    Dictionary(usize, Option<Arc<Dictionary>>),
     /// The learned distribution, or none.
     Distribution(Option<Arc<Distribution>>),
     /// The speed field, or none.

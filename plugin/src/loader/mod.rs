@@ -7,6 +7,7 @@
 //! | [`worker`] | the thread |
 //! | [`job`] | one attempt of it, and how far that has come |
 //! | [`engine`] | what runs |
+//! | [`slot`] | what there is of one recording |
 //! | [`source`] | from a path or a session to a decoded recording |
 //! | [`cache`] | what instances of one process share |
 //! | [`learner`] | the learned distribution |
@@ -23,6 +24,7 @@ pub mod learner;
 pub mod link;
 pub mod mailbox;
 pub mod motion;
+pub mod slot;
 pub mod source;
 pub mod status;
 pub mod tape;

@@ -4,12 +4,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::session::Cut;
+use pyrophone_synthesis::controls::SLOTS;
 
 use crate::analysis::Portrait;
 
 /// A moment of the loader.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct View {
+    /// The slot that is shown.
+    pub slot: usize,
+    /// Recordings by slot, as [`recording`](Self::recording) is.
+    pub slots: [Option<String>; SLOTS],
+    /// Whether the session names a recording, by slot, be it found or not.
+    pub is_named: [bool; SLOTS],
     /// The recording that sounds: name, length, rate, channels.
     pub recording: Option<String>,
     /// What is drawn of it.

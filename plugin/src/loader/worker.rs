@@ -1,20 +1,20 @@
 //! The loader's thread: brings what the engines have towards what is wanted.
 //!
-//! Wanted are the recording of the user or the session, for the engine that runs and for the
+//! Wanted are the recordings of the user or the session, by slot, for the engine that runs and for the
 //! structure that the parameters say. After each order, and twenty times a second, the worker
-//! does what is missing.
+//! does what is missing, for the slot that sounds first. What the user does to a recording is done to that of this slot.
 
-use std::cell::Cell;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use pyrophone_recording::{Cut, Recording, check_not_among, write_wav_f32};
-use pyrophone_settings::Recent;
 use pyrophone_settings::session::{self, Session};
+use pyrophone_settings::{Id, Recent};
 use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain;
+use pyrophone_synthesis::controls::SLOTS;
 use pyrophone_synthesis::texture::Dictionary;
 use pyrophone_training::{DictionaryKey, IMPULSIVE, Stage, Store, build};
 
@@ -25,6 +25,7 @@ use super::learner::{Learner, shown_amplitudes};
 use super::link::{LoaderLink, Update};
 use super::mailbox::{Mailbox, Order};
 use super::motion::Motion;
+use super::slot::{Pending, Slot};
 use super::source::{self, Failure, Found};
 use super::status::Status;
 use super::tape::Tape;
@@ -35,14 +36,6 @@ use crate::persist;
 /// How often the worker looks at parameters and rings when there are no orders.
 const TICK: Duration = Duration::from_millis(50);
 
-/// A recording that is to be fetched.
-enum Pending {
-    /// The user's choice; where it fails, the old one stays.
-    File(PathBuf),
-    /// The session's; where it fails, there is none.
-    Session,
-}
-
 /// The thread's own things.
 pub struct Worker {
     mailbox: Arc<Mailbox>,
@@ -50,19 +43,12 @@ pub struct Worker {
     status: Arc<Status>,
     link: LoaderLink,
     session: Session,
-    pending: Option<Pending>,
-    recording: Option<Arc<Recording>>,
+    slots: [Slot; SLOTS],
+    /// The slot that is shown.
+    shown: usize,
     engine: Option<Engine>,
-    dictionary: Option<(DictionaryKey, Arc<Dictionary>)>,
     /// Where dictionaries are kept from one session to the next.
     store: Option<Store>,
-    /// Whether the dictionary was made here and is not kept yet.
-    is_unkept: Cell<bool>,
-    /// What could not be indexed, so that it is not tried again.
-    failed: Option<DictionaryKey>,
-    dictionary_is_sent: bool,
-    /// Whether what is drawn of the recording is not what it should be.
-    portrait_is_due: bool,
     prepared: Option<Engine>,
     learner: Learner,
     motion: Motion,
@@ -92,15 +78,10 @@ impl Worker {
             status,
             link,
             session: Session::default(),
-            pending: None,
-            recording: None,
+            slots: Default::default(),
+            shown: 0,
             engine: None,
-            dictionary: None,
             store: Store::of_user(),
-            is_unkept: Cell::new(false),
-            failed: None,
-            dictionary_is_sent: true,
-            portrait_is_due: false,
             prepared: None,
             learner: Learner::default(),
             motion: Motion::default(),
@@ -120,6 +101,7 @@ impl Worker {
             if batch.quit {
                 return;
             }
+            self.follow_shown();
             for order in batch.orders {
                 self.accept(order);
             }
@@ -139,30 +121,55 @@ impl Worker {
         }
     }
 
+    /// Shows another slot where the parameters name another one.
+    fn follow_shown(&mut self) {
+        let shown = (self.params.value(Id::RecordingSlot as usize) as usize).min(SLOTS - 1);
+        if shown == self.shown {
+            return;
+        }
+        self.shown = shown;
+        self.slots[shown].portrait_is_due = true;
+        let portrait = self.slots[shown].portrait.clone();
+        self.status.update(|view| view.portrait = portrait);
+        self.show_session();
+        self.show_dictionary();
+        self.show_cut();
+    }
+
+    /// Slots in the order in which they are attended to.
+    fn order(&self) -> impl Iterator<Item = usize> + use<> {
+        let shown = self.shown;
+        std::iter::once(shown).chain((0..SLOTS).filter(move |slot| *slot != shown))
+    }
+
     fn accept(&mut self, order: Order) {
+        let shown = self.shown;
         match order {
-            Order::Load(path) => self.pending = Some(Pending::File(path)),
+            Order::Load(path) => self.slots[shown].pending = Some(Pending::File(path)),
             Order::Unload => {
-                self.pending = None;
-                self.session.recording = None;
-                self.set_recording(None);
+                self.slots[shown].pending = None;
+                *self.session.recording_in_mut(shown) = None;
+                self.set_recording(shown, None);
                 self.status.update(|view| view.error = None);
                 self.params.session.store(&self.session);
             }
             Order::ReadSession => self.read_session(),
             Order::Engine(engine) => {
                 self.engine = Some(engine);
-                self.failed = None;
-                self.dictionary_is_sent = false;
+                for slot in &mut self.slots {
+                    slot.failed = None;
+                    // New engines have no recordings: empty slots need not be told.
+                    slot.is_sent = slot.recording.is_none() && slot.dictionary.is_none();
+                }
                 self.learner.resend();
                 self.motion.resend();
                 self.tape.resend();
             }
             Order::Cancel => self.cancel(),
             Order::Cut(cut) => {
-                self.session.cut = cut;
-                self.failed = None;
-                self.show_recording();
+                *self.session.cut_in_mut(shown) = cut;
+                self.slots[shown].failed = None;
+                self.show_recording(shown);
                 self.status.update(|view| view.error = None);
                 self.params.session.store(&self.session);
             }
@@ -193,39 +200,54 @@ impl Worker {
     /// Gives up what is under way. What could not be fetched is named as it would be if it had not been found; what could not
     /// be indexed is not tried again until something changes.
     fn cancel(&mut self) {
-        let what = match self.pending.take() {
-            Some(Pending::File(path)) => path.display().to_string(),
-            Some(Pending::Session) => {
-                self.set_recording(None);
-                "the session's recording".to_owned()
-            }
-            None => match (self.learner.is_awaited(), &self.recording, self.engine) {
-                (true, ..) => {
-                    self.learner.give_up();
-                    "learning from a file".to_owned()
-                }
-                (false, Some(recording), Some(engine)) => {
-                    let key =
-                        self.key(recording, &self.cut(), &self.params.values().structure(), engine.sample_rate_hz);
-                    if self.dictionary.as_ref().is_some_and(|(made, _)| *made == key) {
-                        return;
-                    }
-                    let name = recording.name.clone();
-                    self.failed = Some(key);
-                    name
-                }
-                _ => return,
-            },
+        let Some(what) =
+            self.give_up_fetching().or_else(|| self.give_up_learning()).or_else(|| self.give_up_indexing())
+        else {
+            return;
         };
         self.status.fail(format!("Cancelled: {what}. What was there before plays on; load it again when you like."));
     }
 
+    fn give_up_fetching(&mut self) -> Option<String> {
+        let slot = self.order().find(|slot| self.slots[*slot].pending.is_some())?;
+        match self.slots[slot].pending.take()? {
+            Pending::File(path) => Some(path.display().to_string()),
+            Pending::Session => {
+                self.set_recording(slot, None);
+                Some("the session's recording".to_owned())
+            }
+        }
+    }
+
+    fn give_up_learning(&mut self) -> Option<String> {
+        self.learner.is_awaited().then(|| {
+            self.learner.give_up();
+            "learning from a file".to_owned()
+        })
+    }
+
+    fn give_up_indexing(&mut self) -> Option<String> {
+        let engine = self.engine?;
+        let structure = self.params.values().structure();
+        for slot in self.order() {
+            let Some(recording) = self.slots[slot].recording.clone() else { continue };
+            let key = self.key(&recording, &self.cut(slot), &structure, engine.sample_rate_hz);
+            let place = &mut self.slots[slot];
+            let is_made = place.dictionary.as_ref().is_some_and(|(made, _)| *made == key);
+            if !is_made && place.failed.as_ref() != Some(&key) {
+                place.failed = Some(key);
+                return Some(recording.name.clone());
+            }
+        }
+        None
+    }
+
     fn save_part(&self, path: &Path) {
-        let Some(recording) = self.recording.as_deref() else {
+        let Some(recording) = self.slots[self.shown].recording.as_deref() else {
             return self.status.fail("there is no recording to be saved; load one first".to_owned());
         };
-        let of = Path::new(self.session.recording.as_ref().map_or("", |reference| reference.path.as_str()));
-        let part = check_not_among(path, &[of]).and_then(|()| self.cut().of(recording));
+        let of = Path::new(self.path(self.shown).unwrap_or_default());
+        let part = check_not_among(path, &[of]).and_then(|()| self.cut(self.shown).of(recording));
         let saved = part.and_then(|part| write_wav_f32(path, &part.channels, part.sample_rate_hz));
         match saved {
             Ok(()) => self.status.update(|view| view.notice = Some(format!("Saved: {}", path.display()))),
@@ -233,9 +255,14 @@ impl Worker {
         }
     }
 
-    /// The part of the recording that is learnt from.
-    fn cut(&self) -> Cut {
-        let session::Cut { region_s, gain_db, normalise } = self.session.cut;
+    /// Where the session has a slot's recording from.
+    fn path(&self, slot: usize) -> Option<&str> {
+        self.session.recording_in(slot).map(|reference| reference.path.as_str())
+    }
+
+    /// The part of a slot's recording that is learnt from.
+    fn cut(&self, slot: usize) -> Cut {
+        let session::Cut { region_s, gain_db, normalise } = self.session.cut_in(slot);
         Cut { region_s, gain_db, normalise }
     }
 
@@ -246,7 +273,7 @@ impl Worker {
         match persist::decode(&field) {
             Ok(session) => {
                 self.session = session;
-                self.pending = Some(Pending::Session);
+                self.slots.iter_mut().for_each(|slot| slot.pending = Some(Pending::Session));
                 self.learner.resend();
                 self.status.update(|view| view.error = None);
                 self.motion.read(&self.session, &self.status);
@@ -263,7 +290,8 @@ impl Worker {
 
     fn set_embed(&mut self, embed: bool) {
         self.session.embed = embed;
-        if let Some(reference) = &mut self.session.recording {
+        for slot in 0..SLOTS {
+            let Some(reference) = self.session.recording_in_mut(slot) else { continue };
             match (embed, reference.embedded.is_some()) {
                 (true, false) => match source::pack(reference) {
                     Ok(packed) => reference.embedded = Some(packed),
@@ -278,150 +306,152 @@ impl Worker {
     }
 
     fn show_session(&self) {
-        let path = self.session.recording.as_ref().map(|reference| reference.path.clone());
+        let path = self.path(self.shown).map(str::to_owned);
+        let recordings: [Option<String>; SLOTS] =
+            std::array::from_fn(|slot| self.slots[slot].description(self.path(slot)));
+        let is_named = std::array::from_fn(|slot| self.path(slot).is_some());
         self.status.update(|view| {
+            view.slot = self.shown;
             view.path = path;
+            view.recording = recordings[self.shown].clone();
+            view.slots = recordings;
+            view.is_named = is_named;
             view.embed = self.session.embed;
         });
     }
 
-    /// Fetches the recording that is to be fetched.
+    /// Fetches the recordings that are to be fetched.
     fn fetch(&mut self, job: &Job) -> Result<(), Failure> {
-        let found = match &self.pending {
-            None => return Ok(()),
-            Some(Pending::File(path)) => {
-                let usable = source::open(path, self.session.embed, job).and_then(|found| {
-                    // In another recording the old one's part means nothing; a session's file from its new place keeps it.
-                    let known = self.session.recording.as_ref();
-                    let is_known = known.is_some_and(|known| known.content_hash == found.reference.content_hash);
-                    let cut = if is_known { self.cut() } else { Cut { region_s: None, ..self.cut() } };
-                    // The old recording stays until the new one has its index.
-                    let dictionary = self.build(&found.recording, &cut, job)?;
-                    Ok((found, cut, dictionary))
-                });
-                usable.map(|(found, cut, dictionary)| {
-                    self.session.recording = Some(found.reference.clone());
-                    self.session.cut.region_s = cut.region_s;
-                    self.params.session.store(&self.session);
-                    self.dictionary = dictionary;
-                    if let Some(recent) = &self.recent {
-                        let known = recent.add(&found.reference.path);
-                        self.status.update(|view| view.recent = known);
-                    }
-                    Some(found)
-                })
-            }
-            Some(Pending::Session) => match self.session.recording.clone() {
-                None => Ok(None),
-                Some(reference) => source::locate(&reference).and_then(|located| {
-                    // What is heard comes first; what is shown of the recording can wait until it is decoded.
-                    self.recall(&located.content_hash, job);
-                    located.decode(&reference, job).map(Some)
-                }),
-            },
-        };
-        match found {
-            Err(Failure::CalledOff) => return Err(Failure::CalledOff),
-            Err(Failure::Message(message)) => {
-                if matches!(self.pending, Some(Pending::Session)) {
-                    self.set_recording(None);
+        if self.slots.iter().all(|slot| slot.pending.is_none()) {
+            return Ok(());
+        }
+        let mut words = Vec::new();
+        for slot in self.order() {
+            if let Some(pending) = self.slots[slot].pending.take() {
+                let fetched = self.fetch_one(slot, &pending, job);
+                if let Err(Failure::CalledOff) = fetched {
+                    self.slots[slot].pending = Some(pending);
+                    return Err(Failure::CalledOff);
                 }
-                self.status.fail(message);
-            }
-            Ok(found) => {
-                let (recording, notice) = match found {
-                    Some(Found { recording, notice, .. }) => (Some(recording), notice),
-                    None => (None, None),
-                };
-                self.status.update(|view| view.error = notice);
-                self.set_recording(recording);
+                words.extend(self.settle(slot, &pending, fetched));
+                self.show_session();
             }
         }
-        self.pending = None;
         // Last, so that it is still shown.
-        if let Some(error) = self.motion.take_error() {
-            self.status.fail(error);
-        }
+        words.extend(self.motion.take_error());
+        let words = (!words.is_empty()).then(|| words.join("\n"));
+        self.status.update(|view| view.error = words);
         self.show_session();
         Ok(())
     }
 
-    fn set_recording(&mut self, recording: Option<Arc<Recording>>) {
-        // The same bytes may have been read from another place before, under another name.
-        let path = self.session.recording.as_ref().map(|reference| Path::new(&reference.path));
-        let name = path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-        let shown = recording.as_ref().map(|recording| {
-            let name = name.as_deref().unwrap_or(&recording.name);
-            let (seconds, kilohertz) = (recording.duration_s(), f64::from(recording.sample_rate_hz) / 1000.0);
-            let channels = match recording.channels.len() {
-                1 => "mono".to_owned(),
-                2 => "stereo".to_owned(),
-                count => format!("{count} channels"),
-            };
-            format!("{name}: {seconds:.1} s, {kilohertz} kHz, {channels}")
-        });
-        let is_same = |known: &Arc<Recording>| recording.as_ref().is_some_and(|new| Arc::ptr_eq(new, known));
-        let is_drawn = self.recording.as_ref().is_some_and(is_same);
-        self.status.update(|view| {
-            view.recording = shown;
-            if !is_drawn {
-                view.portrait = None;
+    /// Takes over what was fetched; what the user should know of it.
+    fn settle(&mut self, slot: usize, pending: &Pending, fetched: Result<Option<Found>, Failure>) -> Option<String> {
+        let (recording, notice) = match fetched {
+            Ok(Some(Found { recording, notice, .. })) => (Some(recording), notice),
+            Ok(None) | Err(Failure::CalledOff) => (None, None),
+            Err(Failure::Message(message)) => {
+                if matches!(pending, Pending::Session) {
+                    self.set_recording(slot, None);
+                }
+                self.status.fail(message.clone());
+                return Some(message);
             }
-        });
-        self.recording = recording;
-        self.show_recording();
-        self.failed = None;
-        self.dictionary_is_sent &= self.has_fitting_dictionary();
-        if self.recording.is_none() {
-            self.dictionary = None;
+        };
+        self.set_recording(slot, recording);
+        notice
+    }
+
+    fn fetch_one(&mut self, slot: usize, pending: &Pending, job: &Job) -> Result<Option<Found>, Failure> {
+        match pending {
+            Pending::File(path) => {
+                let found = source::open(path, self.session.embed, job)?;
+                // In another recording the old one's part means nothing; a session's file from its new place keeps it.
+                let known = self.session.recording_in(slot);
+                let is_known = known.is_some_and(|known| known.content_hash == found.reference.content_hash);
+                let cut = if is_known { self.cut(slot) } else { Cut { region_s: None, ..self.cut(slot) } };
+                // The old recording stays until the new one has its index.
+                let dictionary = self.build(slot, &found.recording, &cut, job)?;
+                *self.session.recording_in_mut(slot) = Some(found.reference.clone());
+                self.session.cut_in_mut(slot).region_s = cut.region_s;
+                self.params.session.store(&self.session);
+                self.slots[slot].dictionary = dictionary;
+                if let Some(recent) = &self.recent {
+                    let known = recent.add(&found.reference.path);
+                    self.status.update(|view| view.recent = known);
+                }
+                Ok(Some(found))
+            }
+            Pending::Session => match self.session.recording_in(slot).cloned() {
+                None => Ok(None),
+                Some(reference) => {
+                    let located = source::locate(&reference)?;
+                    // What is heard comes first; what is shown of the recording can wait until it is decoded.
+                    self.recall(slot, &located.content_hash, job);
+                    located.decode(&reference, job).map(Some)
+                }
+            },
         }
+    }
+
+    fn set_recording(&mut self, slot: usize, recording: Option<Arc<Recording>>) {
+        let place = &mut self.slots[slot];
+        let is_same = |known: &Arc<Recording>| recording.as_ref().is_some_and(|new| Arc::ptr_eq(new, known));
+        if !place.recording.as_ref().is_some_and(is_same) {
+            place.portrait = None;
+        }
+        place.recording = recording;
+        place.failed = None;
+        let fits = self.has_fitting_dictionary(slot);
+        let place = &mut self.slots[slot];
+        place.is_sent &= fits;
+        if place.recording.is_none() {
+            place.dictionary = None;
+        }
+        if slot == self.shown {
+            let portrait = place.portrait.clone();
+            self.status.update(|view| view.portrait = portrait);
+        }
+        self.show_session();
+        self.show_recording(slot);
     }
 
     /// Shows the part that is learnt from, and has the recording drawn anew.
-    fn show_recording(&mut self) {
-        self.portrait_is_due = true;
-        self.status.update(|view| view.cut = self.session.cut);
+    fn show_recording(&mut self, slot: usize) {
+        self.slots[slot].portrait_is_due = true;
+        self.show_cut();
     }
 
-    /// Draws the recording, once what sounds is ready, and only for a window: a session of fifty instances opens none.
+    fn show_cut(&self) {
+        self.status.update(|view| view.cut = self.session.cut_in(self.shown));
+    }
+
+    /// Draws the recording that is shown, once what sounds is ready, and only for a window: a session of fifty instances
+    /// opens none.
     fn draw(&mut self) {
-        if !self.portrait_is_due || !self.link.shared.is_watched.load(Ordering::Relaxed) {
+        let cut = self.cut(self.shown);
+        let place = &mut self.slots[self.shown];
+        if !place.portrait_is_due || !self.link.shared.is_watched.load(Ordering::Relaxed) {
             return;
         }
-        self.portrait_is_due = false;
-        let (cut, known) = (self.cut(), self.status.view().portrait);
-        let portrait = self.recording.as_deref().map(|recording| {
+        place.portrait_is_due = false;
+        let known = place.portrait.take();
+        place.portrait = place.recording.as_deref().map(|recording| {
             Arc::new(match known {
                 Some(known) => known.with_cut(recording, &cut),
                 None => Portrait::of(recording, &cut),
             })
         });
+        let portrait = place.portrait.clone();
         self.status.update(|view| view.portrait = portrait);
     }
 
-    /// Makes the dictionary of the recording for the structure that is wanted, and tells the audio
+    /// Makes the dictionaries of the recordings for the structure that is wanted, and tells the audio
     /// thread when everything is ready for that structure.
     fn index(&mut self, job: &Job) -> Result<(), Failure> {
         let Some(engine) = self.engine else { return Ok(()) };
-        if let Some(recording) = self.recording.clone() {
-            let cut = self.cut();
-            let key = self.key(&recording, &cut, job.wanted(), engine.sample_rate_hz);
-            let is_made = self.dictionary.as_ref().is_some_and(|(made, _)| *made == key);
-            if !is_made && self.failed.as_ref() != Some(&key) {
-                match self.build(&recording, &cut, job) {
-                    Ok(dictionary) => {
-                        self.dictionary = dictionary;
-                        self.dictionary_is_sent = false;
-                    }
-                    Err(Failure::CalledOff) => return Err(Failure::CalledOff),
-                    Err(Failure::Message(message)) => {
-                        self.failed = Some(key);
-                        self.dictionary = None;
-                        self.dictionary_is_sent = false;
-                        self.status.fail(message);
-                    }
-                }
-            }
+        for slot in self.order() {
+            self.index_one(slot, &engine, job)?;
         }
         let next = Engine { structure: *job.wanted(), ..engine };
         if self.prepared != Some(next) {
@@ -431,6 +461,33 @@ impl Worker {
             }
             self.prepared = Some(next);
         }
+        Ok(())
+    }
+
+    /// Fails only where it is called off.
+    fn index_one(&mut self, slot: usize, engine: &Engine, job: &Job) -> Result<(), Failure> {
+        let Some(recording) = self.slots[slot].recording.clone() else { return Ok(()) };
+        let cut = self.cut(slot);
+        let key = self.key(&recording, &cut, job.wanted(), engine.sample_rate_hz);
+        let place = &self.slots[slot];
+        let is_made = place.dictionary.as_ref().is_some_and(|(made, _)| *made == key);
+        if is_made || place.failed.as_ref() == Some(&key) {
+            return Ok(());
+        }
+        let built = self.build(slot, &recording, &cut, job);
+        let place = &mut self.slots[slot];
+        match built {
+            Ok(dictionary) => place.dictionary = dictionary,
+            Err(Failure::CalledOff) => return Err(Failure::CalledOff),
+            Err(Failure::Message(message)) => {
+                place.failed = Some(key);
+                place.dictionary = None;
+                self.status.fail(message);
+            }
+        }
+        place.is_sent = false;
+        // The one that sounds does not wait for the others.
+        self.send_slot(slot);
         Ok(())
     }
 
@@ -444,8 +501,8 @@ impl Worker {
             Err(Failure::CalledOff) => return Err(Failure::CalledOff),
             Err(Failure::Message(message)) => self.status.fail(message),
         }
-        let cut = self.cut();
-        let of = self.recording.as_deref().map(|recording| (recording, &cut));
+        let cut = self.cut(self.shown);
+        let of = self.slots[self.shown].recording.as_deref().map(|recording| (recording, &cut));
         match self.tape.make(of, engine.sample_rate_hz.round() as u32, job) {
             Err(Failure::Message(message)) => {
                 self.tape.want(false);
@@ -464,6 +521,7 @@ impl Worker {
     /// rate is known.
     fn build(
         &self,
+        slot: usize,
         recording: &Recording,
         cut: &Cut,
         job: &Job,
@@ -481,7 +539,7 @@ impl Worker {
                 return Ok(kept);
             }
             let made = make()?;
-            self.is_unkept.set(true);
+            self.slots[slot].is_unkept.set(true);
             Ok(made)
         };
         match DICTIONARIES.get_or_make(&key, is_called_off, read_or_make) {
@@ -490,61 +548,87 @@ impl Worker {
         }
     }
 
-    /// Keeps the dictionary for the next session, now that nobody waits any longer.
+    /// Keeps the dictionaries for the next session, now that nobody waits any longer.
     fn keep(&self) {
-        if let (true, Some(store), Some((key, dictionary))) = (self.is_unkept.take(), &self.store, &self.dictionary)
-            && let Err(error) = store.write(key, dictionary)
-        {
-            nice_plug::prelude::nice_warn!("the dictionary cannot be kept for the next session: {error}");
+        let Some(store) = &self.store else { return };
+        for slot in &self.slots {
+            if let (true, Some((key, dictionary))) = (slot.is_unkept.take(), &slot.dictionary)
+                && let Err(error) = store.write(key, dictionary)
+            {
+                nice_plug::prelude::nice_warn!("the dictionary cannot be kept for the next session: {error}");
+            }
         }
     }
 
     /// Takes the dictionary of a recording that is not decoded yet from another instance or from the disk, and sends it.
-    fn recall(&mut self, content_hash: &str, job: &Job) {
+    fn recall(&mut self, slot: usize, content_hash: &str, job: &Job) {
         let (Some(engine), Some(store)) = (self.engine, &self.store) else { return };
-        let key = DictionaryKey::new(content_hash, &self.cut(), engine.sample_rate_hz, job.wanted());
+        let key = DictionaryKey::new(content_hash, &self.cut(slot), engine.sample_rate_hz, job.wanted());
         let read = || store.read(&key).ok_or(());
         if engine.structure == *job.wanted()
             && let Some(Ok(dictionary)) = DICTIONARIES.get_or_make(&key, || job.is_called_off(), read)
         {
-            self.dictionary = Some((key, dictionary.clone()));
-            self.send_dictionary(dictionary);
+            self.slots[slot].dictionary = Some((key, dictionary.clone()));
+            self.send_dictionary(slot, dictionary);
         }
     }
 
-    /// Whether the dictionary is that of the recording for the engine that runs.
-    fn has_fitting_dictionary(&self) -> bool {
-        let (Some(recording), Some(engine), Some((key, _))) = (&self.recording, self.engine, &self.dictionary) else {
+    /// Whether the dictionary is that of the slot's recording for the engine that runs.
+    fn has_fitting_dictionary(&self, slot: usize) -> bool {
+        let place = &self.slots[slot];
+        let (Some(recording), Some(engine), Some((key, _))) = (&place.recording, self.engine, &place.dictionary) else {
             return false;
         };
-        *key == self.key(recording, &self.cut(), &engine.structure, engine.sample_rate_hz)
+        *key == self.key(recording, &self.cut(slot), &engine.structure, engine.sample_rate_hz)
     }
 
-    fn send_dictionary(&mut self, dictionary: Arc<Dictionary>) {
-        let amplitudes = shown_amplitudes(dictionary.distribution());
-        let crackles = dictionary.crackles().map(|crackles| crackles.summary().per_second as f32);
-        let warning = dictionary.is_impulsive().then(|| IMPULSIVE.to_owned());
+    fn send_dictionary(&mut self, slot: usize, dictionary: Arc<Dictionary>) {
+        self.slots[slot].is_sent = self.link.send(Update::Dictionary(slot, Some(dictionary)));
+        if slot == self.shown {
+            self.show_dictionary();
+        }
+    }
+
+    /// Shows what is known of the dictionary of the slot that is shown.
+    fn show_dictionary(&self) {
+        let dictionary = self.slots[self.shown].dictionary.as_ref().map(|(_, dictionary)| dictionary);
+        let amplitudes = dictionary.and_then(|dictionary| shown_amplitudes(dictionary.distribution()));
+        let crackles = dictionary.and_then(|dictionary| dictionary.crackles());
+        let crackles_per_s = crackles.map(|crackles| crackles.summary().per_second as f32);
+        let warning = dictionary.filter(|dictionary| dictionary.is_impulsive()).map(|_| IMPULSIVE.to_owned());
         self.status.update(|view| {
             view.amplitudes[0] = amplitudes;
-            view.crackles_per_s = crackles;
+            view.crackles_per_s = crackles_per_s;
             view.notice = warning.or_else(|| view.notice.take());
         });
-        self.dictionary_is_sent = self.link.send(Update::Dictionary(Some(dictionary)));
     }
 
-    /// Sends what the running engine lacks. A dictionary for a structure that it does not have yet
+    /// Sends what the running engine lacks of a slot. A dictionary for a structure that it does not have yet
     /// waits until it has.
-    fn send(&mut self) {
-        let Some(engine) = self.engine else { return };
-        if !self.dictionary_is_sent {
-            match &self.dictionary {
-                Some((_, dictionary)) if self.has_fitting_dictionary() => self.send_dictionary(dictionary.clone()),
-                Some(_) => {}
-                None => {
-                    self.status.update(|view| (view.amplitudes[0], view.crackles_per_s) = (None, None));
-                    self.dictionary_is_sent = self.link.send(Update::Dictionary(None));
+    fn send_slot(&mut self, slot: usize) {
+        if self.engine.is_none() || self.slots[slot].is_sent {
+            return;
+        }
+        match &self.slots[slot].dictionary {
+            Some((_, dictionary)) if self.has_fitting_dictionary(slot) => {
+                let dictionary = dictionary.clone();
+                self.send_dictionary(slot, dictionary);
+            }
+            Some(_) => {}
+            None => {
+                self.slots[slot].is_sent = self.link.send(Update::Dictionary(slot, None));
+                if slot == self.shown {
+                    self.show_dictionary();
                 }
             }
+        }
+    }
+
+    /// Sends what the running engine lacks.
+    fn send(&mut self) {
+        let Some(engine) = self.engine else { return };
+        for slot in self.order() {
+            self.send_slot(slot);
         }
         self.learner.send(&mut self.link, &self.session, &engine, &self.status);
         self.motion.send(&mut self.link);

@@ -116,5 +116,5 @@ fn rate_hz(comm: &[u8]) -> u32 {
     let exponent = i32::from(u16::from_be_bytes([comm[8], comm[9]]) & 0x7fff) - 16383;
     let mantissa = comm[10..18].iter().fold(0u64, |sum, byte| sum << 8 | u64::from(*byte));
     let is_negative = comm[8] & 0x80 != 0;
-    if is_negative { 0 } else { (mantissa as f64 * 2f64.powi(exponent - 63)).round() as u32 }
+    if is_negative { 0 } else { (mantissa as f64 * maths::powi(2.0, exponent - 63)).round() as u32 }
 }

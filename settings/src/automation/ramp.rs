@@ -14,7 +14,7 @@ pub(super) fn between(from: Event, to: Event, sample_rate_hz: f64) -> impl Doubl
     let parameter = &PARAMETERS[from.parameter];
     let samples = to.sample.saturating_sub(from.sample);
     let unit = match parameter.kind {
-        Kind::Float { decimals, .. } => 10f64.powi(-(decimals as i32)),
+        Kind::Float { decimals, .. } => maths::powi(10.0, -(decimals as i32)),
         _ => 1.0,
     };
     let most_by_value = ((to.value - from.value).abs() / unit).round() as u64;

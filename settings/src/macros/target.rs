@@ -26,7 +26,7 @@ impl Unit {
 
 /// Two to this power, with two significant decimals.
 fn rounded(octaves: f64) -> f64 {
-    let factor = octaves.exp2();
+    let factor = maths::exp2(octaves);
     let decimals = if factor < 0.995 { 100.0 } else { 10.0 };
     (factor * decimals).round() / decimals
 }
@@ -137,8 +137,8 @@ impl Target {
                 for (attack_s, release_s) in
                     [(&mut drive.attack_s, &mut drive.release_s), (&mut vortex.attack_s, &mut vortex.release_s)]
                 {
-                    *attack_s = (*attack_s * offset.exp2()).clamp(1e-4, 1.0);
-                    *release_s = (*release_s * offset.exp2()).clamp(1e-3, 5.0);
+                    *attack_s = (*attack_s * maths::exp2(offset)).clamp(1e-4, 1.0);
+                    *release_s = (*release_s * maths::exp2(offset)).clamp(1e-3, 5.0);
                 }
             }
             Self::FlameWind => add(&mut drive.flame.wind, 0.0, 1.0),
@@ -148,11 +148,11 @@ impl Target {
             // Turned up it is added instead, so that it is heard where the layer was off.
             Self::Vortex => mix.vortex *= factor(offset.min(0.0)),
             Self::VortexSpeed => {
-                vortex.speed_m_s *= offset.exp2();
-                vortex.field_speed *= offset.exp2();
+                vortex.speed_m_s *= maths::exp2(offset);
+                vortex.field_speed *= maths::exp2(offset);
             }
             Self::VortexRange => add(&mut vortex.range, 0.0, 1.0),
-            Self::CrackleDensity => crackle.density = (crackle.density * offset.exp2()).clamp(0.0, 4.0),
+            Self::CrackleDensity => crackle.density = (crackle.density * maths::exp2(offset)).clamp(0.0, 4.0),
             Self::CrackleLevel => mix.crackle *= factor(offset),
             Self::CrackleSharpness => add(&mut crackle.sharpness, -1.0, 1.0),
             Self::CrackleSpread => add(&mut crackle.spread, 0.0, 2.0),
@@ -163,11 +163,11 @@ impl Target {
 
 /// Level of vortex sound that is added where Whoosh is turned up by `amount`, -1 to 1: none at 0, 0 dB at 1, without a step.
 pub(super) fn added_vortex(amount: f64) -> f64 {
-    amount.max(0.0).powi(2)
+    maths::square(amount.max(0.0))
 }
 
 fn factor(db: f64) -> f64 {
-    10f64.powf(db / 20.0)
+    maths::pow(10.0, db / 20.0)
 }
 
 #[cfg(test)]

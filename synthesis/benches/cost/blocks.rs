@@ -25,7 +25,9 @@ pub fn rows() -> Vec<Row> {
     let default = |name: &'static str, goal: &'static str, rate_hz: f64, channels: usize| {
         row(name, goal, move |pairs| shown(chain(&pairs[0], rate_hz, channels, &default_controls()), rate_hz))
     };
-    let extend = |name: &'static str, goal: &'static str, rate_hz: f64| row(name, goal, move |_| shown(extension(rate_hz), rate_hz));
+    let extend = |name: &'static str, goal: &'static str, rate_hz: f64| {
+        row(name, goal, move |_| shown(extension(rate_hz), rate_hz))
+    };
     vec![
         default("default preset, 48 kHz stereo: s per s; largest block of 64", "0.030; 12 %", 48_000.0, 2),
         default("default preset, 96 kHz stereo", "0.06; 25 %", 96_000.0, 2),

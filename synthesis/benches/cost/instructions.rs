@@ -99,7 +99,7 @@ fn load() {
     let signal = signal(&mut Random::new(2), 1, LOADED);
     let shape = Shape::at_rate(&companded(), RATE_HZ);
     counted_on_one_thread(|| {
-        std::hint::black_box(Dictionary::companded(&[signal.clone()], RATE_HZ, &shape, &|_| true).unwrap());
+        std::hint::black_box(Dictionary::companded(std::slice::from_ref(&signal), RATE_HZ, &shape, &|_| true).unwrap());
     });
 }
 

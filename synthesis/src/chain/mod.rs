@@ -16,6 +16,7 @@ mod vortex_layer;
 use std::sync::Arc;
 
 use crate::companding::loudnesses;
+use crate::controls::SLOTS;
 use crate::error::in_range;
 use crate::extend;
 use crate::fuel;
@@ -180,24 +181,30 @@ impl Chain {
         self.drive.clear();
     }
 
-    /// Exchanges the recording's dictionary; the caller drops the old one elsewhere than on the
-    /// audio thread. A dictionary made for another sample rate or structure is handed back
-    /// unused.
+    /// Exchanges the dictionary of the first slot's recording, as [`swap_slot`](Self::swap_slot) does.
     pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+        self.swap_slot(0, dictionary)
+    }
+
+    /// Exchanges the dictionary of the recording in a slot; the caller drops the old one elsewhere than on the
+    /// audio thread. A dictionary made for another sample rate or structure, or for no slot, is handed back
+    /// unused.
+    pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
         let is_companded = self.dynamics == Dynamics::Companded;
         let fits = |x: &Arc<Dictionary>| {
             *x.shape() == self.shape
                 && x.sample_rate_hz() == self.sample_rate_hz
                 && x.profile().is_some() == is_companded
         };
-        if dictionary.as_ref().is_some_and(|x| !fits(x)) {
+        if slot >= SLOTS || dictionary.as_ref().is_some_and(|x| !fits(x)) {
             return dictionary;
         }
-        self.has_dictionary = dictionary.is_some();
         let [first, second] = &mut self.voices;
         // Of the two references to the old one, the second lives on, so this one frees nothing.
-        drop(first.swap_dictionary(dictionary.clone()));
-        second.swap_dictionary(dictionary)
+        drop(first.swap_slot(slot, dictionary.clone()));
+        let old = second.swap_slot(slot, dictionary);
+        self.has_dictionary = (0..SLOTS).any(|slot| second.has_recording(slot));
+        old
     }
 
     /// Exchanges the learned distribution of the drive's amplitudes, likewise.
@@ -271,7 +278,7 @@ impl Chain {
         let target_lufs = controls.mix.loudness_lufs;
         let fuel_gain = fuel::gain_to(target_lufs);
         levelled.mix.texture *= self.voices[0].gain_to(target_lufs);
-        levelled.mix.crackle *= self.voices[0].crackle_gain_to(target_lufs).unwrap_or(fuel_gain);
+        levelled.mix.crackle *= self.voices[0].crackle_gain_to(target_lufs);
         levelled.mix.hiss *= fuel_gain;
         levelled.mix.body *= fuel_gain;
         if controls.mix.ceiling {

@@ -1,6 +1,7 @@
 //! What the engines leave to be seen while they work.
 
 use crate::texture::{Extent, Match};
+use crate::vortex::SeenSource;
 
 /// One thing that an engine has done.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,4 +12,8 @@ pub enum Trace {
     Match(Match),
     /// A level of texture's output pyramid has swung so far for a sixtieth of a second.
     Extent(Extent),
+    /// So many sources of vortex sound are there; each follows.
+    Sources(usize),
+    /// A source of vortex sound.
+    Source(SeenSource),
 }

@@ -6,8 +6,8 @@ use super::bus::{CHUNK, Channels};
 use super::delay::Delay;
 use super::trace::Trace;
 use super::vortex_layer::VortexLayer;
-use crate::companding::Companding;
-use crate::controls::{CrackleControls, DriveMode, Fuel, TextureControls};
+use crate::companding::{Companding, Recorded};
+use crate::controls::{CrackleControls, DriveMode, Fuel, RecordingControls, SLOTS, TextureControls};
 use crate::crackle::{Crackle, Crackles, Sources};
 use crate::drive::Drive;
 use crate::extend::Extend;
@@ -82,6 +82,11 @@ const STAND_IN_LEVEL: f64 = 0.25;
 struct Companded {
     companding: Companding,
     crackle: Crackle,
+    /// That of the second recording, and what it makes of one chunk by channel.
+    second_crackle: Crackle,
+    second: Vec<Vec<f64>>,
+    /// What texture makes of one chunk, by slot and channel.
+    textures: Vec<Vec<Vec<f64>>>,
     /// Crackles of the fuels that burn.
     fuels: Arc<[Crackles]>,
     fuel_noise: FuelNoise,
@@ -122,6 +127,9 @@ impl Voice {
         let companded = (structure.dynamics == Dynamics::Companded).then(|| Companded {
             companding: Companding::new(sample_rate_hz, outputs, wait, latency, CHUNK),
             crackle: Crackle::new(sample_rate_hz, outputs, latency, CHUNK),
+            second_crackle: Crackle::new(sample_rate_hz, outputs, latency, CHUNK),
+            second: vec![vec![0.0; CHUNK]; outputs],
+            textures: vec![vec![vec![0.0; CHUNK]; outputs]; SLOTS],
             fuels: fuel::bank(sample_rate_hz),
             fuel_noise: FuelNoise::new(sample_rate_hz, outputs, latency),
             flat: vec![0.0; CHUNK],
@@ -182,6 +190,7 @@ impl Voice {
         if let Some(companded) = &mut self.companded {
             companded.companding.reset(position);
             companded.crackle.reset(position);
+            companded.second_crackle.reset(position);
             companded.fuel_noise.reset(position);
             companded.is_fresh = true;
         }
@@ -195,12 +204,18 @@ impl Voice {
         if self.companded.is_some() { (self.latency_samples - self.texture.latency_samples()) as i64 } else { 0 }
     }
 
-    /// Exchanges the recording.
-    pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+    /// Exchanges the recording of a slot.
+    pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
         if let Some(companded) = &mut self.companded {
-            companded.crackle.forget();
+            companded.crackle.forget_slot(slot);
+            companded.second_crackle.forget_slot(slot);
         }
-        self.texture.swap_dictionary(dictionary)
+        self.texture.swap_slot(slot, dictionary)
+    }
+
+    /// Whether there is a recording in a slot.
+    pub fn has_recording(&self, slot: usize) -> bool {
+        self.texture.slots().get(slot).is_some()
     }
 
     /// Exchanges the learned distribution.
@@ -211,14 +226,15 @@ impl Voice {
         self.texture.swap_distribution(learned)
     }
 
-    /// The factor that brings texture and crackle to a loudness in LUFS.
+    /// The factor that brings texture to a loudness in LUFS; recordings other than the reference have theirs on top.
     pub fn gain_to(&self, target_lufs: Option<f64>) -> f64 {
-        self.texture.profile().map_or(1.0, |profile| profile.gain_to(target_lufs))
+        self.texture.reference().map_or(1.0, |profile| profile.gain_to(target_lufs))
     }
 
-    /// The same for crackles that are the recording's; none where they are a fuel's.
-    pub fn crackle_gain_to(&self, target_lufs: Option<f64>) -> Option<f64> {
-        self.texture.crackles().map(|_| self.gain_to(target_lufs))
+    /// The same for crackle: that of the reference where it has crackles, else a fuel's.
+    pub fn crackle_gain_to(&self, target_lufs: Option<f64>) -> f64 {
+        let has_crackles = self.texture.slots().reference().is_some_and(|slot| self.texture.crackles(slot).is_some());
+        if has_crackles { self.gain_to(target_lufs) } else { fuel::gain_to(target_lufs) }
     }
 
     /// The drive's samples of the last chunk.
@@ -235,7 +251,8 @@ impl Voice {
     pub fn take_traces(&mut self) -> impl Iterator<Item = Trace> {
         let betas = self.extend.take_betas().map(Trace::Beta);
         let (matches, extents) = self.texture.take_traces();
-        betas.chain(matches.map(Trace::Match)).chain(extents.map(Trace::Extent))
+        let sources = self.vortex.take_view();
+        betas.chain(matches.map(Trace::Match)).chain(extents.map(Trace::Extent)).chain(sources)
     }
 
     /// Whether the input's channels cancel.
@@ -250,7 +267,9 @@ impl Voice {
 
     /// Processes one chunk of up to [`CHUNK`] samples into `layers`.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &Controls, samples: usize) {
-        let stands_in = self.stands_in() && controls.crackle.fuel == Fuel::Off;
+        let stands_in = self.stands_in(&controls.texture.recordings) && controls.crackle.fuel == Fuel::Off;
+        let target_lufs = controls.mix.loudness_lufs;
+        let [texture_gain, crackle_gain] = [self.gain_to(target_lufs), self.crackle_gain_to(target_lufs)];
         let drive = &mut self.drive_block[..samples];
         self.drive.process(main, sidechain, &controls.drive, drive);
 
@@ -280,11 +299,15 @@ impl Voice {
             }
             Some(companded) => {
                 with_blocks(&mut self.layers.texture, samples, |outputs| {
-                    companded.process(drive, &texture, &mut self.texture, outputs);
+                    companded.process(drive, &texture, &mut self.texture, target_lufs, outputs);
                 });
                 self.top_magnitudes.extend_from_slice(companded.companding.told());
+                let sources = sources(&self.texture, &companded.fuels, target_lufs, crackle_gain);
                 with_blocks(&mut self.layers.crackle, samples, |outputs| {
-                    companded.crackle(&controls.crackle, &self.texture, outputs);
+                    let layers = [&mut companded.crackle, &mut companded.second_crackle];
+                    let loudness = companded.companding.heard(samples);
+                    let [first, second] = crackle_controls(controls, &self.texture);
+                    crackle(layers, [&first, &second], loudness, &sources, &mut companded.second, outputs);
                 });
                 companded.fuel_noise(controls, [&mut self.layers.hiss, &mut self.layers.body], samples);
             }
@@ -300,19 +323,20 @@ impl Voice {
             delay.process(&mut channel[..samples]);
         }
         if let Some(companded) = &mut self.companded {
-            companded.stand_in(stands_in, &mut self.layers, samples);
+            companded.stand_in(stands_in, texture_gain, &mut self.layers, samples);
         }
     }
 
     /// Whether spectral extension is heard for want of a recording.
-    fn stands_in(&self) -> bool {
-        self.companded.is_some() && self.texture.profile().is_none()
+    fn stands_in(&self, recordings: &RecordingControls) -> bool {
+        self.companded.is_some() && !self.has_recording(recordings.first())
     }
 }
 
 impl Companded {
     /// Lets spectral extension stand in for texture, so that an instance without a recording and without a fuel burns too.
-    fn stand_in(&mut self, stands_in: bool, layers: &mut VoiceLayers, samples: usize) {
+    /// `gain` is the factor that the layer gets for other recordings, of which this has nothing.
+    fn stand_in(&mut self, stands_in: bool, gain: f64, layers: &mut VoiceLayers, samples: usize) {
         let share = f64::from(u8::from(stands_in));
         if std::mem::take(&mut self.is_fresh) {
             self.stand_in.value = share;
@@ -320,10 +344,11 @@ impl Companded {
         if share == 0.0 && self.stand_in.value == 0.0 {
             return;
         }
+        let level = STAND_IN_LEVEL / gain;
         for i in 0..samples {
             let share = self.stand_in.next(share);
             for (texture, extension) in layers.texture.iter_mut().zip(&layers.extension) {
-                texture[i] += share * (STAND_IN_LEVEL * (layers.low[i] + extension[i]) - texture[i]);
+                texture[i] += share * (level * (layers.low[i] + extension[i]) - texture[i]);
             }
         }
     }
@@ -331,13 +356,6 @@ impl Companded {
     /// Samples for which it goes on after texture has fallen silent.
     fn tail_samples(&self) -> usize {
         self.companding.tail_samples() + self.crackle.tail_samples()
-    }
-
-    /// One chunk of crackle, behind the same chunk of texture.
-    fn crackle(&mut self, controls: &CrackleControls, texture: &Texture, outputs: &mut [&mut [f64]]) {
-        let samples = outputs.first().map_or(0, |output| output.len());
-        let sources = Sources { recording: texture.crackles(), fuels: &self.fuels };
-        self.crackle.process(self.companding.heard(samples), controls, &sources, outputs);
     }
 
     /// One chunk of a fuel's hiss and body, behind the same chunk of texture.
@@ -357,25 +375,83 @@ impl Companded {
         drive: &[f64],
         controls: &TextureControls,
         texture: &mut Texture,
+        target_lufs: Option<f64>,
         outputs: &mut [&mut [f64]],
     ) {
         let samples = drive.len();
         let (flat, loudness) = (&mut self.flat[..samples], &mut self.loudness[..samples]);
-        self.companding.flatten(drive, controls, texture.profile(), flat, loudness);
+        self.companding.flatten(drive, controls, texture.reference(), flat, loudness);
+        let channels = outputs.len().min(MAX_CHANNELS);
+        let mut blocks: [[&mut [f64]; MAX_CHANNELS]; SLOTS] = Default::default();
+        for (blocks, texture) in blocks.iter_mut().zip(&mut self.textures) {
+            for (block, channel) in blocks.iter_mut().zip(texture) {
+                *block = &mut channel[..samples];
+            }
+        }
+        let mut textures = blocks.each_mut().map(|blocks| &mut blocks[..channels]);
         let mut start = 0;
         while start < samples {
             let (controls, end) = self.companding.controls_from(start, samples);
-            let channels = outputs.len().min(MAX_CHANNELS);
-            let mut pieces: [&mut [f64]; MAX_CHANNELS] = Default::default();
-            for (piece, output) in pieces.iter_mut().zip(outputs.iter_mut()) {
-                *piece = &mut output[start..end];
-            }
-            let pieces = &mut pieces[..channels];
-            texture.process(&flat[start..end], Some(&loudness[start..end]), &controls, pieces);
+            texture.advance(&flat[start..end], Some(&loudness[start..end]), &controls, |made, ready, range| {
+                for (slot, texture) in textures.iter_mut().enumerate() {
+                    made.copy(slot, ready, start + range.start..start + range.end, texture);
+                }
+            });
             start = end;
         }
-        self.companding.expand(texture.profile(), outputs);
+        let gain = texture.reference().map_or(1.0, |profile| profile.gain_to(target_lufs));
+        let recordings = std::array::from_fn(|slot| {
+            let profile = texture.profile(slot);
+            let own = profile.map_or(gain, |profile| profile.gain_to(target_lufs));
+            Recorded { profile, gain: own / gain }
+        });
+        self.companding.expand(&recordings, &mut textures, outputs);
     }
+}
+
+/// All that may crackle, on the scale of `scale`: the factor that the layer gets as a whole.
+fn sources<'a>(texture: &'a Texture, fuels: &'a [Crackles], target_lufs: Option<f64>, scale: f64) -> Sources<'a> {
+    let gain = |slot: usize| texture.profile(slot).map_or(1.0, |profile| profile.gain_to(target_lufs) / scale);
+    Sources {
+        recordings: std::array::from_fn(|slot| texture.crackles(slot)),
+        gains: std::array::from_fn(gain),
+        fuel_gain: fuel::gain_to(target_lufs) / scale,
+        fuels,
+    }
+}
+
+/// Controls of the crackles of the recording, or of a fuel, and of those of a second recording, in proportion to its share.
+fn crackle_controls(controls: &Controls, texture: &Texture) -> [CrackleControls; 2] {
+    let recordings = &controls.texture.recordings;
+    let mut first = CrackleControls { slot: recordings.first(), ..controls.crackle };
+    // There is no such slot, and nothing in it to crackle.
+    let mut second = CrackleControls { slot: SLOTS, fuel: Fuel::Off, ..first };
+    let other = recordings.other(|slot| texture.slots().get(slot).is_some());
+    let has_crackles = |slot: usize| texture.crackles(slot).is_some();
+    if let Some((slot, share)) = other.filter(|(slot, _)| has_crackles(*slot) || has_crackles(first.slot)) {
+        second = CrackleControls { slot, density: share * first.density, ..second };
+        first.density *= 1.0 - share;
+    }
+    [first, second]
+}
+
+/// One chunk of crackle, behind the same chunk of texture, of two layers; `spare` is room for the second.
+fn crackle(
+    [first, second]: [&mut Crackle; 2],
+    [controls, second_controls]: [&CrackleControls; 2],
+    loudness: &[f64],
+    sources: &Sources<'_>,
+    spare: &mut [Vec<f64>],
+    outputs: &mut [&mut [f64]],
+) {
+    first.process(loudness, controls, sources, outputs);
+    with_blocks(spare, loudness.len(), |spare| {
+        if second.process(loudness, second_controls, sources, spare) {
+            for (output, spare) in outputs.iter_mut().zip(spare) {
+                output.iter_mut().zip(spare.iter()).for_each(|(out, x)| *out += x);
+            }
+        }
+    });
 }
 
 /// Most channels of any bus.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::delay::Delay;
+use super::trace::Trace;
 use crate::controls::{DriveMode, Flow, VortexControls};
 use crate::vortex::{Bank, Layout, Simulator, SpeedField, TEXTURES, Vortex, shipped};
 use crate::{Controls, Error};
@@ -15,6 +16,10 @@ const LIVE_SPEED: f64 = 2.5;
 
 /// Seconds, beside twice the latency, after which a layer that is off has fallen silent.
 const HOLD_S: f64 = 0.5;
+
+/// Hops between two views of the sources, about a thirtieth of a second, and most sources of a view.
+const VIEW_HOPS: i64 = 12;
+const VIEW_SOURCES: usize = 128;
 
 /// The field that tells the sources' speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +49,9 @@ pub struct VortexLayer {
     /// Samples for which it is rendered on after it was switched off, and how many are left.
     hold_samples: usize,
     left_samples: usize,
+    /// Number of the last view of the sources that was taken, and whether there was anything in it.
+    viewed: i64,
+    was_seen: bool,
 }
 
 impl VortexLayer {
@@ -64,6 +72,8 @@ impl VortexLayer {
             delays: vec![Delay::new(rest_samples); channels],
             hold_samples: 2 * latency_samples + (HOLD_S * sample_rate_hz) as usize,
             left_samples: 0,
+            viewed: 0,
+            was_seen: false,
         })
     }
 
@@ -158,6 +168,22 @@ impl VortexLayer {
             Told::Own => self.own.as_ref(),
             Told::Scene(scene) => self.scenes.get(scene),
         }
+    }
+
+    /// Takes a view of the sources, some thirty times a second: how many there are, then each of them.
+    pub fn take_view(&mut self) -> impl Iterator<Item = Trace> {
+        let number = self.vortex.hop().div_euclid(VIEW_HOPS);
+        let is_due = std::mem::replace(&mut self.viewed, number) != number;
+        let is_on = self.left_samples > 0;
+        // That nothing is there any more is said once.
+        let is_told = is_due && (is_on || self.was_seen);
+        if is_due {
+            self.was_seen = is_on;
+        }
+        let most = if is_told && is_on { VIEW_SOURCES } else { 0 };
+        let seen = || self.vortex.seen(VIEW_SOURCES).take(most);
+        let count = is_told.then(|| Trace::Sources(seen().count()));
+        count.into_iter().chain(seen().map(Trace::Source))
     }
 
     /// Whether it sounds without any input.

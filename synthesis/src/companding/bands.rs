@@ -18,7 +18,7 @@ const HIGHEST: f64 = 0.45;
 
 /// Centres in Hz of the third octaves from 100 Hz to 20 kHz, as far as the sample rate goes.
 pub fn centres_hz(sample_rate_hz: f64) -> Vec<f64> {
-    NUMBERS.map(|k| 10f64.powf(f64::from(k) / 10.0)).take_while(|hz| *hz < HIGHEST * sample_rate_hz).collect()
+    NUMBERS.map(|k| maths::pow(10.0, f64::from(k) / 10.0)).take_while(|hz| *hz < HIGHEST * sample_rate_hz).collect()
 }
 
 /// A signal's mean power by frequency: windows of Hann, half overlapping (Welch 1967).
@@ -32,10 +32,10 @@ pub struct Power {
 impl Power {
     /// The powers of `signal`. One shorter than a window is taken as followed by silence.
     pub fn of(signal: &[f64], sample_rate_hz: f64) -> Self {
-        let longest = (WINDOW_S * sample_rate_hz).log2().floor() as u32;
+        let longest = maths::log2(WINDOW_S * sample_rate_hz).floor() as u32;
         let mut transform = Transform::new(1 << longest.clamp(6, 20));
         let len = transform.len();
-        let window: Vec<f64> = (0..len).map(|i| 0.5 - 0.5 * (2.0 * PI * i as f64 / len as f64).cos()).collect();
+        let window: Vec<f64> = (0..len).map(|i| 0.5 - 0.5 * maths::cos(2.0 * PI * i as f64 / len as f64)).collect();
         let mut bins = vec![0.0; transform.bins()];
         let mut count = 0.0;
         for start in (0..signal.len().saturating_sub(len / 2).max(1)).step_by(len / 2) {
@@ -48,14 +48,14 @@ impl Power {
             count += 1.0;
         }
         // A Hann window's mean square is 3/8; all bins but the outermost stand for two.
-        let scale = 2.0 / (0.375 * (len as f64).powi(2) * count);
+        let scale = 2.0 / (0.375 * maths::square(len as f64) * count);
         bins.iter_mut().for_each(|power| *power *= scale);
         Self { bins, bin_hz: sample_rate_hz / len as f64 }
     }
 
     /// The spectra of single windows, half overlapping, from which [`of`](Self::of) takes the mean.
     fn windows(signal: &[f64], sample_rate_hz: f64) -> impl Iterator<Item = Self> {
-        let longest = (WINDOW_S * sample_rate_hz).log2().floor() as u32;
+        let longest = maths::log2(WINDOW_S * sample_rate_hz).floor() as u32;
         let len = 1usize << longest.clamp(6, 20);
         let starts = (0..signal.len().saturating_sub(len / 2).max(1)).step_by(len / 2);
         starts.map(move |start| Self::of(&signal[start..signal.len().min(start + len)], sample_rate_hz))
@@ -75,9 +75,9 @@ impl Power {
     /// lower rate has cut a recording. None where it goes all the way up.
     pub fn band_limit_hz(&self) -> Option<f64> {
         let highest = HIGHEST * 2.0 * self.bin_hz * (self.bins.len() - 1) as f64;
-        let step = 2f64.powf(1.0 / 24.0);
+        let step = maths::pow(2.0, 1.0 / 24.0);
         let density = |hz: f64| self.density(hz / step, hz * step);
-        let candidates = (0..LIMIT_STEPS).map(|i| highest / step.powi(i));
+        let candidates = (0..LIMIT_STEPS).map(|i| highest / maths::powi(step, i));
         let limit = candidates.clone().find(|hz| density(*hz) > EMPTY * density(hz / 2.0))?;
         (limit < highest).then_some(limit)
     }
@@ -90,13 +90,13 @@ impl Power {
 
     /// The root mean square of what lies between two frequencies in Hz.
     pub fn rms_between(&self, low_hz: f64, high_hz: f64) -> f64 {
-        (self.rms_below(high_hz).powi(2) - self.rms_below(low_hz).powi(2)).max(0.0).sqrt()
+        (maths::square(self.rms_below(high_hz)) - maths::square(self.rms_below(low_hz))).max(0.0).sqrt()
     }
 
     /// Levels in dB of the third octaves at [`centres_hz`]; no lower than 120 dB below the highest.
     pub fn third_octaves_db(&self, sample_rate_hz: f64) -> Vec<f64> {
-        let half = 10f64.powf(0.05);
-        let level = |centre: &f64| 10.0 * self.density(centre / half, centre * half).max(1e-30).log10();
+        let half = maths::pow(10.0, 0.05);
+        let level = |centre: &f64| 10.0 * maths::log10(self.density(centre / half, centre * half).max(1e-30));
         let mut levels: Vec<f64> = centres_hz(sample_rate_hz).iter().map(level).collect();
         let floor = levels.iter().fold(f64::NEG_INFINITY, |most, x| most.max(*x)) - 120.0;
         levels.iter_mut().for_each(|x| *x = x.max(floor));
@@ -128,7 +128,7 @@ pub fn typical_third_octaves_db(signal: &[f64], sample_rate_hz: f64) -> Vec<f64>
 pub fn distance_db(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len().min(b.len()).max(1) as f64;
     let mean = a.iter().zip(b).map(|(a, b)| a - b).sum::<f64>() / count;
-    (a.iter().zip(b).map(|(a, b)| (a - b - mean).powi(2)).sum::<f64>() / count).sqrt()
+    (a.iter().zip(b).map(|(a, b)| maths::square(a - b - mean)).sum::<f64>() / count).sqrt()
 }
 
 #[cfg(test)]

@@ -97,7 +97,7 @@ pub fn calibrate(
 fn typical_level(recording: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> f64 {
     let [goal_db, heard_db] = [recording, heard].map(|signal| typical_third_octaves_db(signal, rate_hz));
     let mean_db = goal_db.iter().zip(&heard_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len().max(1) as f64;
-    swell * 10f64.powf(mean_db / 20.0)
+    swell * maths::pow(10.0, mean_db / 20.0)
 }
 
 /// What came of a trial.
@@ -136,7 +136,7 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
         let mut blocks: Vec<&mut [f64]> =
             channels.iter_mut().map(|channel| &mut channel[number * BLOCK..][..samples]).collect();
         texture.process(flat, Some(loudness), &controls, &mut blocks);
-        companding.expand(dictionary.profile(), &mut blocks);
+        companding.expand_one(dictionary.profile(), &mut blocks);
         swells.extend(companding.heard(samples).first().filter(|heard| **heard > 0.0));
         if !progress((number * BLOCK) as f32 / (TRIAL_S * rate_hz) as f32) {
             return Err(Error::Cancelled);
@@ -145,7 +145,7 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
     channels.iter_mut().for_each(|channel| drop(channel.drain(..latency.min(channel.len()))));
     swells.sort_by(f64::total_cmp);
     let median = swells.get(swells.len() / 2).copied().unwrap_or(1.0);
-    Ok(Trial { channels, swell: median.powf(controls.companding.dynamics) })
+    Ok(Trial { channels, swell: maths::pow(median, controls.companding.dynamics) })
 }
 
 /// Noise with the spectrum of a flame's pressure, which swells as flames do, at the nominal level.
@@ -155,8 +155,8 @@ fn flame(rate_hz: f64, seed: u32) -> Vec<f64> {
     let (mut section, gain) = (Section::default(), section_gain(FLAME_HZ, rate_hz));
     for (i, sample) in flame.iter_mut().enumerate() {
         let time_s = i as f64 / rate_hz + f64::from(seed);
-        let nepers: f64 = SWELLS_HZ.iter().map(|hz| (2.0 * PI * hz * time_s).sin()).sum();
-        *sample = section.process(gain, *sample).low * (SWELL_NEPERS * nepers).exp();
+        let nepers: f64 = SWELLS_HZ.iter().map(|hz| maths::sin(2.0 * PI * hz * time_s)).sum();
+        *sample = section.process(gain, *sample).low * maths::exp(SWELL_NEPERS * nepers);
     }
     let scale = NOMINAL / rms(&flame);
     flame.iter_mut().for_each(|sample| *sample *= scale);

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use crate::fft::Complex64;
+use crate::fft::{self, Complex64};
 
 use super::bands::centres_hz;
 use crate::extend::spectrum::Transform;
@@ -29,14 +29,14 @@ const SMOOTHING_S: f64 = 0.02;
 /// Taps of the minimum-phase filter whose gains in dB at [`centres_hz`] are `gains_db`; beyond the
 /// outermost they stay.
 pub fn design(gains_db: &[f64], sample_rate_hz: f64) -> Vec<f64> {
-    let centres: Vec<f64> = centres_hz(sample_rate_hz).iter().map(|hz| hz.ln()).collect();
-    let gain_db = |hz: f64| interpolate(&centres, gains_db, hz.max(1.0).ln()).clamp(-LIMIT_DB, LIMIT_DB);
+    let centres: Vec<f64> = centres_hz(sample_rate_hz).iter().map(|hz| maths::ln(*hz)).collect();
+    let gain_db = |hz: f64| interpolate(&centres, gains_db, maths::ln(hz.max(1.0))).clamp(-LIMIT_DB, LIMIT_DB);
     minimum_phase(gain_db, sample_rate_hz)
 }
 
 /// Taps of a low-pass that stays as it is up to a frequency in Hz, and falls by 30 dB within a sixth of an octave.
 pub fn design_low_pass(corner_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
-    minimum_phase(|hz| -STOP_DB * (6.0 * (hz.max(1.0) / corner_hz).log2()).clamp(0.0, 1.0), sample_rate_hz)
+    minimum_phase(|hz| -STOP_DB * (6.0 * maths::log2(hz.max(1.0) / corner_hz)).clamp(0.0, 1.0), sample_rate_hz)
 }
 
 /// Taps of the minimum-phase filter with a gain in dB by frequency in Hz.
@@ -55,11 +55,11 @@ fn minimum_phase(gain_db: impl Fn(f64) -> f64, sample_rate_hz: f64) -> Vec<f64> 
     transform.time[1..half].iter_mut().for_each(|x| *x *= 2.0);
     transform.time[half + 1..].fill(0.0);
     transform.forward();
-    transform.spectrum.iter_mut().for_each(|x| *x = x.exp() / len as f64);
+    transform.spectrum.iter_mut().for_each(|x| *x = fft::exp(*x) / len as f64);
     transform.inverse();
     let fade = taps / 4;
     let ending = |tap: usize| match (tap + fade).checked_sub(taps) {
-        Some(into) => (std::f64::consts::FRAC_PI_2 * into as f64 / fade as f64).cos().powi(2),
+        Some(into) => maths::square(maths::cos(std::f64::consts::FRAC_PI_2 * into as f64 / fade as f64)),
         None => 1.0,
     };
     (0..taps).map(|tap| transform.time[tap] * ending(tap)).collect()
@@ -188,6 +188,18 @@ impl Equalizer {
         self.is_on = false;
         self.is_followed = false;
         self.silent_samples = self.length;
+    }
+
+    /// Samples of silence after which nothing of the past is left.
+    pub fn memory_samples(&self) -> usize {
+        self.length.next_multiple_of(BLOCK) + 2 * BLOCK
+    }
+
+    /// Lets `samples` of silence pass, where nothing of the past is left.
+    pub fn skip(&mut self, samples: usize) {
+        let into = (self.filled % BLOCK + samples) % BLOCK;
+        self.filled = if into == 0 { BLOCK } else { into };
+        self.silent_samples = self.silent_samples.saturating_add(samples);
     }
 
     /// Filters the samples in `range` of every channel with `taps`, made by [`design`], by `amount` (0-1).

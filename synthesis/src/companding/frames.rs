@@ -32,9 +32,9 @@ impl Kernel {
             let time_s = frame as f64 / frame_rate_hz;
             if frame > 0 {
                 let end = std::f64::consts::FRAC_PI_2 * frame as f64 / (future + 1) as f64;
-                (-time_s / future_s).exp() * end.cos().powi(2)
+                maths::exp(-time_s / future_s) * maths::square(maths::cos(end))
             } else {
-                (time_s / past_s).exp()
+                maths::exp(time_s / past_s)
             }
         };
         let mut weights: Vec<f64> = (-past..=future).map(weight).collect();

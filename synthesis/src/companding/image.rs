@@ -64,6 +64,13 @@ impl Image {
         self.equalizer.tail_samples()
     }
 
+    /// See [`Equalizer::skip`].
+    pub fn skip(&mut self, samples: usize) {
+        if self.is_in_use {
+            self.equalizer.skip(samples);
+        }
+    }
+
     /// Filters the samples in `range` of two channels; with no taps they stay bit for bit, as do more or fewer channels.
     pub fn process(&mut self, taps: &[f64], channels: &mut [&mut [f64]], range: Range<usize>) {
         let [left, right] = channels else { return };

@@ -29,7 +29,7 @@ impl RunningLevel {
     /// For loudnesses told `frame_rate_hz` times a second.
     pub fn new(frame_rate_hz: f64) -> Self {
         let frame_s = 1.0 / frame_rate_hz;
-        Self { frame_s, decay: (-frame_s / MEMORY_S).exp(), heard_s: 0.0, sum: 0.0 }
+        Self { frame_s, decay: maths::exp(-frame_s / MEMORY_S), heard_s: 0.0, sum: 0.0 }
     }
 
     /// Forgets everything.
@@ -46,7 +46,7 @@ impl RunningLevel {
     /// Takes a frame's loudness, which is not silence.
     pub fn push(&mut self, loudness: f64) {
         self.heard_s = self.heard_s * self.decay + self.frame_s;
-        self.sum = self.sum * self.decay + self.frame_s * loudness.powf(MEAN_EXPONENT);
+        self.sum = self.sum * self.decay + self.frame_s * maths::pow(loudness, MEAN_EXPONENT);
     }
 
     /// The level. What was heard and what was thought mix in decibels, so that quiet drives are found as
@@ -55,10 +55,10 @@ impl RunningLevel {
         if self.heard_s <= 0.0 || self.sum <= 0.0 {
             return NOMINAL;
         }
-        let heard = (self.sum / self.heard_s).ln() / MEAN_EXPONENT;
-        let thought = NOMINAL.ln();
-        let prior_s = LEAST_PRIOR_S + PRIOR_S * (-((heard - thought) / NEAR).powi(2)).exp();
-        ((prior_s * thought + self.heard_s * heard) / (prior_s + self.heard_s)).exp()
+        let heard = maths::ln(self.sum / self.heard_s) / MEAN_EXPONENT;
+        let thought = maths::ln(NOMINAL);
+        let prior_s = LEAST_PRIOR_S + PRIOR_S * maths::exp(-maths::square((heard - thought) / NEAR));
+        maths::exp((prior_s * thought + self.heard_s * heard) / (prior_s + self.heard_s))
     }
 }
 
@@ -66,8 +66,8 @@ impl RunningLevel {
 pub fn level_of(loudnesses: &[f64]) -> Option<f64> {
     let silent = SILENT_PART * loudnesses.iter().fold(0.0f64, |most, x| most.max(*x));
     let audible = || loudnesses.iter().filter(|x| **x > silent);
-    let mean = audible().map(|x| x.powf(MEAN_EXPONENT)).sum::<f64>() / audible().count().max(1) as f64;
-    (mean > 0.0 && mean.is_finite()).then(|| mean.powf(1.0 / MEAN_EXPONENT))
+    let mean = audible().map(|x| maths::pow(*x, MEAN_EXPONENT)).sum::<f64>() / audible().count().max(1) as f64;
+    (mean > 0.0 && mean.is_finite()).then(|| maths::pow(mean, 1.0 / MEAN_EXPONENT))
 }
 
 #[cfg(test)]

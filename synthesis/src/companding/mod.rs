@@ -22,12 +22,16 @@
 //! | [`bands`] | spectra in third octaves |
 //! | [`equalizer`] | towards the recording's spectrum |
 //! | `image` | towards the recording's stereo image |
+//! | `deck` | from texture of one recording to what is heard of it |
+//! | `gain` | the factor on texture |
 //! | [`low_end`] | the drive's own low end |
 
 pub mod bands;
 pub mod calibrate;
+mod deck;
 pub mod equalizer;
 pub mod frames;
+mod gain;
 mod image;
 mod learn;
 pub mod level;
@@ -35,17 +39,19 @@ pub mod low_end;
 pub mod profile;
 mod ramp;
 
+use std::ops::Range;
+
 use crate::chain::delay::Delay;
-use crate::controls::{CompandingControls, DynamicRange, TextureControls};
+use crate::controls::{CompandingControls, DynamicRange, RecordingControls, SLOTS, TextureControls};
 use crate::error::within;
 use crate::filter::{Section, section_gain};
 use crate::noise::White;
 use crate::smoothed::Smoothed;
 use crate::texture::Distribution;
 use crate::timeline::Timeline;
-use equalizer::Equalizer;
+use deck::Deck;
 use frames::{Kernel, Places, Track, frame_samples};
-use image::Image;
+use gain::OutputGain;
 pub use learn::loudnesses;
 use level::{NOMINAL, RunningLevel};
 use low_end::LowEnd;
@@ -108,17 +114,16 @@ pub struct Companding {
     flat_gain: Ramp,
     /// How loud it is, or is about to be within the wait.
     heard: f64,
-    output_gain: Ramp,
+    output_gain: OutputGain,
+    /// Shares of the recordings in the level of the low end.
+    shares: [Smoothed; SLOTS],
     low_gain_ramp: Ramp,
     wait: Delay<f64>,
     drive: Delay<f64>,
     drive_block: Vec<f64>,
     timeline: Timeline<TextureControls>,
-    equalizer: Equalizer,
-    /// Of two channels alone.
-    image: Option<Image>,
-    /// Takes out what windows that change leave above a recording that is cut there.
-    band_limit: Equalizer,
+    /// By slot.
+    decks: [Deck; SLOTS],
     low_end: LowEnd,
     noise: White,
     /// Where, on the host's timeline, it was reset, and how far into a frame of that timeline: frames stand
@@ -179,15 +184,14 @@ impl Companding {
             drive_match: by_frame,
             flat_gain: Ramp::default(),
             heard: 0.0,
-            output_gain: Ramp::default(),
+            output_gain: OutputGain::default(),
+            shares: [by_frame; SLOTS],
             low_gain_ramp: Ramp::default(),
             wait: Delay::new(wait_samples),
             drive: Delay::new(latency_samples),
             drive_block: vec![0.0; block],
             timeline: Timeline::new(latency_samples + 1, TextureControls::default()),
-            equalizer: Equalizer::new(sample_rate_hz, channels),
-            image: (channels == 2).then(|| Image::new(sample_rate_hz, block)),
-            band_limit: Equalizer::new(sample_rate_hz, channels),
+            decks: std::array::from_fn(|_| Deck::new(sample_rate_hz, channels, block)),
             low_end: LowEnd::new(sample_rate_hz, channels),
             noise: White::new(UNDERTONE_SEED, UNDERTONE_STREAM),
             position: 0,
@@ -214,15 +218,14 @@ impl Companding {
         self.running.reset();
         self.is_level_fresh = true;
         self.levels.reset();
-        for ramp in [&mut self.flat_gain, &mut self.output_gain, &mut self.low_gain_ramp, &mut self.relative] {
+        for ramp in [&mut self.flat_gain, &mut self.low_gain_ramp, &mut self.relative] {
             *ramp = Ramp::default();
         }
+        self.output_gain = OutputGain::default();
         self.wait.reset();
         self.drive.reset();
         self.timeline.reset(TextureControls::default());
-        self.equalizer.reset();
-        self.image.iter_mut().for_each(Image::reset);
-        self.band_limit.reset();
+        self.decks.iter_mut().for_each(Deck::reset);
         self.low_end.reset();
         self.now = 0;
         self.heard = 0.0;
@@ -231,8 +234,7 @@ impl Companding {
 
     /// Samples for which it goes on after texture has fallen silent.
     pub fn tail_samples(&self) -> usize {
-        let filters = 2 * self.equalizer.tail_samples() + self.image.as_ref().map_or(0, Image::tail_samples);
-        self.kernels[1].span() * self.frame_samples + filters
+        self.kernels[1].span() * self.frame_samples + self.decks.iter().map(Deck::tail_samples).max().unwrap_or(0)
     }
 
     /// Takes the distribution of the drive's loudness, learned beforehand.
@@ -257,7 +259,7 @@ impl Companding {
     ) {
         if self.timeline.end() == 0 {
             self.timeline.reset(*controls);
-            self.start(&controls.companding);
+            self.start(controls);
         }
         self.timeline.push(*controls, drive.len());
         self.told.clear();
@@ -293,34 +295,40 @@ impl Companding {
         &self.relative_block[..samples]
     }
 
-    /// Puts the drive's loudness back into what texture has made of the last block.
-    pub fn expand(&mut self, profile: Option<&Profile>, channels: &mut [&mut [f64]]) {
+    /// Puts the drive's loudness back into what texture has made of the last block: `textures` by slot and channel, of which
+    /// `recordings` says what they are made of. Writes their sum, with the drive's low end, to `channels`.
+    pub fn expand(
+        &mut self,
+        recordings: &[Recorded<'_>; SLOTS],
+        textures: &mut [&mut [&mut [f64]]],
+        channels: &mut [&mut [f64]],
+    ) {
         let samples = channels.first().map_or(0, |channel| channel.len());
         let mut drive = std::mem::take(&mut self.drive_block);
         self.drive.process(&mut drive[..samples]);
-        let taps = profile.map_or(&[] as &[f64], |profile| &profile.taps);
-        let side_taps = profile.map_or(&[] as &[f64], |profile| &profile.side_taps);
         let mut start = 0;
         while start < samples {
             let (controls, end) = self.run(start, samples, self.latency_samples);
             let mut places = self.places(self.now - (samples - start) as i64 - self.latency_samples, 1);
-            let below = profile.map_or(0.0, |profile| {
-                profile.rms_below(within(controls.companding.low_end_hz, low_end::LOWEST_HZ, low_end::HIGHEST_HZ))
-            });
             for (i, drive) in drive.iter_mut().enumerate().take(end).skip(start) {
                 let place = places.step();
-                let (gain, low_gain) = self.output_gains_at(place, &controls, profile, below);
+                self.follow_output(place, &controls);
+                for ((texture, recorded), deck) in textures.iter_mut().zip(recordings).zip(&mut self.decks) {
+                    if deck.is_on(recorded) {
+                        let gain = self.output_gain.at(place.1, deck.level(recorded));
+                        texture.iter_mut().for_each(|channel| channel[i] *= gain);
+                    }
+                }
                 self.relative_block[i] = self.relative_at(place, &controls);
-                channels.iter_mut().for_each(|channel| channel[i] *= gain);
-                *drive *= low_gain;
+                *drive *= self.low_gain_at(place, &controls, recordings);
             }
-            let limit_taps = profile.map_or(&[] as &[f64], |profile| &profile.limit_taps);
-            self.band_limit.process(limit_taps, 1.0, channels, start..end);
-            let spectrum_match = within(controls.companding.spectrum_match, 0.0, 1.0);
-            self.equalizer.process(taps, spectrum_match, channels, start..end);
-            if let Some(image) = &mut self.image {
-                image.process(side_taps, channels, start..end);
-            }
+            self.play_decks(&controls.companding, recordings, textures, start..end);
+            start = end;
+        }
+        self.sum(recordings, textures, channels);
+        let mut start = 0;
+        while start < samples {
+            let (controls, end) = self.run(start, samples, self.latency_samples);
             self.low_end.aim(controls.companding.low_end_hz);
             for (i, drive) in drive.iter().enumerate().take(end).skip(start) {
                 self.low_end.process(*drive, channels, i);
@@ -330,10 +338,54 @@ impl Companding {
         self.drive_block = drive;
     }
 
+    /// Adds up what is heard of the recordings by channel, each with its factor.
+    fn sum(&self, recordings: &[Recorded<'_>; SLOTS], textures: &[&mut [&mut [f64]]], channels: &mut [&mut [f64]]) {
+        for (index, channel) in channels.iter_mut().enumerate() {
+            let mut is_first = true;
+            for ((texture, of), deck) in textures.iter().zip(recordings).zip(&self.decks) {
+                let Some(texture) = texture.get(index).filter(|_| deck.is_on(of)) else { continue };
+                let parts = channel.iter_mut().zip(texture.iter());
+                match std::mem::take(&mut is_first) {
+                    true => parts.for_each(|(sum, x)| *sum = x * of.gain),
+                    false => parts.for_each(|(sum, x)| *sum += x * of.gain),
+                }
+            }
+            if is_first {
+                channel.fill(0.0);
+            }
+        }
+    }
+
+    /// The same for one recording, in place; allocates.
+    pub(super) fn expand_one(&mut self, profile: Option<&Profile>, channels: &mut [&mut [f64]]) {
+        let mut texture: Vec<Vec<f64>> = channels.iter().map(|channel| channel.to_vec()).collect();
+        let mut blocks: Vec<&mut [f64]> = texture.iter_mut().map(Vec::as_mut_slice).collect();
+        let mut recordings = [Recorded::default(); SLOTS];
+        recordings[0].profile = profile;
+        self.expand(&recordings, &mut [&mut blocks], channels);
+    }
+
+    /// What each recording's filters make of its texture in a range of the block.
+    fn play_decks(
+        &mut self,
+        controls: &CompandingControls,
+        recordings: &[Recorded<'_>; SLOTS],
+        textures: &mut [&mut [&mut [f64]]],
+        range: Range<usize>,
+    ) {
+        let spectrum_match = within(controls.spectrum_match, 0.0, 1.0);
+        for ((texture, recorded), deck) in textures.iter_mut().zip(recordings).zip(&mut self.decks) {
+            deck.process(recorded, spectrum_match, texture, range.clone());
+        }
+    }
+
     /// The first block's controls are taken at once.
-    fn start(&mut self, controls: &CompandingControls) {
-        self.dynamics.value = within(controls.dynamics, 0.0, 1.0);
-        self.drive_match.value = within(controls.drive_match, LEAST_MATCH, MOST_MATCH);
+    fn start(&mut self, controls: &TextureControls) {
+        self.dynamics.value = within(controls.companding.dynamics, 0.0, 1.0);
+        self.drive_match.value = within(controls.companding.drive_match, LEAST_MATCH, MOST_MATCH);
+        for (share, wanted) in self.shares.iter_mut().zip(shares(&controls.recordings)) {
+            share.value = wanted;
+        }
     }
 
     /// Controls in force `delay` samples before sample `start` of the last block of `samples`, and
@@ -391,9 +443,9 @@ impl Companding {
             (DynamicRange::Learned | DynamicRange::Running, _) => self.running.level(),
         };
         if std::mem::take(&mut self.is_level_fresh) {
-            self.level.value = level.ln();
+            self.level.value = maths::ln(level);
         }
-        self.levels.push(self.level.next(level.ln()).exp());
+        self.levels.push(maths::exp(self.level.next(maths::ln(level))));
     }
 
     fn flat_gain_at(&mut self, place: (i64, f64), profile: Option<&Profile>) -> f64 {
@@ -404,7 +456,10 @@ impl Companding {
             let (loudness, level) = (loudness[0].frame(frame), levels.frame(frame));
             let matched = drive_match.next(within(controls.companding.drive_match, LEAST_MATCH, MOST_MATCH));
             let target = MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms) / level;
-            matched * target * (loudness / level).max(FLOOR).powf(-MATCH_EXPONENT) * audible(loudness, controls.gate)
+            matched
+                * target
+                * maths::pow((loudness / level).max(FLOOR), -MATCH_EXPONENT)
+                * audible(loudness, controls.gate)
         })
     }
 
@@ -419,23 +474,62 @@ impl Companding {
         })
     }
 
-    /// Factors on texture and on the drive's low end, which the recording has as loud as `below`.
-    fn output_gains_at(
+    /// Goes on to the frames at `place`, whose loudness texture is to have.
+    fn follow_output(&mut self, place: (i64, f64), controls: &TextureControls) {
+        let Self { output_gain, loudness, levels, dynamics, .. } = self;
+        output_gain.go_to(place.0, |frame| {
+            let (loudness, level) = (loudness[1].frame(frame), levels.frame(frame));
+            let exponent = dynamics.next(within(controls.companding.dynamics, 0.0, 1.0));
+            [maths::pow(loudness / level, exponent), audible(loudness, controls.gate)]
+        });
+    }
+
+    /// Factor on the drive's low end, which brings it to the level of the recordings' own.
+    fn low_gain_at(
         &mut self,
         place: (i64, f64),
         controls: &TextureControls,
-        profile: Option<&Profile>,
-        below: f64,
-    ) -> (f64, f64) {
-        let Self { output_gain, low_gain_ramp, loudness, levels, dynamics, .. } = self;
-        let own_level = profile.map_or(0.0, |profile| profile.level);
-        let gain = output_gain.at(place, |frame| {
-            let (loudness, level) = (loudness[1].frame(frame), levels.frame(frame));
-            let exponent = dynamics.next(within(controls.companding.dynamics, 0.0, 1.0));
-            own_level * (loudness / level).powf(exponent) * audible(loudness, controls.gate)
-        });
-        (gain, low_gain_ramp.at(place, |frame| below / levels.frame(frame)))
+        recordings: &[Recorded<'_>; SLOTS],
+    ) -> f64 {
+        let Self { low_gain_ramp, levels, shares, .. } = self;
+        let crossover_hz = within(controls.companding.low_end_hz, low_end::LOWEST_HZ, low_end::HIGHEST_HZ);
+        let wanted = self::shares(&controls.recordings);
+        low_gain_ramp.at(place, |frame| {
+            let mut below = 0.0;
+            for ((share, wanted), recorded) in shares.iter_mut().zip(wanted).zip(recordings) {
+                let share = share.next(wanted);
+                let own = recorded.profile.map_or(0.0, |profile| profile.rms_below(crossover_hz));
+                below += share * recorded.gain * own;
+            }
+            below / levels.frame(frame)
+        })
     }
+}
+
+/// What a slot's texture is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Recorded<'a> {
+    /// The recording's side; none where the slot is empty.
+    pub profile: Option<&'a Profile>,
+    /// Factor on what is made of it, relative to the others.
+    pub gain: f64,
+}
+
+impl Default for Recorded<'_> {
+    fn default() -> Self {
+        Self { profile: None, gain: 1.0 }
+    }
+}
+
+/// Shares of the slots' recordings.
+fn shares(recordings: &RecordingControls) -> [f64; SLOTS] {
+    let mut shares = [0.0; SLOTS];
+    shares[recordings.first()] = 1.0;
+    if let Some((slot, share)) = recordings.other(|_| true) {
+        shares[recordings.first()] -= share;
+        shares[slot] = share;
+    }
+    shares
 }
 
 /// Fades a loudness out towards the gate's threshold: 1 far above, 0 below.
@@ -443,7 +537,7 @@ fn audible(loudness: f64, threshold: f64) -> f64 {
     if loudness <= threshold || loudness <= 0.0 {
         return 0.0;
     }
-    (1.0 - (threshold / loudness).powi(2)).max(0.0).sqrt()
+    (1.0 - maths::square(threshold / loudness)).max(0.0).sqrt()
 }
 
 #[cfg(test)]
@@ -467,7 +561,7 @@ mod tests {
             let (mut flat, mut loudness, mut gain) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![1.0; BLOCK]);
             let controls = if block / 20 % 2 == 0 { calm } else { moved };
             companding.flatten(&drive, controls, Some(&profile), &mut flat, &mut loudness);
-            companding.expand(Some(&profile), &mut [&mut gain]);
+            companding.expand_one(Some(&profile), &mut [&mut gain]);
             flats.extend(flat);
             gains.extend(gain);
         }

@@ -73,7 +73,7 @@ impl Profile {
         };
         for channel in channels.iter_mut() {
             for (i, sample) in channel.iter_mut().enumerate() {
-                *sample *= profile.relative_at(i as f64).powf(-MATCH_EXPONENT);
+                *sample *= maths::pow(profile.relative_at(i as f64), -MATCH_EXPONENT);
             }
         }
         profile.matched_rms = rms_below(&mean_of(channels), MATCHED_HZ, sample_rate_hz);
@@ -93,9 +93,14 @@ impl Profile {
     /// The factor that brings the recording to a loudness in LUFS, by 40 dB at most; 1 where none is asked for.
     pub fn gain_to(&self, target_lufs: Option<f64>) -> f64 {
         match (target_lufs, self.lufs) {
-            (Some(target), Some(own)) => 10f64.powf((target - own).clamp(-MOST_GAIN_DB, MOST_GAIN_DB) / 20.0),
+            (Some(target), Some(own)) => maths::pow(10.0, (target - own).clamp(-MOST_GAIN_DB, MOST_GAIN_DB) / 20.0),
             _ => 1.0,
         }
+    }
+
+    /// Root mean square of what is matched of the recording.
+    pub(crate) fn matched_rms(&self) -> f64 {
+        self.matched_rms
     }
 
     /// Takes what a [calibration](super::calibrate) has found.
@@ -109,7 +114,7 @@ impl Profile {
     /// loudness back as exponent `dynamics` (0-1) leaves it.
     pub(crate) fn own_dynamics(&self, sample: i64, dynamics: f64) -> f64 {
         let exponent = MATCH_EXPONENT - dynamics;
-        if exponent == 0.0 { 1.0 } else { self.relative_at((sample - self.first as i64) as f64).powf(exponent) }
+        if exponent == 0.0 { 1.0 } else { maths::pow(self.relative_at((sample - self.first as i64) as f64), exponent) }
     }
 
     /// Root mean square of what is heard below a frequency in Hz.
@@ -145,7 +150,7 @@ fn loudness(channels: &[Vec<f64>], frame_samples: usize, frame_rate_hz: f64) -> 
     let mut powers: Vec<f64> = (0..samples).step_by(frame_samples).map(power).collect();
     // Beyond the ends there is nothing, which is not the same as silence: the weights' sum says so.
     let mut weights = vec![1.0; powers.len()];
-    let keep = (-2.0 * std::f64::consts::PI * LOUDNESS_HZ / frame_rate_hz).exp();
+    let keep = maths::exp(-2.0 * std::f64::consts::PI * LOUDNESS_HZ / frame_rate_hz);
     for series in [&mut powers, &mut weights] {
         smooth(series.iter_mut(), keep);
         smooth(series.iter_mut().rev(), keep);
@@ -163,7 +168,7 @@ fn smooth<'a>(values: impl Iterator<Item = &'a mut f64>, keep: f64) {
 
 fn rms_below(signal: &[f64], corner_hz: f64, sample_rate_hz: f64) -> f64 {
     let (mut section, gain) = (Section::default(), section_gain(corner_hz, sample_rate_hz));
-    let sum: f64 = signal.iter().map(|x| section.process(gain, *x).low.powi(2)).sum();
+    let sum: f64 = signal.iter().map(|x| maths::square(section.process(gain, *x).low)).sum();
     (sum / signal.len().max(1) as f64).sqrt()
 }
 

@@ -1,6 +1,7 @@
 //! The spectrum of what is between a recording's crackles.
 
 use super::stft::Stft;
+use crate::fft;
 
 /// Time that percentiles span, in seconds, and between two of them, in frames.
 const SPAN_S: f64 = 0.25;
@@ -25,7 +26,7 @@ impl Background {
     pub fn of(signal: &[f64], stft: &mut Stft, sample_rate_hz: f64) -> Self {
         let (bins, frames) = (stft.bins(), stft.frames(signal.len()));
         let span = ((SPAN_S * sample_rate_hz / stft.hop() as f64) as usize / STRIDE).max(4);
-        let to_rms = 1.0 / (-(1.0 - PERCENTILE).ln()).sqrt();
+        let to_rms = 1.0 / (-maths::ln(1.0 - PERCENTILE)).sqrt();
         // The last magnitudes of every bin, in a row.
         let mut recent = vec![0.0f32; bins * span];
         let mut sorted = vec![0.0f32; span];
@@ -36,7 +37,7 @@ impl Background {
             while next < until {
                 stft.analyse(signal, next);
                 for (bin, value) in stft.spectrum().iter().enumerate() {
-                    recent[bin * span + taken % span] = value.norm() as f32;
+                    recent[bin * span + taken % span] = fft::magnitude(*value) as f32;
                 }
                 taken += 1;
                 next += STRIDE;

@@ -122,7 +122,7 @@ impl Frames {
                 end += 1;
             }
             free = end;
-            let over_bed_db = 10.0 * self.ratio[*peak].log10();
+            let over_bed_db = 10.0 * maths::log10(self.ratio[*peak]);
             found.push(Found {
                 start: start * self.frame_samples,
                 end: (end * self.frame_samples).min(samples),

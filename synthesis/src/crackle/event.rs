@@ -228,7 +228,7 @@ impl Crackles {
             self.events.windows(2).map(|pair| (pair[1].onset - pair[0].onset) as f64 / sample_rate_hz).collect();
         let count = gaps.len().max(1) as f64;
         let mean = gaps.iter().sum::<f64>() / count;
-        let variance = gaps.iter().map(|gap| (gap - mean).powi(2)).sum::<f64>() / count;
+        let variance = gaps.iter().map(|gap| maths::square(gap - mean)).sum::<f64>() / count;
         Summary {
             per_second: self.events.len() as f64 / seconds.max(1e-9),
             over_bed_db: median(self.events.iter().map(|event| event.over_bed_db)),
@@ -308,9 +308,9 @@ fn coefficients(samples: &[f64]) -> Vec<f64> {
 /// The root of the mean squared frequency, each weighted by its power: that of the differences over that of the samples.
 fn centroid_hz(parts: &[Vec<f64>], sample_rate_hz: f64) -> f64 {
     let energy: f64 = parts.iter().flatten().map(|x| x * x).sum();
-    let steps: f64 = parts.iter().flat_map(|part| part.windows(2)).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    let steps: f64 = parts.iter().flat_map(|part| part.windows(2)).map(|pair| maths::square(pair[1] - pair[0])).sum();
     let sine = (0.5 * (steps / energy.max(f64::MIN_POSITIVE)).sqrt()).min(1.0);
-    sine.asin() * sample_rate_hz / std::f64::consts::PI
+    maths::asin(sine) * sample_rate_hz / std::f64::consts::PI
 }
 
 /// Time from the peak until the envelope stays 10 dB below it.

@@ -43,13 +43,18 @@ pub(super) struct Grain {
 
 /// The coefficient of the tilt's low-pass.
 pub(super) fn tilt_step(sample_rate_hz: f64) -> f64 {
-    1.0 - (-2.0 * std::f64::consts::PI * TILT_HZ / sample_rate_hz).exp()
+    1.0 - maths::exp(-2.0 * std::f64::consts::PI * TILT_HZ / sample_rate_hz)
 }
 
 impl Grain {
     /// Begins at the next sample.
     pub fn start(play: Play) -> Self {
         Self { is_on: true, at: -play.late, envelope: 1.0, lows: [0.0; MOST_CHANNELS], play }
+    }
+
+    /// What it is of.
+    pub fn source(&self) -> Source {
+        self.play.source
     }
 
     /// Whether it sounds.

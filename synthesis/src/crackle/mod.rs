@@ -24,7 +24,7 @@
 //! | `background`, `stft` | the spectrum of what is between them |
 //! | `split` | takes a recording apart |
 //! | `event` | crackles ready to be played, and their figures |
-//! | `source` | what crackles: a recording, or a fuel ([`crate::fuel`]) where it has no crackles |
+//! | `source` | what crackles: one of the recordings, or a fuel ([`crate::fuel`]) where it has no crackles |
 //! | `schedule` | which is due when |
 //! | `grain` | one while it is played |
 
@@ -104,7 +104,7 @@ impl Crackle {
             grains: vec![Grain::default(); GRAINS],
             sums: vec![vec![0; block]; channels.min(MOST_CHANNELS)],
             heard: [PRIOR_S * sample_rate_hz; 2],
-            keep: (-1.0 / (MEMORY_S * sample_rate_hz)).exp(),
+            keep: maths::exp(-1.0 / (MEMORY_S * sample_rate_hz)),
             position: 0,
             now: 0,
         }
@@ -129,21 +129,31 @@ impl Crackle {
         self.forget();
     }
 
-    /// Ends what sounds, since it is of a recording that is there no more.
-    pub fn forget(&mut self) {
+    /// Ends what sounds of a slot's recording, which is there no more.
+    pub fn forget_slot(&mut self, slot: usize) {
+        let is_its = |source: Source| source == Source::Recording(slot);
+        if is_its(self.playing.1) {
+            self.schedule = None;
+        }
+        self.grains.iter_mut().filter(|grain| is_its(grain.source())).for_each(|grain| *grain = Grain::default());
+    }
+
+    /// Ends what sounds.
+    fn forget(&mut self) {
         self.schedule = None;
         self.grains.fill(Grain::default());
     }
 
     /// Makes one block of the layer. `loudness` is that of the drive, relative to its level on the whole, at the samples
-    /// that are heard: [`latency_samples`](Self::latency_samples) ago; `controls` belong to those that enter.
+    /// that are heard: [`latency_samples`](Self::latency_samples) ago; `controls` belong to those that enter. Answers
+    /// whether anything can sound in it.
     pub fn process(
         &mut self,
         loudness: &[f64],
         controls: &CrackleControls,
         sources: &Sources<'_>,
         outputs: &mut [&mut [f64]],
-    ) {
+    ) -> bool {
         let samples = loudness.len();
         if self.timeline.end() == 0 {
             self.timeline.reset(*controls);
@@ -151,13 +161,15 @@ impl Crackle {
         self.timeline.push(*controls, samples);
         outputs.iter_mut().for_each(|output| output.fill(0.0));
         self.sums.iter_mut().for_each(|sums| sums[..samples].fill(0));
-        if self.play(loudness, sources) {
+        let sounds = self.play(loudness, sources);
+        if sounds {
             for (output, sums) in outputs.iter_mut().zip(&self.sums) {
                 output.iter_mut().zip(sums).for_each(|(out, sum)| *out = value_of(*sum));
             }
         }
         self.position = self.position.wrapping_add(samples as i64);
         self.now += samples as u64;
+        sounds
     }
 
     /// Plays one block; answers whether anything can sound in it.
@@ -169,7 +181,7 @@ impl Crackle {
             let (controls, end) = self.timeline.run_at(entered);
             let until = (end.saturating_sub(entered)).min((loudness.len() - start) as u64) as usize;
             let end = start + until.max(1);
-            if let Some((source, crackles)) = sources.choose(controls.fuel) {
+            if let Some((source, crackles)) = sources.choose(&controls) {
                 self.follow(start, &controls, source, crackles);
                 self.play_run(start, end, &controls, loudness, (source, crackles), sources);
                 sounds = true;
@@ -210,7 +222,7 @@ impl Crackle {
             let wait = schedule.wait(position).clamp(0, (end - at) as i64) as usize;
             if wait == 0 && at < end {
                 if let Some(due) = schedule.take(position, playing.1) {
-                    self.begin(&due, controls, loudness[at], playing);
+                    self.begin(&due, controls, loudness[at], playing, sources.gain(playing.0));
                 }
                 continue;
             }
@@ -243,13 +255,21 @@ impl Crackle {
     }
 
     /// Begins a crackle, if the drive is loud enough for it.
-    fn begin(&mut self, due: &Due, controls: &CrackleControls, loudness: f64, (source, crackles): (Source, &Crackles)) {
+    fn begin(
+        &mut self,
+        due: &Due,
+        controls: &CrackleControls,
+        loudness: f64,
+        (source, crackles): (Source, &Crackles),
+        source_gain: f64,
+    ) {
         let [sum, count] = self.heard;
         let mean = (sum / count).max(LEAST_MEAN);
         let loudness = within(loudness, 0.0, LOUDEST) / mean;
         let follow = within(controls.follow, 0.0, 2.0);
-        let density =
-            crackles.share() * within(controls.density, 0.0, STREAMS as f64) * loudness.powf(DENSITY_EXPONENT * follow);
+        let density = crackles.share()
+            * within(controls.density, 0.0, STREAMS as f64)
+            * maths::pow(loudness, DENSITY_EXPONENT * follow);
         if loudness <= 0.0 || due.threshold >= density {
             return;
         }
@@ -257,9 +277,9 @@ impl Crackle {
         let (event, variation) = (&crackles.events()[due.event], crackles.variation());
         let [late, rate, level, tilt, balance, ..] = due.draws;
         let sharpness = within(controls.sharpness, -1.0, 1.0);
-        let spread = (event.peak / crackles.median_peak()).powf(within(controls.spread, 0.0, 2.0) - 1.0);
-        let followed = mean.powf(MEAN_EXPONENT * follow) * loudness.powf(LEVEL_EXPONENT * follow);
-        let gain = spread * followed * factor(variation.level_db * level);
+        let spread = maths::pow(event.peak / crackles.median_peak(), within(controls.spread, 0.0, 2.0) - 1.0);
+        let followed = maths::pow(mean, MEAN_EXPONENT * follow) * maths::pow(loudness, LEVEL_EXPONENT * follow);
+        let gain = spread * followed * factor(variation.level_db * level) * source_gain;
         let gain = gain.min(within(controls.highest_peak, 0.0, f64::MAX) / event.peak);
         let tilt = factor(variation.tilt_db * tilt + SHARP_DB * sharpness);
         let shortened = sharpness.max(0.0) / (SHARP_DECAY * event.decay_s * self.sample_rate_hz).max(1.0);
@@ -270,12 +290,12 @@ impl Crackle {
             rate: 1.0 + variation.rate * rate,
             low: gain / tilt,
             high: gain * tilt,
-            decay: (-shortened).exp(),
+            decay: maths::exp(-shortened),
             sides: [factor(variation.balance_db * balance), factor(-variation.balance_db * balance)],
         });
     }
 }
 
 fn factor(db: f64) -> f64 {
-    10f64.powf(db / 20.0)
+    maths::pow(10.0, db / 20.0)
 }

@@ -1,35 +1,53 @@
-//! What crackles: a recording, or where it has no crackles a fuel.
+//! What crackles: one of the recordings, or where it has no crackles a fuel.
 
 use super::event::Crackles;
-use crate::controls::Fuel;
+use crate::controls::{CrackleControls, SLOTS};
 
 /// All crackles that may be played.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Sources<'a> {
-    /// Those of the recording, if it has any.
-    pub recording: Option<&'a Crackles>,
+    /// Those of the recordings, by slot, where they have any, and factors on them.
+    pub recordings: [Option<&'a Crackles>; SLOTS],
+    /// See `recordings`.
+    pub gains: [f64; SLOTS],
+    /// Factor on those of fuels.
+    pub fuel_gain: f64,
     /// Those of the fuels that burn, in their order ([`Fuel::place`]); may be empty.
     pub fuels: &'a [Crackles],
 }
 
 /// Where a crackle's wave is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
-    #[default]
-    Recording,
+    /// Slot of a recording.
+    Recording(usize),
     /// Place among the fuels.
     Fuel(usize),
 }
 
+impl Default for Source {
+    fn default() -> Self {
+        Self::Recording(0)
+    }
+}
+
+impl Default for Sources<'_> {
+    fn default() -> Self {
+        Self { recordings: [None; SLOTS], gains: [1.0; SLOTS], fuel_gain: 1.0, fuels: &[] }
+    }
+}
+
 impl<'a> Sources<'a> {
-    /// The recording's alone.
+    /// Those of a recording in the first slot alone.
     pub fn of_recording(recording: &'a Crackles) -> Self {
-        Self { recording: Some(recording), fuels: &[] }
+        let mut sources = Self::default();
+        sources.recordings[0] = Some(recording);
+        sources
     }
 
-    /// What crackles while `fuel` is chosen: the recording where it has crackles, else the fuel.
-    pub(super) fn choose(&self, fuel: Fuel) -> Option<(Source, &'a Crackles)> {
-        [Some(Source::Recording), fuel.place().map(Source::Fuel)]
+    /// What crackles: the recording that is chosen where it has crackles, else the fuel.
+    pub(super) fn choose(&self, controls: &CrackleControls) -> Option<(Source, &'a Crackles)> {
+        [Some(Source::Recording(controls.slot)), controls.fuel.place().map(Source::Fuel)]
             .into_iter()
             .flatten()
             .find_map(|source| self.crackles(source).map(|crackles| (source, crackles)))
@@ -38,9 +56,17 @@ impl<'a> Sources<'a> {
     /// The crackles of `source`, if there are any.
     pub(super) fn crackles(&self, source: Source) -> Option<&'a Crackles> {
         let found = match source {
-            Source::Recording => self.recording,
+            Source::Recording(slot) => self.recordings.get(slot).copied().flatten(),
             Source::Fuel(place) => self.fuels.get(place),
         };
         found.filter(|crackles| !crackles.events().is_empty())
+    }
+
+    /// Factor on the crackles of `source`.
+    pub(super) fn gain(&self, source: Source) -> f64 {
+        match source {
+            Source::Recording(slot) => self.gains.get(slot).copied().unwrap_or(1.0),
+            Source::Fuel(_) => self.fuel_gain,
+        }
     }
 }

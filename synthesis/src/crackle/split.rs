@@ -6,6 +6,7 @@ use super::background::Background;
 use super::detect::{Found, crackles};
 use super::event::Crackles;
 use super::stft::Stft;
+use crate::fft;
 use crate::filter::{Section, section_gain};
 use crate::noise::White;
 
@@ -73,13 +74,13 @@ fn take_apart(signal: &[f64], found: &[Found], sample_rate_hz: f64) -> (Vec<f64>
         stft.analyse(signal, frame);
         for (bin, share) in shares.iter().enumerate() {
             let (value, rms) = (stft.spectrum()[bin], background.at(frame, bin));
-            let magnitude = value.norm();
+            let magnitude = fft::magnitude(value);
             if *share == 0.0 || magnitude <= EXCESS * rms {
                 taken[bin] = Default::default();
                 filled[bin] = Default::default();
             } else {
                 // Powers add: what is taken and what fills are as loud together as what was there.
-                taken[bin] = value * (share * (1.0 - (rms / magnitude).powi(2)).sqrt());
+                taken[bin] = value * (share * (1.0 - maths::square(rms / magnitude)).sqrt());
                 filled[bin] = (filled[bin] * (rms / white_rms) - value) * *share;
             }
         }

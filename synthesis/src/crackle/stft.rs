@@ -24,8 +24,8 @@ pub(super) struct Stft {
 impl Stft {
     /// For signals at `sample_rate_hz`.
     pub fn new(sample_rate_hz: f64) -> Self {
-        let len = 1usize << ((WINDOW_S * sample_rate_hz).log2().round() as u32).clamp(4, 12);
-        let window = (0..len).map(|i| 0.5 - 0.5 * (2.0 * PI * i as f64 / len as f64).cos()).collect();
+        let len = 1usize << (maths::log2(WINDOW_S * sample_rate_hz).round() as u32).clamp(4, 12);
+        let window = (0..len).map(|i| 0.5 - 0.5 * maths::cos(2.0 * PI * i as f64 / len as f64)).collect();
         Self { transform: Transform::new(len), window }
     }
 

@@ -41,7 +41,7 @@ impl Envelope {
 
     /// Part of the way covered in one sample, for a time constant in seconds.
     fn step(&self, seconds: f64, shortest: f64, longest: f64) -> f64 {
-        -(-1.0 / (within(seconds, shortest, longest) * self.sample_rate_hz)).exp_m1()
+        -maths::exp_m1(-1.0 / (within(seconds, shortest, longest) * self.sample_rate_hz))
     }
 }
 

@@ -62,7 +62,7 @@ impl Drive {
         in_range("sample rate in Hz", sample_rate_hz, 8000.0, 384_000.0)?;
         Ok(Self {
             sample_rate_hz,
-            flux_gain: 0.5 / (std::f64::consts::PI * FLUX_UNITY_HZ / sample_rate_hz).sin(),
+            flux_gain: 0.5 / maths::sin(std::f64::consts::PI * FLUX_UNITY_HZ / sample_rate_hz),
             previous: None,
             envelope: Envelope::new(sample_rate_hz),
             rumble: Rumble::new(sample_rate_hz),
@@ -70,7 +70,7 @@ impl Drive {
             swell: Swell::new(sample_rate_hz),
             high_pass: HighPass::new(sample_rate_hz),
             powers: [0.0; 2],
-            power_step: 1.0 - (-1.0 / (CANCEL_S * sample_rate_hz)).exp(),
+            power_step: 1.0 - maths::exp(-1.0 / (CANCEL_S * sample_rate_hz)),
             position: 0,
         })
     }
@@ -86,7 +86,7 @@ impl Drive {
     pub fn tail_samples(&self, controls: &DriveControls) -> usize {
         let release_s = match controls.mode {
             DriveMode::Envelope | DriveMode::InputEnvelope => {
-                controls.release_s * (-controls.threshold.ln()).clamp(0.0, SILENCE_NEPERS)
+                controls.release_s * (-maths::ln(controls.threshold)).clamp(0.0, SILENCE_NEPERS)
             }
             DriveMode::Pressure | DriveMode::Flux | DriveMode::Flame => 0.0,
         };

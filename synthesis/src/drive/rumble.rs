@@ -70,10 +70,10 @@ fn band_pass(reach: usize, sample_rate_hz: f64) -> Vec<f64> {
     let mut taps: Vec<f64> = (0..=reach)
         .map(|tap| {
             let angle = std::f64::consts::PI * tap as f64;
-            let hann = 0.5 + 0.5 * (angle / (reach + 1) as f64).cos();
+            let hann = 0.5 + 0.5 * maths::cos(angle / (reach + 1) as f64);
             let low_pass = |edge_hz: f64| {
                 let turn = 2.0 * edge_hz / sample_rate_hz;
-                if tap == 0 { turn } else { (angle * turn).sin() / angle }
+                if tap == 0 { turn } else { maths::sin(angle * turn) / angle }
             };
             hann * (low_pass(BAND_HZ.1) - low_pass(BAND_HZ.0))
         })

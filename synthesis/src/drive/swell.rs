@@ -30,7 +30,7 @@ pub(super) struct Swell {
 
 impl Swell {
     pub fn new(sample_rate_hz: f64) -> Self {
-        let part = |seconds: f64| 1.0 - (-1.0 / (seconds * sample_rate_hz)).exp();
+        let part = |seconds: f64| 1.0 - maths::exp(-1.0 / (seconds * sample_rate_hz));
         Self {
             parts: [part(LOUDNESS_S), part(MEMORY_S)],
             smoothing: part(SMOOTHING_S),
@@ -78,7 +78,7 @@ impl Swell {
         if self.power <= SILENT || sum <= 0.0 {
             return 1.0;
         }
-        within((self.power * count / sum).powf(0.5 * exponent), 1.0 / MOST, MOST)
+        within(maths::pow(self.power * count / sum, 0.5 * exponent), 1.0 / MOST, MOST)
     }
 }
 

@@ -38,7 +38,7 @@ impl Band {
         if upper == 0.0 || frequency_hz <= 0.0 {
             return 0.0;
         }
-        (-self.alpha * (frequency_hz / self.cutoff_hz).ln()).exp() * upper * upper
+        maths::exp(-self.alpha * maths::ln(frequency_hz / self.cutoff_hz)) * upper * upper
     }
 
     /// Taps 0, 1, ... of the linear-phase low-pass 1 - b2, cut to `taps.len()` and set to gain 1 at
@@ -69,7 +69,7 @@ impl Band {
     pub fn envelope_low_pass(&self, sample_rate_hz: f64, taps: &mut [f64]) {
         for (tap, value) in taps.iter_mut().enumerate() {
             let angle = std::f64::consts::SQRT_2 * PI * self.cutoff_hz * tap as f64 / sample_rate_hz;
-            *value = (-angle).exp() * (angle.cos() + angle.sin());
+            *value = maths::exp(-angle) * (maths::cos(angle) + maths::sin(angle));
         }
         normalise(taps);
     }
@@ -88,11 +88,11 @@ pub(crate) fn complement(taps: &mut [f64]) {
 }
 
 fn sinc(x: f64) -> f64 {
-    if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
+    if x == 0.0 { 1.0 } else { maths::sin(PI * x) / (PI * x) }
 }
 
 /// Power of the triangle of half-width `half_width_s` seconds at `frequency_hz`, over its energy,
 /// in seconds: (T sinc^2(f T))^2 / (2 T / 3). Its integral over all frequencies is 1.
 pub(crate) fn triangle_power(half_width_s: f64, frequency_hz: f64) -> f64 {
-    1.5 * half_width_s * sinc(frequency_hz * half_width_s).powi(4)
+    1.5 * half_width_s * maths::powi(sinc(frequency_hz * half_width_s), 4)
 }

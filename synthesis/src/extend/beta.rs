@@ -115,8 +115,8 @@ impl Fitter {
             let deviations = (node as f64 - (NODES - 1) as f64 / 2.0) * 0.4;
             let frequency_hz = band.cutoff_hz + deviations * self.sigma_hz;
             let phase = TAU * frequency_hz / self.sample_rate_hz;
-            (self.turn.sin[node], self.turn.cos[node]) = phase.sin_cos();
-            self.weight[node] = if frequency_hz > 0.0 { (-0.5 * deviations * deviations).exp() } else { 0.0 };
+            (self.turn.sin[node], self.turn.cos[node]) = maths::sin_cos(phase);
+            self.weight[node] = if frequency_hz > 0.0 { maths::exp(-0.5 * deviations * deviations) } else { 0.0 };
             self.upper[node] = band.upper(frequency_hz);
         }
         let gaussian: f64 = self.weight.iter().zip(&self.upper).map(|(weight, upper)| weight * upper * upper).sum();

@@ -64,7 +64,7 @@ impl PowerLaw {
         Self {
             sample_rate_hz,
             reach,
-            log_frequency: (0..transform.bins()).map(|bin| (bin as f64 * bin_hz).ln()).collect(),
+            log_frequency: (0..transform.bins()).map(|bin| maths::ln(bin as f64 * bin_hz)).collect(),
             band: None,
             design: None,
             making: None,
@@ -138,7 +138,7 @@ impl PowerLaw {
             let scale = 1.0 / self.transform.len() as f64;
             for (tap, value) in self.taps.iter_mut().enumerate() {
                 let along = (tap as f64 / (self.reach + 1) as f64 - 0.75).max(0.0) * 4.0;
-                *value = self.transform.time[tap] * scale * (0.5 + 0.5 * (std::f64::consts::PI * along).cos());
+                *value = self.transform.time[tap] * scale * (0.5 + 0.5 * maths::cos(std::f64::consts::PI * along));
             }
         } else {
             self.transform.response(&self.taps, &mut self.shape);
@@ -148,11 +148,11 @@ impl PowerLaw {
 
     fn set_bins(&mut self, bins: Range<usize>, band: &Band) {
         let bin_hz = self.sample_rate_hz / self.transform.len() as f64;
-        let log_cutoff = band.cutoff_hz.ln();
+        let log_cutoff = maths::ln(band.cutoff_hz);
         for bin in bins {
             let upper = if bin == 0 { 0.0 } else { band.upper(bin as f64 * bin_hz) };
             let falls = -0.5 * band.alpha * (self.log_frequency[bin] - log_cutoff);
-            let gain = if upper == 0.0 { 0.0 } else { upper * falls.exp() };
+            let gain = if upper == 0.0 { 0.0 } else { upper * maths::exp(falls) };
             self.transform.spectrum[bin] = gain.into();
         }
     }

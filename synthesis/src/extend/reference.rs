@@ -7,9 +7,8 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
-use std::sync::Arc;
 
-use crate::fft::{self, Complex64, Fft};
+use crate::fft::{self, Complex64, ComplexTransform};
 
 use super::beta::positive_root;
 use super::zoom::Zoom;
@@ -120,8 +119,7 @@ pub fn extend(signal: &[f64], settings: &Settings, progress: &mut dyn FnMut(f64)
 struct Work<'a> {
     signal: &'a [f64],
     settings: &'a Settings,
-    forward: Arc<dyn Fft<f64>>,
-    inverse: Arc<dyn Fft<f64>>,
+    fourier: ComplexTransform,
     axis: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -138,12 +136,12 @@ struct Work<'a> {
 impl<'a> Work<'a> {
     fn new(signal: &'a [f64], settings: &'a Settings) -> Self {
         let bins = signal.len().next_power_of_two();
-        let (forward, inverse) = (fft::forward(bins), fft::inverse(bins));
+        let fourier = ComplexTransform::new(bins);
         let axis = frequency_axis(bins, settings.sample_rate_hz);
         let (lower, upper) = blend_ramps(&axis, settings.blend_start_hz, settings.blend_end_hz);
         let mut noise = noise_spectrum(&axis, settings.alpha, &mut Pcg32::new(settings.seed));
         noise.iter_mut().zip(&upper).for_each(|(bin, upper)| *bin *= upper);
-        inverse.process(&mut noise);
+        fourier.inverse(&mut noise);
         let envelope = zero_phase_low_pass(signal, settings.cutoff_hz, settings.sample_rate_hz);
         let scale = 1.0 / bins as f64;
         noise.truncate(signal.len());
@@ -162,8 +160,7 @@ impl<'a> Work<'a> {
             window_noise: zeros,
             signal,
             settings,
-            forward,
-            inverse,
+            fourier,
             axis,
             lower,
             upper,
@@ -211,12 +208,12 @@ impl<'a> Work<'a> {
                 high[at] += self.noise[at] * (weight * beta * self.settings.noise_amplitude);
             }
         }
-        self.forward.process(&mut low);
-        self.forward.process(&mut high);
+        self.fourier.forward(&mut low);
+        self.fourier.forward(&mut high);
         for (bin, (low, high)) in low.iter_mut().zip(&high).enumerate() {
             *low = *low * self.lower[bin] + high * self.upper[bin];
         }
-        self.inverse.process(&mut low);
+        self.fourier.inverse(&mut low);
         let scale = 1.0 / self.axis.len() as f64;
         low[..self.signal.len()].iter().map(|sample| sample.re * scale).collect()
     }
@@ -237,7 +234,7 @@ pub fn blend_ramps(axis: &[f64], start_hz: f64, end_hz: f64) -> (Vec<f64>, Vec<f
 
 /// The Gaussian exp(-(x - centre)^2 / (2 sigma^2)).
 pub fn gaussian(axis: &[f64], centre_hz: f64, sigma_hz: f64) -> Vec<f64> {
-    axis.iter().map(|x| (-0.5 * ((x - centre_hz) / sigma_hz).powi(2)).exp()).collect()
+    axis.iter().map(|x| maths::exp(-0.5 * maths::square((x - centre_hz) / sigma_hz))).collect()
 }
 
 /// The noise's spectrum before the blend: amplitude x^(-alpha/2), 0 at 0 Hz, one random phase per
@@ -245,7 +242,7 @@ pub fn gaussian(axis: &[f64], centre_hz: f64, sigma_hz: f64) -> Vec<f64> {
 pub fn noise_spectrum(axis: &[f64], alpha: f64, phases: &mut Pcg32) -> Vec<Complex64> {
     let bin = |x: &f64| {
         let phase = TAU * phases.next_unit();
-        if *x == 0.0 { Complex64::default() } else { Complex64::from_polar(x.powf(-alpha / 2.0), phase) }
+        if *x == 0.0 { Complex64::default() } else { fft::polar(maths::pow(*x, -alpha / 2.0), phase) }
     };
     axis.iter().map(bin).collect()
 }
@@ -295,7 +292,7 @@ pub fn zero_phase_low_pass(signal: &[f64], cutoff_hz: f64, sample_rate_hz: f64) 
 /// Bilinear transform of the analogue Butterworth filter, corner prewarped; transposed direct
 /// form II.
 fn low_pass_from_rest(signal: &mut [f64], cutoff_hz: f64, sample_rate_hz: f64) {
-    let w = (std::f64::consts::PI * cutoff_hz / sample_rate_hz).tan();
+    let w = maths::tan(std::f64::consts::PI * cutoff_hz / sample_rate_hz);
     let norm = 1.0 + std::f64::consts::SQRT_2 * w + w * w;
     let b = [w * w / norm, 2.0 * w * w / norm, w * w / norm];
     let a = [2.0 * (w * w - 1.0) / norm, (1.0 - std::f64::consts::SQRT_2 * w + w * w) / norm];

@@ -1,16 +1,12 @@
 //! Filtering by real Fourier transforms of one fixed length.
 
-use std::sync::Arc;
-
-use crate::fft::{Complex64, ComplexToReal, RealToComplex, real_forward, real_inverse};
+use crate::fft::{Complex64, RealTransform};
 
 /// Forward and inverse transforms of one length, and zero-phase filters for them. Nothing
 /// allocates after `new`.
 pub(crate) struct Transform {
-    len: usize,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
-    scratch: Vec<Complex64>,
+    transform: RealTransform,
+    room: Vec<f64>,
     /// Time signal: the input of `forward`, the output of `inverse`.
     pub time: Vec<f64>,
     /// Spectrum of bins 0..=len/2.
@@ -27,49 +23,40 @@ pub(crate) fn quick_len(samples: usize) -> usize {
 
 impl std::fmt::Debug for Transform {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Transform").field("len", &self.len).finish_non_exhaustive()
+        formatter.debug_struct("Transform").field("len", &self.len()).finish_non_exhaustive()
     }
 }
 
 impl Transform {
     /// Transforms of `len` samples; `len` is even.
     pub fn new(len: usize) -> Self {
-        let (forward, inverse) = (real_forward(len), real_inverse(len));
-        let scratch = forward.get_scratch_len().max(inverse.get_scratch_len());
+        let transform = RealTransform::new(len);
         Self {
-            len,
-            scratch: vec![Complex64::default(); scratch],
+            room: vec![0.0; transform.room()],
             time: vec![0.0; len],
-            spectrum: vec![Complex64::default(); len / 2 + 1],
-            forward,
-            inverse,
+            spectrum: vec![Complex64::default(); transform.bins()],
+            transform,
         }
     }
 
     /// Length in samples.
     pub fn len(&self) -> usize {
-        self.len
+        self.transform.samples()
     }
 
     /// Number of bins from 0 Hz to half the sample rate.
     pub fn bins(&self) -> usize {
-        self.len / 2 + 1
+        self.transform.bins()
     }
 
-    /// `time` to `spectrum`; overwrites `time`.
+    /// `time` to `spectrum`.
     pub fn forward(&mut self) {
-        let scratch = &mut self.scratch[..self.forward.get_scratch_len()];
-        let done = self.forward.process_with_scratch(&mut self.time, &mut self.spectrum, scratch);
-        debug_assert!(done.is_ok());
+        self.transform.forward(&self.time, &mut self.spectrum, &mut self.room);
     }
 
-    /// `spectrum` to `time`, scaled by `len`; overwrites `spectrum`.
+    /// `spectrum` to `time`, scaled by `len`.
     pub fn inverse(&mut self) {
-        self.spectrum[0].im = 0.0;
-        self.spectrum[self.len / 2].im = 0.0;
-        let scratch = &mut self.scratch[..self.inverse.get_scratch_len()];
-        let done = self.inverse.process_with_scratch(&mut self.spectrum, &mut self.time, scratch);
-        debug_assert!(done.is_ok());
+        self.transform.inverse(&self.spectrum, &mut self.time, &mut self.room);
     }
 
     /// Multiplies `spectrum` by a zero-phase filter's, made by [`response`](Self::response), and
@@ -86,12 +73,13 @@ impl Transform {
     /// them at -1, -2, ...; divided by `len`, so that [`filter`](Self::filter) has gain 1.
     /// Overwrites `time` and `spectrum`.
     pub fn response(&mut self, half: &[f64], out: &mut [f64]) {
-        let scale = 1.0 / self.len as f64;
+        let scale = 1.0 / self.len() as f64;
+        let len = self.len();
         self.time.fill(0.0);
         self.time[0] = half[0] * scale;
         for (tap, value) in half.iter().enumerate().skip(1) {
             self.time[tap] = value * scale;
-            self.time[self.len - tap] = value * scale;
+            self.time[len - tap] = value * scale;
         }
         self.forward();
         for (gain, bin) in out.iter_mut().zip(&self.spectrum) {

@@ -2,15 +2,13 @@
 
 use std::f64::consts::PI;
 use std::ops::Range;
-use std::sync::Arc;
 
-use crate::fft::{self, Complex64, Fft};
+use crate::fft::{self, Complex64, ComplexTransform};
 
 /// The chirp transform (Bluestein 1970): bins of a transform of `bins` samples, at the cost of
 /// transforms as long as signal and wanted bins together. Exact but for rounding.
 pub(super) struct Zoom {
-    forward: Arc<dyn Fft<f64>>,
-    inverse: Arc<dyn Fft<f64>>,
+    fourier: ComplexTransform,
     /// Factors on the input.
     before: Vec<Complex64>,
     /// Factors on the output, scale included.
@@ -24,9 +22,9 @@ impl Zoom {
     /// For signals of at most `samples` samples, and the bins in `wanted` of `bins`.
     pub fn new(bins: usize, wanted: Range<usize>, samples: usize) -> Self {
         let len = (samples + wanted.len()).next_power_of_two();
-        let (forward, inverse) = (fft::forward(len), fft::inverse(len));
+        let fourier = ComplexTransform::new(len);
         // Phases in units of pi / bins, reduced as integers: their squares outgrow a double's angle.
-        let phasor = |units: u128| Complex64::from_polar(1.0, PI * (units % (2 * bins as u128)) as f64 / bins as f64);
+        let phasor = |units: u128| fft::polar(1.0, PI * (units % (2 * bins as u128)) as f64 / bins as f64);
         let chirp = |n: usize| phasor(n as u128 * n as u128);
         let before = (0..samples).map(|n| (chirp(n) * phasor(2 * (wanted.start as u128) * n as u128)).conj()).collect();
         let after = (0..wanted.len()).map(|m| chirp(m).conj() / len as f64).collect();
@@ -37,8 +35,8 @@ impl Zoom {
         for n in 1..samples {
             kernel[len - n] = chirp(n);
         }
-        forward.process(&mut kernel);
-        Self { forward, inverse, before, after, kernel, work: vec![Complex64::default(); len] }
+        fourier.forward(&mut kernel);
+        Self { fourier, before, after, kernel, work: vec![Complex64::default(); len] }
     }
 
     /// The wanted bins of `signal`, whose first sample counts as sample 0.
@@ -47,9 +45,9 @@ impl Zoom {
         for (work, (sample, factor)) in self.work.iter_mut().zip(signal.zip(&self.before)) {
             *work = sample * factor;
         }
-        self.forward.process(&mut self.work);
+        self.fourier.forward(&mut self.work);
         self.work.iter_mut().zip(&self.kernel).for_each(|(work, kernel)| *work *= kernel);
-        self.inverse.process(&mut self.work);
+        self.fourier.inverse(&mut self.work);
         for (bin, (work, factor)) in out.iter_mut().zip(self.work.iter().zip(&self.after)) {
             *bin = work * factor;
         }
@@ -68,7 +66,7 @@ mod tests {
             (0..samples).map(|n| Complex64::new(White::new(1, 0).at(n), White::new(1, 1).at(n))).collect();
         let mut long = signal.clone();
         long.resize(bins, Complex64::default());
-        fft::forward(bins).process(&mut long);
+        ComplexTransform::new(bins).forward(&mut long);
         let mut found = vec![Complex64::default(); wanted.len()];
         Zoom::new(bins, wanted.clone(), signal.len()).transform(signal.iter().copied(), &mut found);
         for (found, expected) in found.iter().zip(&long[wanted]) {

@@ -28,7 +28,7 @@ impl Draws {
 
     /// A positive number of mean 1, exponentially distributed, below 40.
     pub fn exponential(&mut self) -> f64 {
-        -self.share().max(f64::MIN_POSITIVE).ln().max(-40.0)
+        -maths::ln(self.share().max(f64::MIN_POSITIVE)).max(-40.0)
     }
 
     /// A number of mean 0 and variance 1, normally distributed within two standard deviations.
@@ -38,7 +38,7 @@ impl Draws {
             let [a, b] = [self.unit(), self.unit()];
             let square = a * a + b * b;
             if square > 0.0 && square < 1.0 {
-                let normal = a * (-2.0 * square.ln() / square).sqrt();
+                let normal = a * (-2.0 * maths::ln(square) / square).sqrt();
                 if normal.abs() <= 2.0 {
                     return normal;
                 }

@@ -112,7 +112,7 @@ impl Layer {
         let [rise, fall] = self.kind.recipe().slopes;
         for (target, middle_hz) in self.targets.iter_mut().zip(&self.middles_hz) {
             let ratio = middle_hz / hump_hz;
-            *target = ratio.powf(if ratio < 1.0 { rise } else { fall });
+            *target = maths::pow(ratio, if ratio < 1.0 { rise } else { fall });
         }
         // Octaves are independent, so that powers add.
         let power: f64 = self.targets.iter().map(|target| target * target).sum();
@@ -157,12 +157,12 @@ impl Layer {
     fn uneven(&mut self, seed: u32, position: i64, depth: f64) -> f64 {
         let [slow, fast] = &mut self.flutters;
         let nepers = depth * std::f64::consts::FRAC_1_SQRT_2 * (slow.at(seed, position) + fast.at(seed, position));
-        (nepers - depth * depth).exp()
+        maths::exp(nepers - depth * depth)
     }
 }
 
 /// The level at a loudness relative to the drive's level.
 fn level_of(loudness: f64, exponent: f64) -> f64 {
     let loudness = within(loudness, 0.0, LOUDEST);
-    (loudness / FAINT).min(1.0) * loudness.powf(exponent)
+    (loudness / FAINT).min(1.0) * maths::pow(loudness, exponent)
 }

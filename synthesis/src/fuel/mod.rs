@@ -58,5 +58,5 @@ const MOST_GAIN_DB: f64 = 40.0;
 /// The factor that brings a fuel to a loudness in LUFS, by 40 dB at most; 1 where none is asked for.
 pub fn gain_to(target_lufs: Option<f64>) -> f64 {
     let gain_db = |target: f64| (target - LOUDNESS_LUFS).clamp(-MOST_GAIN_DB, MOST_GAIN_DB);
-    target_lufs.map_or(1.0, |target| 10f64.powf(gain_db(target) / 20.0))
+    target_lufs.map_or(1.0, |target| maths::pow(10.0, gain_db(target) / 20.0))
 }

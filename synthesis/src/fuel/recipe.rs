@@ -81,6 +81,6 @@ impl NoiseKind {
             Self::Hiss => (hiss, controls.hiss_tone),
             Self::Body => (body, controls.body_tone),
         };
-        (hump_hz * within(shift, -1.0, 1.0).exp2(), self.recipe().rms * 10f64.powf(level_db / 20.0))
+        (hump_hz * maths::exp2(within(shift, -1.0, 1.0)), self.recipe().rms * maths::pow(10.0, level_db / 20.0))
     }
 }

@@ -27,11 +27,11 @@ impl Rupture {
     /// A wave, and its peak over the softest one in dB.
     pub fn make(&self, draws: &mut Draws, sample_rate_hz: f64) -> (Vec<f64>, f64) {
         let deviations = draws.normal();
-        let peak = 10f64.powf((self.median_db + self.deviation_db * deviations) / 20.0);
+        let peak = maths::pow(10.0, (self.median_db + self.deviation_db * deviations) / 20.0);
         let size = 0.5 + 0.25 * deviations;
         let mut between = |[low, high]: [f64; 2], size: f64| {
             let place = BY_SIZE * size + (1.0 - BY_SIZE) * draws.share();
-            low * (high / low).powf(place)
+            low * maths::pow(high / low, place)
         };
         let click_s = between(self.click_s, size);
         let click_hz = between(self.click_hz, 1.0 - size);
@@ -42,7 +42,7 @@ impl Rupture {
         let release = release(samples, click_s, draws, sample_rate_hz);
         let click = normalised(click(&release, click_hz, sample_rate_hz));
         let ring = normalised(ring(&release, ring_hz, ring_s, draws, sample_rate_hz));
-        let ring_level = 10f64.powf(self.ring_db / 20.0);
+        let ring_level = maths::pow(10.0, self.ring_db / 20.0);
         let sum = click.iter().zip(&ring).map(|(click, ring)| click + ring_level * ring).collect();
         let mut wave = normalised(sum);
         let fade = (FADE_S * sample_rate_hz).max(1.0);
@@ -57,7 +57,7 @@ impl Rupture {
 fn release(samples: usize, time_s: f64, draws: &mut Draws, sample_rate_hz: f64) -> Vec<f64> {
     let at = |i: usize| {
         let now_s = i as f64 / sample_rate_hz;
-        (now_s / RISE_S).min(1.0) * (-now_s / time_s).exp()
+        (now_s / RISE_S).min(1.0) * maths::exp(-now_s / time_s)
     };
     (0..samples).map(|i| at(i) * (1.0 - NOISE + NOISE * draws.unit())).collect()
 }
@@ -79,12 +79,12 @@ fn ring(release: &[f64], lowest_hz: f64, time_s: f64, draws: &mut Draws, sample_
         if frequency_hz > 0.4 * sample_rate_hz {
             continue;
         }
-        let radius = (-mode.sqrt() / (time_s * sample_rate_hz)).exp();
+        let radius = maths::exp(-mode.sqrt() / (time_s * sample_rate_hz));
         let angle = 2.0 * PI * frequency_hz / sample_rate_hz;
-        let (first, second) = (2.0 * radius * angle.cos(), -radius * radius);
+        let (first, second) = (2.0 * radius * maths::cos(angle), -radius * radius);
         let mut past = [0.0f64; 2];
         for (sum, x) in sum.iter_mut().zip(release) {
-            let y = angle.sin() * x + first * past[0] + second * past[1];
+            let y = maths::sin(angle) * x + first * past[0] + second * past[1];
             past = [y, past[0]];
             *sum += strength * y;
         }

@@ -65,7 +65,7 @@ impl Buzz {
             last: 0.0,
             past: vec![[0.0; 2 * ROWS]; hop],
             newest: 0,
-            part: 1.0 - (-1.0 / (HEARD_S * sample_rate_hz)).exp(),
+            part: 1.0 - maths::exp(-1.0 / (HEARD_S * sample_rate_hz)),
             power: 0.0,
             on_grid: [0.0; HOPS],
             beside: [0.0; HOPS],

@@ -158,7 +158,7 @@ impl Dictionary {
             let windows = windows[level].clone();
             let step = |part: f32| {
                 // Level l holds half the windows of level l - 1.
-                let share = 0.9 * part * 0.5f32.powi(level as i32 + 1);
+                let share = 0.9 * part * maths::powi(0.5f32, level as i32 + 1);
                 let mut done = done.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
                 *done += share;
                 go_on(*done)

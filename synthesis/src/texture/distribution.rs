@@ -153,7 +153,7 @@ impl Histogram {
 }
 
 fn bin_place(magnitude: f64) -> f64 {
-    (20.0 * magnitude.max(1e-30).log10() - LOWEST_DB) * BINS_PER_DB
+    (20.0 * maths::log10(magnitude.max(1e-30)) - LOWEST_DB) * BINS_PER_DB
 }
 
 /// The drive's distribution as estimated while it plays: a histogram that forgets, over a prior
@@ -176,7 +176,7 @@ const PRIOR_S: f64 = 0.25;
 impl RunningDistribution {
     /// An estimate over values that arrive `rate_hz` times a second.
     pub fn new(rate_hz: f64) -> Self {
-        let growth = (1.0 / (MEMORY_S * rate_hz)).exp();
+        let growth = maths::exp(1.0 / (MEMORY_S * rate_hz));
         Self { seen: Histogram::default(), weight: 1.0, growth, prior_weight: PRIOR_S * rate_hz }
     }
 

@@ -4,6 +4,7 @@
 //! reference's padded arrays; what lies before the start reads as zero, and for a signal of known
 //! length so does what lies beyond the end.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::buzz::Buzz;
@@ -12,14 +13,16 @@ use super::distribution::{Distribution, RunningDistribution, feature_factor};
 use super::extents::{Extent, Extents};
 use super::feature::{Excerpt, Place, halfway};
 use super::gate::Gate;
+use super::output::Outputs;
 use super::pyramid::PyramidStream;
 use super::ring::Ring;
 use super::schedule::Schedule;
 use super::search::{Budget, Searcher};
 use super::shape::Shape;
+use super::slots::{self, Slots};
 use crate::Error;
 use crate::companding::Profile;
-use crate::controls::{DynamicRange, Quality, TextureControls};
+use crate::controls::{DynamicRange, Quality, SLOTS, TextureControls};
 use crate::crackle::Crackles;
 use crate::error::within;
 use crate::noise::White;
@@ -33,7 +36,9 @@ pub struct Texture {
     schedule: Schedule,
     hat: Vec<f64>,
     weights: Vec<f64>,
-    dictionary: Option<Arc<Dictionary>>,
+    slots: Slots<Dictionary>,
+    /// Slot that the controls of the last call name first.
+    slot: usize,
     learned: Option<Arc<Distribution>>,
     running: RunningDistribution,
     /// Relative error allowed to an exact search.
@@ -42,8 +47,7 @@ pub struct Texture {
     levels: Vec<Level>,
     /// The drive's top level.
     top: Ring,
-    /// Level 0 of every output channel.
-    outputs: Vec<Ring>,
+    outputs: Outputs,
     gate: Gate,
     timeline: Timeline<TextureControls>,
     searcher: Searcher,
@@ -52,8 +56,11 @@ pub struct Texture {
     window: Vec<f64>,
     /// Samples of a level to which nothing is added any more.
     done: Vec<f64>,
-    /// Index of the first sample after reset.
+    /// Index of the first sample after reset, and what it lacks to the host's position.
     origin: i64,
+    base: i64,
+    /// Most samples by which a window follows another choice of recordings late.
+    crossfade_samples: f64,
     /// Index of the next sample.
     now: i64,
     latency_samples: i64,
@@ -99,7 +106,8 @@ struct Level {
     floor: i64,
     /// Array size, for a signal of known length.
     size: i64,
-    last_match: Option<usize>,
+    /// Slot and window of the last match.
+    last_match: Option<(usize, usize)>,
     /// Windows in a row that followed one another in the recording.
     run: usize,
 }
@@ -150,18 +158,20 @@ impl Texture {
             last_match: None,
             run: 0,
         };
-        let longest_wait = schedule.offset[0] as usize + shape.period_samples();
+        let crossfade_samples = slots::CROSSFADE_S * sample_rate_hz;
+        let longest_wait = schedule.offset[0] as usize + shape.period_samples() + crossfade_samples.ceil() as usize;
         let mut texture = Self {
             hat: shape.hat(),
             weights: shape.weights(),
-            dictionary: None,
+            slots: Slots::default(),
+            slot: 0,
             learned: None,
             running: RunningDistribution::new(top_rate_hz),
             eps: 0.0,
             pyramid: PyramidStream::new(shape),
             levels: (0..shape.top()).map(level).collect(),
             top: Ring::new(life(shape.top())),
-            outputs: vec![Ring::new(life(0)); channels],
+            outputs: Outputs::new(channels, life(0)),
             gate: Gate::new(latency.div_ceil(1 << shape.top())),
             timeline: Timeline::new(longest_wait, TextureControls::default()),
             searcher: Searcher::new(),
@@ -170,6 +180,8 @@ impl Texture {
             window: vec![0.0; shape.hat().len()],
             done: vec![0.0; shape.window],
             origin: 0,
+            base: 0,
+            crossfade_samples,
             now: 0,
             latency_samples: latency as i64,
             top_magnitudes: Vec::with_capacity(TOP_CAPACITY),
@@ -212,7 +224,9 @@ impl Texture {
     /// Starts anew at `position` of the host's timeline, as if silence had come before. The grid
     /// of the windows is a function of the position.
     pub fn reset(&mut self, position: i64) {
-        self.start(position.rem_euclid(self.shape.period_samples() as i64), None);
+        let origin = position.rem_euclid(self.shape.period_samples() as i64);
+        self.start(origin, None);
+        self.base = position.wrapping_sub(origin);
     }
 
     /// Starts anew for one signal in padded arrays of these sizes.
@@ -223,6 +237,7 @@ impl Texture {
 
     fn start(&mut self, origin: i64, sizes: Option<&[usize]>) {
         self.origin = origin;
+        self.base = 0;
         self.now = origin;
         self.eps = 0.0;
         self.pyramid.reset(origin, sizes);
@@ -248,31 +263,45 @@ impl Texture {
             level.last_match = None;
             level.run = 0;
         }
-        for output in &mut self.outputs {
-            output.reset(origin);
-        }
+        self.outputs.reset(origin);
     }
 
-    /// Exchanges the recording; one of another shape is handed back. The engine goes on where it
-    /// is with the new one.
+    /// Exchanges the recording of the first slot, as [`swap_slot`](Self::swap_slot) does.
     pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
-        if dictionary.as_ref().is_some_and(|x| *x.shape() != self.shape) {
+        self.swap_slot(0, dictionary)
+    }
+
+    /// Exchanges the recording of a slot; one of another shape, or for no slot, is handed back. The engine goes on where it
+    /// is with the new one.
+    pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+        if slot >= SLOTS || dictionary.as_ref().is_some_and(|x| *x.shape() != self.shape) {
             return dictionary;
         }
         for level in &mut self.levels {
-            level.last_match = None;
+            level.last_match = level.last_match.filter(|(of, _)| *of != slot);
         }
-        std::mem::replace(&mut self.dictionary, dictionary)
+        let matched_rms = dictionary.as_ref().and_then(|x| x.profile()).map_or(0.0, Profile::matched_rms);
+        self.slots.swap(slot, dictionary, matched_rms)
     }
 
-    /// The recording's crackles.
-    pub(crate) fn crackles(&self) -> Option<&Crackles> {
-        self.dictionary.as_ref().and_then(|dictionary| dictionary.crackles())
+    /// The recordings.
+    pub(crate) fn slots(&self) -> &Slots<Dictionary> {
+        &self.slots
     }
 
-    /// The recording's side of companding, if there is one.
-    pub fn profile(&self) -> Option<&Profile> {
-        self.dictionary.as_ref()?.profile()
+    /// The crackles of a slot's recording.
+    pub(crate) fn crackles(&self, slot: usize) -> Option<&Crackles> {
+        self.slots.get(slot).and_then(Dictionary::crackles)
+    }
+
+    /// The companding side of a slot's recording, if there is one.
+    pub fn profile(&self, slot: usize) -> Option<&Profile> {
+        self.slots.get(slot)?.profile()
+    }
+
+    /// That of the recording on whose scale windows are matched.
+    pub(crate) fn reference(&self) -> Option<&Profile> {
+        self.profile(self.slots.reference()?)
     }
 
     /// Exchanges the learned distribution of the drive.
@@ -311,6 +340,19 @@ impl Texture {
         controls: &TextureControls,
         outputs: &mut [&mut [f64]],
     ) {
+        self.advance(drive, loudness, controls, |made, ready, range| made.sum(ready, range, outputs));
+    }
+
+    /// As [`process`](Self::process), but hands out what was synthesized of each recording: `read` is asked to take the
+    /// samples from one on for a range of the block.
+    pub(crate) fn advance(
+        &mut self,
+        drive: &[f64],
+        loudness: Option<&[f64]>,
+        controls: &TextureControls,
+        mut read: impl FnMut(&Outputs, i64, Range<usize>),
+    ) {
+        self.slot = controls.recordings.first();
         if self.timeline.end() == 0 {
             self.timeline.reset(*controls);
             self.dynamics.value = within(controls.companding.dynamics, 0.0, 1.0);
@@ -336,9 +378,7 @@ impl Texture {
                 }
             }
             // A window adds nothing to what was ready before it was matched, so all can be read now.
-            for (output, ring) in outputs.iter_mut().zip(&self.outputs) {
-                ring.copy(ready, self.origin, &mut output[done..end]);
-            }
+            read(&self.outputs, ready, done..end);
             self.listen(controls.scaling_auto, last);
             done = end;
         }
@@ -347,7 +387,7 @@ impl Texture {
 
     /// Part of scalingAlpha that is left where it is turned down by itself: none over a recording that is bound to buzz.
     fn share(&self) -> f64 {
-        let is_impulsive = self.dictionary.as_ref().is_some_and(|dictionary| dictionary.is_impulsive());
+        let is_impulsive = self.slots.get(self.slot).is_some_and(Dictionary::is_impulsive);
         if is_impulsive && self.is_listening { 0.0 } else { self.buzz.share() }
     }
 
@@ -389,22 +429,33 @@ impl Texture {
         let end = (centre + w + 1).min(level.size);
         level.samples.prepare(end);
         if l == 0 {
-            self.outputs.iter_mut().for_each(|output| output.prepare(end));
+            self.outputs.prepare(end);
         }
         if centre > level.size {
             return;
         }
-        // Taken out for the while, so that the engine can be changed beside it.
-        if self.passes_gate(l, centre)
-            && let Some(dictionary) = self.dictionary.take()
-        {
-            self.synthesize(l, window, &dictionary);
-            self.dictionary = Some(dictionary);
+        if self.passes_gate(l, centre) {
+            let slot = self.slot_of(centre << l);
+            if let Some(dictionary) = self.slots.take(slot) {
+                self.synthesize(l, window, slot, &dictionary);
+                self.slots.put(slot, dictionary);
+            }
         }
         // The next window begins with a weight of 0 at this one's centre: nothing is added up to there any more.
         let done = &mut self.done[..w as usize];
         self.levels[l].samples.copy(centre - w + 1, i64::MIN, done);
         self.extents.take_all(l, centre - w + 1, done);
+    }
+
+    /// The slot of the window whose centre is at this sample: all that stand over one window of the level below the top
+    /// have the same.
+    fn slot_of(&self, centre: i64) -> usize {
+        let coarsest = self.shape.period_samples() as i64 / 2;
+        let place = self.base.wrapping_add(centre).div_euclid(coarsest.max(1));
+        let controls = self.controls_at(centre);
+        let late = self.crossfade_samples * slots::lateness(controls.seed, place);
+        let recordings = self.controls_at(centre - late as i64).recordings;
+        self.slots.choose(&recordings, controls.seed, place)
     }
 
     /// Asks the gate; at an opening the level forgets what came before.
@@ -427,12 +478,16 @@ impl Texture {
         !level.closed
     }
 
-    fn synthesize(&mut self, l: usize, window: i64, dictionary: &Dictionary) {
+    fn synthesize(&mut self, l: usize, window: i64, slot: usize, dictionary: &Dictionary) {
         let Some(index) = dictionary.index(l) else { return };
         let w = self.shape.window as i64;
         let controls = self.controls_at((window * w) << l);
         self.gather(l, window);
         self.vary(l, window, &controls);
+        let own_scale = self.slots.scale(slot);
+        if own_scale != 1.0 {
+            self.query.iter_mut().for_each(|x| *x *= own_scale);
+        }
         let is_mapped = l + 1 == self.shape.top();
         let (magnitude, factor) = if is_mapped { self.map_dynamic_range(&controls, dictionary) } else { (0.0, 1.0) };
         let budget = match controls.quality {
@@ -440,7 +495,7 @@ impl Texture {
             Quality::Bounded { candidates } => Budget::Bounded { candidates },
         };
         let features = dictionary.features(l);
-        let hint = self.levels[l].last_match.map(|window| window + 1);
+        let hint = self.levels[l].last_match.filter(|(of, _)| *of == slot).map(|(_, window)| window + 1);
         let answer = self.searcher.nearest(index, &features, &self.query, hint, budget);
         self.compared += u64::from(answer.compared);
         let goes_on = || {
@@ -453,14 +508,14 @@ impl Texture {
         let chosen = profile.and_then(|_| goes_on()).unwrap_or(answer.window);
         let level = &mut self.levels[l];
         level.run = if hint == Some(chosen) { level.run + 1 } else { 0 };
-        level.last_match = Some(chosen);
+        level.last_match = Some((slot, chosen));
 
-        if is_mapped && self.matches.len() < MATCH_CAPACITY {
+        if is_mapped && slot == self.slot && self.matches.len() < MATCH_CAPACITY {
             let place_s = dictionary.place_s(l, chosen) as f32;
             self.matches.push(Match { place_s, magnitude: magnitude as f32, factor: factor as f32 });
         }
 
-        let scale = 1.0 / factor;
+        let scale = 1.0 / (factor * own_scale);
         for (factor, hat) in self.window.iter_mut().zip(&self.hat) {
             *factor = hat * scale;
         }
@@ -472,6 +527,9 @@ impl Texture {
         };
         target.add(&self.window, dictionary.level(l), &mut level.samples);
         if l == 0 {
+            if own_scale != 1.0 {
+                self.window.iter_mut().for_each(|factor| *factor *= own_scale);
+            }
             if let Some(profile) = profile {
                 let own = profile.own_dynamics(
                     w * chosen as i64,
@@ -479,8 +537,9 @@ impl Texture {
                 );
                 self.window.iter_mut().for_each(|factor| *factor *= own);
             }
-            let channels = self.outputs.len();
-            for (channel, output) in self.outputs.iter_mut().enumerate() {
+            let channels = self.outputs.channels();
+            let end = target.to + self.window.len() as i64;
+            for (channel, output) in self.outputs.channels_mut(slot, end).iter_mut().enumerate() {
                 target.add(&self.window, dictionary.channel(channel, channels), output);
             }
         }

@@ -12,6 +12,8 @@
 //! | [`gate`] | silence in, silence out |
 //! | [`extents`] | how far the output's levels swing |
 //! | [`buzz`] | repeats that are heard as tones |
+//! | [`slots`] | several recordings, and which of them a window is of |
+//! | `output` | what was synthesized of each |
 //! | [`engine`] | all of it, as a stream |
 //! | [`offline`] | all of it, on a whole signal |
 
@@ -23,11 +25,13 @@ pub mod extents;
 pub mod feature;
 pub mod gate;
 pub mod offline;
+mod output;
 pub mod pyramid;
 mod ring;
 pub mod schedule;
 pub mod search;
 pub mod shape;
+pub mod slots;
 
 pub use dictionary::Dictionary;
 pub use distribution::Distribution;

@@ -73,7 +73,7 @@ impl Shape {
         let reach = self.reach() as f64;
         let causal = (0..self.causal_len()).map(|i| reach - i as f64);
         let coarse = (0..self.coarse_len()).map(|i| (i as f64 - reach).abs());
-        causal.chain(coarse).map(|distance| (-self.falloff * distance).exp()).collect()
+        causal.chain(coarse).map(|distance| maths::exp(-self.falloff * distance)).collect()
     }
 
     /// The hat window (W - |W - i|) / W, i = 0..2W.

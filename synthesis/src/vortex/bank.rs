@@ -48,7 +48,7 @@ pub struct Bank {
 /// two of them see sounds that correlate by 1/5 alone, as little as six directions can.
 pub fn directions() -> [[f64; 3]; DIRECTIONS] {
     let golden = 0.5 * (1.0 + 5f64.sqrt());
-    let norm = 1.0 / golden.hypot(1.0);
+    let norm = 1.0 / maths::hypot(golden, 1.0);
     let axes = [
         [0.0, 1.0, golden],
         [0.0, -1.0, golden],
@@ -58,7 +58,7 @@ pub fn directions() -> [[f64; 3]; DIRECTIONS] {
         [golden, 0.0, -1.0],
     ];
     // Angles that keep every coordinate of every axis well away from 0 and from another's.
-    let ((sin_a, cos_a), (sin_b, cos_b)) = (1.43f64.sin_cos(), 1.26f64.sin_cos());
+    let ((sin_a, cos_a), (sin_b, cos_b)) = (maths::sin_cos(1.43), maths::sin_cos(1.26));
     axes.map(|[x, y, z]| {
         let (x, y) = (cos_a * x - sin_a * y, sin_a * x + cos_a * y);
         let (y, z) = (cos_b * y - sin_b * z, sin_b * y + cos_b * z);
@@ -195,7 +195,7 @@ impl Oversample {
             let heard = bin > 0 && bin as f64 <= top * steps as f64;
             // The bin at half the rate holds both of its neighbours' halves.
             let share = if 2 * bin == steps { 0.5 } else { 1.0 };
-            if heard { share * 3.0 / (2.0 + (TAU * turn).cos()) / steps as f64 } else { 0.0 }
+            if heard { share * 3.0 / (2.0 + maths::cos(TAU * turn)) / steps as f64 } else { 0.0 }
         };
         Self { low: Transform::new(steps), high: Transform::new(raised), gains: (0..=steps / 2).map(gain).collect() }
     }

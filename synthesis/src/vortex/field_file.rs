@@ -73,7 +73,7 @@ impl SpeedField {
         }
         let (places, speeds) = rest.split_at(sources * PLACE);
         let coordinates: Vec<f32> = places.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
-        let speed = |byte: &u8| fastest * (f32::from(*byte) / 255.0).powi(2);
+        let speed = |byte: &u8| fastest * maths::square(f32::from(*byte) / 255.0);
         let end = if repeats == 1 { End::Periodic } else { End::Clamped };
         let field =
             Self::new(rate_hz, sources, coordinates.as_chunks().0.to_vec(), speeds.iter().map(speed).collect(), end)?;

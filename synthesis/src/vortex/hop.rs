@@ -89,7 +89,7 @@ impl Vortex {
         let identity = Identity { seed: controls.seed, flow: controls.flow };
         let before = self.moving.now();
         let frame = self.moving.next(controls);
-        let speed_m_s = frame.speed_m_s * self.envelope_now.powf(frame.curve);
+        let speed_m_s = frame.speed_m_s * maths::pow(self.envelope_now, frame.curve);
         let ends = [start, start + self.hop as i64];
         let offset_s = within(controls.field_offset_s, -3600.0, 3600.0);
         let place = |at: i64| at as f64 / self.sample_rate_hz + offset_s;
@@ -116,7 +116,7 @@ impl Vortex {
             moments,
             wanted,
             speed_m_s,
-            ln_speed: if self.envelope_now > 0.0 { speed_m_s.ln() as f32 } else { f32::NEG_INFINITY },
+            ln_speed: if self.envelope_now > 0.0 { maths::ln(speed_m_s) as f32 } else { f32::NEG_INFINITY },
             ln_reference: self.bank.as_deref().map_or(0.0, reference),
             stays: frame.place == before.place && !is_fresh,
             is_fresh,
@@ -229,7 +229,7 @@ impl Vortex {
             (None, hop.ln_speed + source.ln_deviation, 1.0)
         } else if let Some(told) = motion.at(source.identity.flow, index, end) {
             let speed_m_s = (hop.frame.field_speed * told.speed_m_s) as f32;
-            (Some(stand.at(told.position)), speed_m_s.ln(), told.presence)
+            (Some(stand.at(told.position)), maths::ln(speed_m_s), told.presence)
         } else {
             return Edge { distance_m: edge.distance_m, ..Edge::default() };
         };
@@ -275,8 +275,8 @@ impl Vortex {
             let samples = pressures.len() as f32;
             for (n, pressure) in pressures.iter_mut().enumerate() {
                 let hops = self.farewell_hop as f32 + n as f32 / samples;
-                let went_on = slope * (1.0 + hops * samples) * (-16.0 * hops).exp();
-                *pressure += (last + went_on) * (1.0 - hops / FAREWELL_HOPS as f32).powi(2);
+                let went_on = slope * (1.0 + hops * samples) * maths::exp(-16.0 * hops);
+                *pressure += (last + went_on) * maths::square(1.0 - hops / FAREWELL_HOPS as f32);
             }
         }
         self.farewell_hop += 1;

@@ -86,6 +86,14 @@ impl Layout {
         self.speakers().iter().position(|speaker| matches!(speaker, Speaker::Silent))
     }
 
+    /// Azimuths of the loudspeakers that stand around the listener, in degrees, positive to the right.
+    pub fn azimuths_deg(self) -> impl Iterator<Item = f64> {
+        self.speakers().iter().filter_map(|speaker| match speaker {
+            Speaker::Ring(azimuth_deg) => Some(*azimuth_deg),
+            Speaker::Top(_) | Speaker::Silent => None,
+        })
+    }
+
     fn speakers(self) -> &'static [Speaker] {
         match self {
             Self::Mono => &[CENTER],
@@ -191,7 +199,7 @@ impl Panner {
 impl Pair {
     /// Of azimuths in radians and channels. From one to the other it is less than half a turn.
     fn new((from, from_channel): (f64, usize), (to, to_channel): (f64, usize)) -> Self {
-        let ((from_x, from_y), (to_x, to_y)) = (from.sin_cos(), to.sin_cos());
+        let ((from_x, from_y), (to_x, to_y)) = (maths::sin_cos(from), maths::sin_cos(to));
         let determinant = from_x * to_y - from_y * to_x;
         let inverse = [[to_y / determinant, -to_x / determinant], [-from_y / determinant, from_x / determinant]];
         Self { channels: [from_channel, to_channel], inverse }

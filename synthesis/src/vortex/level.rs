@@ -39,8 +39,8 @@ pub(super) struct Blend {
 impl Levels {
     /// For `rows` by rising speed, at least one.
     pub fn new(rows: &[Row]) -> Self {
-        let ln_speeds: Vec<f32> = rows.iter().map(|row| row.speed_m_s.ln() as f32).collect();
-        let ln_gains: Vec<f32> = rows.iter().map(|row| row.gain.max(LEAST_GAIN).ln() as f32).collect();
+        let ln_speeds: Vec<f32> = rows.iter().map(|row| maths::ln(row.speed_m_s) as f32).collect();
+        let ln_gains: Vec<f32> = rows.iter().map(|row| maths::ln(row.gain.max(LEAST_GAIN)) as f32).collect();
         let foot = match (ln_speeds.as_slice(), ln_gains.as_slice()) {
             ([low, high, ..], [quiet, loud, ..]) => (loud - quiet) / (high - low).max(1e-6),
             _ => LONE_EXPONENT,
@@ -50,7 +50,7 @@ impl Levels {
 
     /// Lowest and highest speed in m/s.
     pub fn speeds_m_s(&self) -> [f64; 2] {
-        let speed = |ln: Option<&f32>| ln.map_or(0.0, |ln| f64::from(*ln).exp());
+        let speed = |ln: Option<&f32>| ln.map_or(0.0, |ln| maths::exp(f64::from(*ln)));
         [speed(self.ln_speeds.first()), speed(self.ln_speeds.last())]
     }
 
@@ -86,11 +86,11 @@ impl Levels {
         if below > 0.0 {
             ln_level -= (range * self.foot).max(LEAST_EXPONENT) * below;
         }
-        let level = ln_level.exp();
+        let level = maths::exp(ln_level);
         if level.is_nan() || level < SILENCE {
             return Blend { row, weights: [0.0; 2] };
         }
-        let (sin, cos) = if part == 0.0 { (0.0, 1.0) } else { (FRAC_PI_2 * part).sin_cos() };
+        let (sin, cos) = if part == 0.0 { (0.0, 1.0) } else { maths::sin_cos(FRAC_PI_2 * part) };
         Blend { row, weights: [level * cos, level * sin] }
     }
 }

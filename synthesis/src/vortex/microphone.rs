@@ -15,7 +15,7 @@ pub(super) fn limited(pressure_pa: f64, most_pa: f64) -> f64 {
         return pressure_pa;
     }
     let room = most_pa - knee;
-    (knee + room * ((magnitude - knee) / room).tanh()).copysign(pressure_pa)
+    (knee + room * maths::tanh((magnitude - knee) / room)).copysign(pressure_pa)
 }
 
 #[cfg(test)]

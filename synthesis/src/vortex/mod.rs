@@ -18,6 +18,7 @@
 //! | `read` | the inner loop |
 //! | `raise` | from the rate that sources are summed at to the output's |
 //! | [`layout`] | receivers and channels |
+//! | `seen` | where sources stand, to be drawn |
 //! | `microphone` | the largest pressure |
 //! | [`shipped`] | the textures that come with the engines |
 
@@ -33,6 +34,7 @@ mod motion;
 mod moving;
 mod raise;
 mod read;
+mod seen;
 pub mod shipped;
 mod source;
 pub mod texture;
@@ -41,6 +43,7 @@ pub use bank::Bank;
 pub use field::{End, SpeedField};
 pub use layout::Layout;
 pub use live::{Asked, Simulator};
+pub use seen::SeenSource;
 pub use shipped::TEXTURES;
 pub use texture::VortexTexture;
 
@@ -131,7 +134,7 @@ impl Vortex {
     pub fn new(sample_rate_hz: f64, layout: Layout, sources: usize) -> Result<Self, Error> {
         in_range("sample rate in Hz", sample_rate_hz, 8_000.0, 384_000.0)?;
         in_range("number of sources", sources as f64, 1.0, MOST_SOURCES as f64)?;
-        let hop = (HOP * 2f64.powf((sample_rate_hz / 48_000.0).log2().round())) as usize;
+        let hop = (HOP * maths::pow(2.0, maths::log2(sample_rate_hz / 48_000.0).round())) as usize;
         let factor = raise::factor(sample_rate_hz);
         let (channels, summed) = (layout.channels(), hop / factor);
         Ok(Self {
@@ -172,7 +175,7 @@ impl Vortex {
     /// its threshold, and what has been on its way. None where a field drives the sources, which ends never.
     pub fn tail_samples(&self, controls: &VortexControls) -> Option<usize> {
         let release_s = within(controls.release_s, 1e-3, 5.0);
-        let nepers = (-within(controls.threshold, 0.0, 1.0).ln()).clamp(0.0, SILENCE_NEPERS);
+        let nepers = (-maths::ln(within(controls.threshold, 0.0, 1.0))).clamp(0.0, SILENCE_NEPERS);
         let release = (release_s * nepers * self.sample_rate_hz).ceil() as usize;
         (controls.flow == Flow::Envelope)
             .then_some(release + (2 + FAREWELL_HOPS) * self.hop + 2 * self.latency_samples())

@@ -41,14 +41,14 @@ pub(super) struct Place {
 impl Frame {
     /// What `controls` ask for.
     pub fn of(controls: &VortexControls) -> Self {
-        let azimuth = within(controls.azimuth_deg % 360.0, -360.0, 360.0).to_radians().sin_cos();
+        let azimuth = maths::sin_cos(within(controls.azimuth_deg % 360.0, -360.0, 360.0).to_radians());
         Self {
             speed_m_s: within(controls.speed_m_s, 0.0, 100.0),
             curve: within(controls.curve, 0.1, 4.0),
             variation: within(controls.variation, 0.0, 1.0),
             field_speed: within(controls.field_speed, 0.0, 10.0),
             range: within(controls.range, 0.0, 1.0),
-            ln_reference: within(controls.reference_m_s, 0.1, 100.0).ln(),
+            ln_reference: maths::ln(within(controls.reference_m_s, 0.1, 100.0)),
             level: within(controls.level, 0.0, 1e6),
             max_pressure_pa: within(controls.max_pressure_pa, 1e-6, 1e9),
             place: Place {
@@ -99,9 +99,9 @@ impl Place {
     /// What sources are placed by.
     pub fn stand(&self) -> Stand {
         let [sin, cos] = self.azimuth;
-        let norm = sin.hypot(cos);
+        let norm = maths::hypot(sin, cos);
         let (sin, cos) = if norm > 1e-6 { (sin / norm, cos / norm) } else { (0.0, 1.0) };
-        let (rise, flat) = self.elevation.sin_cos();
+        let (rise, flat) = maths::sin_cos(self.elevation);
         Stand {
             spread_m: self.spread_m,
             sin,
@@ -128,7 +128,7 @@ impl Stand {
     /// Factor on the pressure at 1 m for a distance in m.
     pub fn attenuation(&self, distance_m: f64) -> f64 {
         let square = distance_m * distance_m + NEAR_M * NEAR_M;
-        if self.exponent == 1.0 { 1.0 / square.sqrt() } else { square.powf(-0.5 * self.exponent) }
+        if self.exponent == 1.0 { 1.0 / square.sqrt() } else { maths::pow(square, -0.5 * self.exponent) }
     }
 }
 

@@ -53,7 +53,7 @@ impl Raise {
             std::array::from_fn(|at| {
                 // The output's sample stands `phase` after the sample before the middle.
                 let from = (at + 1) as f64 - REACH as f64 - phase as f64 / factor as f64;
-                let sinc = if from == 0.0 { 1.0 } else { (PI * from).sin() / (PI * from) };
+                let sinc = if from == 0.0 { 1.0 } else { maths::sin(PI * from) / (PI * from) };
                 (sinc * window(from / REACH as f64)) as f32
             })
         });
@@ -99,7 +99,7 @@ impl Raise {
 /// The four-term Blackman-Harris window from -1 to 1 (Harris 1978: sidelobes at -92 dB).
 fn window(at: f64) -> f64 {
     let turn = 0.5 * TAU * at;
-    0.35875 + 0.48829 * turn.cos() + 0.14128 * (2.0 * turn).cos() + 0.01168 * (3.0 * turn).cos()
+    0.35875 + 0.48829 * maths::cos(turn) + 0.14128 * maths::cos(2.0 * turn) + 0.01168 * maths::cos(3.0 * turn)
 }
 
 #[cfg(test)]

@@ -77,7 +77,7 @@ impl Source {
         // Directions go round, so that they are as equally many as can be.
         let turn = (white.at(-1).to_bits() >> 8) as usize;
         let (height, azimuth) = (2.0 * number(0) - 1.0, std::f64::consts::TAU * number(1));
-        let radius = number(2).cbrt();
+        let radius = maths::cbrt(number(2));
         let flat = radius * (1.0 - height * height).max(0.0).sqrt();
         Self {
             identity,
@@ -85,7 +85,7 @@ impl Source {
             edge: Edge::default(),
             direction: (index + turn) % DIRECTIONS,
             offset: number(4),
-            ball: [flat * azimuth.cos(), flat * azimuth.sin(), radius * height],
+            ball: [flat * maths::cos(azimuth), flat * maths::sin(azimuth), radius * height],
             deviation: (2.0 * number(3) - 1.0) as f32,
             variation: 0.0,
             ln_deviation: 0.0,
@@ -97,7 +97,7 @@ impl Source {
     pub fn vary(&mut self, variation: f32) {
         if self.variation != variation {
             self.variation = variation;
-            self.ln_deviation = (variation * self.deviation).ln_1p();
+            self.ln_deviation = maths::ln_1p(variation * self.deviation);
         }
     }
 

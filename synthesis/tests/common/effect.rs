@@ -7,7 +7,8 @@ use pyrophone_synthesis::Structure;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
     CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
-    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, TextureControls, ToneControls, VortexControls,
+    FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, RecordingControls, TextureControls, ToneControls,
+    VortexControls,
 };
 use pyrophone_synthesis::structure::Dynamics;
 use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
@@ -18,7 +19,12 @@ pub const STEREO: Channels = Channels { input: 2, sidechain: 1, output: 2 };
 
 /// A made-up recording for a rate and structure.
 pub fn dictionary(rate_hz: f64, structure: &Structure, channels: usize) -> Arc<Dictionary> {
-    let mut random = Random::new(11);
+    dictionary_of(11, rate_hz, structure, channels)
+}
+
+/// The same, of another seed.
+pub fn dictionary_of(seed: u64, rate_hz: f64, structure: &Structure, channels: usize) -> Arc<Dictionary> {
+    let mut random = Random::new(seed);
     let recording: Vec<Vec<f64>> = (0..channels).map(|_| signal(&mut random, 1, 30_000)).collect();
     let shape = Shape::at_rate(structure, rate_hz);
     Arc::new(Dictionary::for_dynamics(structure.dynamics, &recording, rate_hz, &shape, &|_| true).unwrap())
@@ -27,11 +33,12 @@ pub fn dictionary(rate_hz: f64, structure: &Structure, channels: usize) -> Arc<D
 /// Both ways of following a drive's loudness.
 pub const MODES: [Dynamics; 2] = [Dynamics::Paper, Dynamics::Companded];
 
-/// A chain with a recording and a learned distribution.
+/// A chain with two recordings and a learned distribution.
 pub fn chain(rate_hz: f64, channels: Channels, dynamics: Dynamics) -> Chain {
     let structure = Structure { dynamics, ..Structure::default() };
     let mut chain = Chain::new(rate_hz, channels, &structure).unwrap();
     chain.swap_dictionary(Some(dictionary(rate_hz, &structure, channels.output)));
+    chain.swap_slot(1, Some(dictionary_of(12, rate_hz, &structure, 1)));
     let learned = Distribution::from_magnitudes((0..500).map(|i| f64::from(i) * 1e-3).collect());
     chain.swap_distribution(Some(Arc::new(learned)));
     chain
@@ -44,6 +51,12 @@ fn any_tone(random: &mut Random) -> ToneControls {
     }
     let mut factor = || 3.0 * random.unit();
     ToneControls { low: factor(), high: factor(), air: factor(), hiss: factor() }
+}
+
+/// One recording, or two, or none: [`chain`] has two.
+fn any_recordings(random: &mut Random) -> RecordingControls {
+    let blend = if random.below(2) == 0 { 0.0 } else { random.unit() };
+    RecordingControls { slot: [0, 0, 1, 3][random.below(4)], second: random.below(2), blend }
 }
 
 /// Some controls, every one of them moved.
@@ -79,6 +92,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
             width: random.unit(),
         },
         texture: TextureControls {
+            recordings: any_recordings(random),
             scaling_alpha: random.unit(),
             scaling_auto: random.below(2) == 0,
             dynamic_range,
@@ -117,6 +131,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
             max_pressure_pa: 1e-3,
         },
         crackle: CrackleControls {
+            slot: 0,
             fuel: Fuel::at(random.below(6)),
             density: 4.0 * random.unit(),
             sharpness: 2.0 * random.unit() - 1.0,

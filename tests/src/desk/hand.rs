@@ -23,6 +23,7 @@ pub const RETURN: u32 = 0xff0d;
 pub const ESCAPE: u32 = 0xff1b;
 
 const BUTTON: u8 = 1;
+const RIGHT_BUTTON: u8 = 3;
 const WHEEL_UP: u8 = 4;
 
 /// A hand on mouse and keyboard, over a window in the screen's upper left corner, while the plugin plays. Things are called
@@ -143,6 +144,15 @@ impl<'a> Hand<'a> {
         self.settle();
     }
 
+    /// Clicks on something with the right button.
+    #[track_caller]
+    pub fn right_click(&mut self, thing: &str) {
+        self.go_to(thing);
+        self.send(BUTTON_PRESS_EVENT, RIGHT_BUTTON, (0, 0));
+        self.send(BUTTON_RELEASE_EVENT, RIGHT_BUTTON, (0, 0));
+        self.settle();
+    }
+
     /// Clicks into a field, and waits for the keyboard to be the window's: what is typed before is lost.
     #[track_caller]
     pub fn click_into(&mut self, field: &str) {
@@ -191,6 +201,23 @@ impl<'a> Hand<'a> {
         }
         self.send(BUTTON_RELEASE_EVENT, BUTTON, (0, 0));
         self.settle();
+    }
+
+    /// Takes hold of something, carries it to a place of the screen, and lets go once `meanwhile` is true there.
+    #[track_caller]
+    pub fn carry(&mut self, thing: &str, to: (i16, i16), what: &str, mut meanwhile: impl FnMut() -> bool) {
+        let from = self.middle(thing);
+        self.go(from);
+        self.send(BUTTON_PRESS_EVENT, BUTTON, (0, 0));
+        self.settle();
+        for step in 1..=8 {
+            let part = |from: i16, to: i16| from + ((i32::from(to) - i32::from(from)) * step / 8) as i16;
+            self.send(MOTION_NOTIFY_EVENT, 0, (part(from.0, to.0), part(from.1, to.1)));
+            self.pass();
+        }
+        self.wait_until(what, |_| meanwhile());
+        self.send(BUTTON_RELEASE_EVENT, BUTTON, (0, 0));
+        self.pass();
     }
 
     /// Presses a key.

@@ -72,7 +72,7 @@ fn list(folder: &Path, shown: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
 }
 
 /// Where Debian wants what lies in a package: from, to.
-const DEBIAN: [(&str, &str); 12] = [
+const DEBIAN: [(&str, &str); 13] = [
     ("Pyrophone.clap", "usr/lib/clap/Pyrophone.clap"),
     ("Pyrophone.vst3", "usr/lib/vst3/Pyrophone.vst3"),
     ("pyrophone", "usr/bin/pyrophone"),
@@ -85,6 +85,7 @@ const DEBIAN: [(&str, &str); 12] = [
     ("CHANGELOG.md", "usr/share/doc/pyrophone/CHANGELOG.md"),
     ("LICENSE-MIT", "usr/share/doc/pyrophone/copyright"),
     ("THIRD-PARTY.md", "usr/share/doc/pyrophone/THIRD-PARTY.md"),
+    ("sbom.cdx.json", "usr/share/doc/pyrophone/sbom.cdx.json"),
 ];
 
 /// Packs a Linux folder as Debian's package into another one.

@@ -34,20 +34,45 @@ pub fn build(system: System) -> Result<Built> {
     let folder = project::target_dir().join("cross");
     let mut command = match system {
         System::Linux => zig_command()?,
-        System::Windows => windows_command(),
+        System::Windows => debian_command(System::Windows.triple(), "x86_64-w64-mingw32-gcc"),
     };
-    command.current_dir(project::root()).args(PACKAGES).arg("--release");
-    command.env("CARGO_TARGET_DIR", &folder).env("CARGO_INCREMENTAL", "0");
-    // Paths of this machine have no place in what others run, and would make two builds differ.
-    command.env("RUSTFLAGS", remapped());
-    let status = command.status().with_context(|| format!("calling {:?}", command.get_program()))?;
-    ensure!(status.success(), "the build for {} failed; see above", system.name());
+    command.args(PACKAGES);
+    finish(command, system.name())?;
     let release = folder.join(system.triple()).join("release");
     let built = Built { library: release.join(system.library()), program: release.join(system.program()) };
     for path in [&built.library, &built.program] {
         ensure!(path.exists(), "{} was not made", path.display());
     }
     Ok(built)
+}
+
+/// Builds a program of the workspace, optimised, for a system that Debian's compiler builds for with this linker; answers where
+/// it lies.
+pub fn program(package: &str, triple: &str, linker: &str, file: &str) -> Result<PathBuf> {
+    let mut command = debian_command(triple, linker);
+    command.args(["--package", package]);
+    finish(command, triple)?;
+    let path = project::target_dir().join("cross").join(triple).join("release").join(file);
+    ensure!(path.exists(), "{} was not made", path.display());
+    Ok(path)
+}
+
+/// Compiles plugin and command line for a system, without linking them.
+pub fn check(triple: &str) -> Result<()> {
+    let mut command = debian_cargo();
+    command.args(["check", STANDARD_LIBRARY, "--target", triple]).args(PACKAGES);
+    finish(command, triple)
+}
+
+/// Runs a build.
+fn finish(mut command: Command, name: &str) -> Result<()> {
+    command.current_dir(project::root()).arg("--release");
+    command.env("CARGO_TARGET_DIR", project::target_dir().join("cross")).env("CARGO_INCREMENTAL", "0");
+    // Paths of this machine have no place in what others run, and would make two builds differ.
+    command.env("RUSTFLAGS", remapped());
+    let status = command.status().with_context(|| format!("calling {:?}", command.get_program()))?;
+    ensure!(status.success(), "the build for {name} failed; see above");
+    Ok(())
 }
 
 /// Cargo by way of zig, which links against the C library of another year.
@@ -73,8 +98,20 @@ fn tools() -> Result<PathBuf> {
     Ok(tools)
 }
 
-/// Debian's Cargo, which builds the standard library too.
-fn windows_command() -> Command {
+/// Debian's Cargo for another system, linked by this linker.
+fn debian_command(triple: &str, linker: &str) -> Command {
+    let mut command = debian_cargo();
+    let name = triple.replace('-', "_");
+    command.env(format!("CARGO_TARGET_{}_LINKER", name.to_uppercase()), linker).env(format!("CC_{name}"), linker);
+    command.args(["build", STANDARD_LIBRARY, "--target", triple]);
+    command
+}
+
+/// The standard library is compiled like everything else.
+const STANDARD_LIBRARY: &str = "-Zbuild-std=std,panic_unwind";
+
+/// Debian's Cargo and compiler, which know the source of the standard library.
+fn debian_cargo() -> Command {
     let mut command = Command::new(DEBIAN_CARGO);
     // What rustup has set would send it back to rustup's compiler, which knows no Windows.
     for name in ["RUSTUP_TOOLCHAIN", "RUSTUP_HOME", "CARGO", "RUSTC_WRAPPER", "RUSTC_WORKSPACE_WRAPPER"] {
@@ -82,9 +119,6 @@ fn windows_command() -> Command {
     }
     command.env("RUSTC", "/usr/bin/rustc").env("RUSTDOC", "/usr/bin/rustdoc").env("PATH", "/usr/bin:/bin");
     command.env("RUSTC_BOOTSTRAP", "1");
-    let linker = "x86_64-w64-mingw32-gcc";
-    command.env("CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER", linker).env("CC_x86_64_pc_windows_gnu", linker);
-    command.args(["build", "-Zbuild-std=std,panic_unwind", "--target", System::Windows.triple()]);
     command
 }
 

@@ -7,8 +7,8 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 
 use super::build::Built;
-use super::licences;
 use super::system::System;
+use super::{bill, licences};
 use crate::{bundle, cargo, install, project};
 
 /// Files from the workspace that every package has.
@@ -23,15 +23,13 @@ pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
         let to = stage.join(to);
         install::copy(from, &to).with_context(|| format!("copying {} to {}", from.display(), to.display()))
     };
-    copy(&built.library, "Pyrophone.clap")?;
-    let library = format!("Pyrophone.vst3/Contents/{}/{}", system.vst3_folder(), system.vst3_library());
-    copy(&built.library, &library)?;
-    bundle::describe(&stage.join("Pyrophone.vst3"))?;
+    bundles(system, built, stage)?;
     copy(&built.program, system.program())?;
     for document in DOCUMENTS {
         copy(&project::root().join(document), document)?;
     }
     fs::write(stage.join("THIRD-PARTY.md"), licences::page(system)?)?;
+    fs::write(stage.join("sbom.cdx.json"), bill::bill(system)?)?;
     for (folder, script) in scripts(system) {
         copy(&project::root().join("packages").join(folder).join(script), script)?;
     }
@@ -40,6 +38,17 @@ pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
         write_manual(&built.program, stage)?;
     }
     Ok(())
+}
+
+/// Lays out both bundles in a folder.
+pub fn bundles(system: System, built: &Built, folder: &Path) -> Result<()> {
+    let vst3 = folder.join("Pyrophone.vst3");
+    let inner = vst3.join("Contents").join(system.vst3_folder()).join(system.vst3_library());
+    for to in [folder.join("Pyrophone.clap"), inner] {
+        install::copy(&built.library, &to)
+            .with_context(|| format!("copying {} to {}", built.library.display(), to.display()))?;
+    }
+    bundle::describe(&vst3)
 }
 
 /// What installs and removes a package: folder and name.

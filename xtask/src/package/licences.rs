@@ -33,23 +33,28 @@ pub fn page(system: System) -> Result<String> {
         "# What Pyrophone contains of others\n\nEach under its own licence; sources at the addresses named.\n\n\
         | crate | licence | source |\n|---|---|---|\n"
             .to_owned();
-    for Crate { name, licence, source } in crates(system)? {
+    for Crate { name, version, licence, source } in crates(system)? {
         ensure!(is_permitted(&licence), "{name} is under {licence:?}, which may not be passed on; see licences.rs");
-        page.push_str(&format!("| {name} | {licence} | {source} |\n"));
+        page.push_str(&format!("| {name} {version} | {licence} | {source} |\n"));
     }
     Ok(page)
 }
 
+/// A crate in the packages.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Crate {
-    /// Name and version.
-    name: String,
-    licence: String,
-    source: String,
+pub struct Crate {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+    /// Its licence, as it states it.
+    pub licence: String,
+    /// Address of its source.
+    pub source: String,
 }
 
 /// All that is linked into plugin and command line, our own left out.
-fn crates(system: System) -> Result<BTreeSet<Crate>> {
+pub fn crates(system: System) -> Result<BTreeSet<Crate>> {
     let mut tree = cargo::command();
     tree.args(["tree", "--package", "pyrophone-plugin", "--package", "pyrophone-cli", "--edges", "normal"]);
     tree.args(["--prefix", "none", "--target", system.triple(), "--format", "{p}|{l}|{r}"]);
@@ -68,7 +73,8 @@ fn parse(line: &str) -> Option<Crate> {
     let (name, version) = (words.next()?, words.next()?.trim_start_matches('v'));
     let is_ours = package.contains("(/") || package.contains(":\\");
     (!is_ours).then(|| Crate {
-        name: format!("{name} {version}"),
+        name: name.to_owned(),
+        version: version.to_owned(),
         licence: licence.to_owned(),
         source: source.to_owned(),
     })
@@ -98,6 +104,14 @@ mod tests {
         for bad in ["GPL-3.0", "", "MIT AND GPL-3.0", "(MIT OR Apache-2.0) AND LGPL-2.1", "GPL-3.0/AGPL-3.0"] {
             assert!(!is_permitted(bad), "{bad}");
         }
+    }
+
+    #[test]
+    fn cargo_deny_permits_the_same() {
+        let settings = std::fs::read_to_string(crate::project::root().join("deny.toml")).unwrap();
+        let list = settings.split_once("allow = [").and_then(|(_, rest)| rest.split_once(']')).unwrap().0;
+        let allowed: BTreeSet<&str> = list.split('"').skip(1).step_by(2).collect();
+        assert_eq!(allowed, PERMITTED.into_iter().chain(FONTS).collect());
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! What users download: an archive for each system, and the checksums of all.
 
 mod archive;
-mod build;
+mod bill;
+pub mod build;
 mod contents;
 mod licences;
 mod linkage;
@@ -14,7 +15,8 @@ use anyhow::{Context, Result};
 use clap::ValueEnum;
 
 use crate::{project, setup};
-use system::System;
+pub use contents::bundles;
+pub use system::System;
 
 /// For which systems.
 #[derive(Debug, clap::Args)]
@@ -22,10 +24,26 @@ pub struct Args {
     /// Only for this system instead of all that can be built for here
     #[arg(long, value_enum)]
     system: Option<System>,
+    /// Make nothing, but check that plugin and command line compile for a system that cannot be linked for here
+    #[arg(long, value_enum, conflicts_with = "system")]
+    check: Option<Checked>,
 }
+
+/// A system that is only checked here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Checked {
+    /// macOS on either processor
+    Macos,
+}
+
+/// Rust's names of macOS.
+const MACOS: [&str; 2] = ["aarch64-apple-darwin", "x86_64-apple-darwin"];
 
 /// Builds packages for the systems wanted, checks what they link to, and writes their checksums.
 pub fn run(args: &Args) -> Result<()> {
+    if let Some(Checked::Macos) = args.check {
+        return check_macos();
+    }
     let systems = args.system.map_or_else(|| System::value_variants().to_vec(), |system| vec![system]);
     let folder = project::target_dir().join("packages");
     fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
@@ -41,6 +59,12 @@ pub fn run(args: &Args) -> Result<()> {
         println!("{}", package.display());
     }
     Ok(())
+}
+
+/// Compiles everything for macOS but does not link it, for which its system's libraries would have to be here.
+pub fn check_macos() -> Result<()> {
+    setup::ensure(&setup::CHECK)?;
+    MACOS.into_iter().try_for_each(build::check)
 }
 
 /// The packages of one system from what was built for it.

@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
 
     flame::show(ui, upper.with_max_x(left), parts, hand);
     output::show(ui, above.with_max_y(above.bottom() - 0.5 * GAP), parts, hand);
-    recording::show(ui, below.with_min_y(below.top() + 0.5 * GAP), parts);
+    recording::show(ui, below.with_min_y(below.top() + 0.5 * GAP), parts, hand);
     layers::show(ui, upper.with_min_x(right), parts, hand);
     character::show(ui, lower.with_max_x(right - GAP), parts, hand);
     variations::show(ui, lower.with_min_x(right), parts, hand);

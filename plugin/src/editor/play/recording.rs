@@ -1,18 +1,32 @@
-//! The recording: its name, its outline with the part that is learnt from, where it was matched, and what it is like.
+//! The recording: its name, its outline with the part that is learnt from, where it was matched, and what it is like; the
+//! slots, and how much of a second recording is heard.
 
 use egui::{Align, Label, Layout, Rect, RichText, Ui};
 
+use pyrophone_settings::Id;
+use pyrophone_settings::table::RECORDING_SLOTS;
+
+use super::super::hand::Hand;
 use super::super::recording::message;
 use super::super::theme;
-use super::super::widgets::section::{section, title_row, within};
+use super::super::widgets::pick::list;
+use super::super::widgets::section::{columns, filled, section, title_row, within};
+use super::super::widgets::slider::slider;
 use super::Parts;
+use crate::loader::status::View;
 
 /// Height of the line below the outline, in points, and of the row of buttons.
 const FOOT: f32 = 16.0;
 const BUTTONS: f32 = 20.0;
+/// Height of the row of slots, and below which height of the panel there is no room for it.
+const SLOTS: f32 = 20.0;
+const ROOM_FOR_SLOTS: f32 = 92.0;
+/// Part of that row for the slots, and width of the choice of the second recording.
+const SLOTS_SHARE: f32 = 0.62;
+const SECOND: f32 = 52.0;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
     let inner = section(ui, rect, "RECORDING", "");
     let title = title_row(rect);
     let name_at = title.with_min_x(title.left() + 78.0);
@@ -31,7 +45,12 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>) {
         });
     });
     let foot = inner.with_min_y(inner.bottom() - FOOT);
-    let outline = inner.with_min_y(row.bottom() + 4.0).with_max_y(foot.top() - 3.0);
+    let mut outline = inner.with_min_y(row.bottom() + 4.0).with_max_y(foot.top() - 3.0);
+    if inner.height() >= ROOM_FOR_SLOTS {
+        let slots = outline.with_min_y(outline.bottom() - SLOTS);
+        outline.max.y = slots.top() - 4.0;
+        show_slots(ui, slots, view, hand);
+    }
     parts.recording.show_outline(ui, outline, loader, view);
     parts.monitor.heat.show(ui, outline);
     within(ui, foot, "recording words", |ui| {
@@ -41,6 +60,36 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>) {
             words(ui, parts);
         }
     });
+}
+
+/// The slots, the second recording, and its share.
+fn show_slots(ui: &mut Ui, rect: Rect, view: &View, hand: &mut Hand<'_>) {
+    let (slots, blend) = rect.split_left_right_at_x(rect.left() + SLOTS_SHARE * rect.width());
+    let chosen = hand.get(Id::RecordingSlot) as usize;
+    for (slot, place) in columns(slots, RECORDING_SLOTS.len(), 3.0).enumerate() {
+        let number = RECORDING_SLOTS[slot];
+        let named = view.slots[slot].as_deref();
+        let name = named.map(|words| words.rsplit_once(": ").map_or(words, |(name, _)| name));
+        let words = match (name, view.is_named[slot]) {
+            (Some(name), _) => format!("{number}  {name}"),
+            (None, true) => format!("{number}  not found"),
+            (None, false) => number.to_owned(),
+        };
+        let button = filled(ui, place, &words, &format!("Slot {number}"), slot == chosen, true);
+        let hint = format!(
+            "{}\nClick: this recording sounds; load one into it with the buttons above",
+            named.unwrap_or("Empty")
+        );
+        if button.on_hover_text(hint).clicked() {
+            hand.set_once(Id::RecordingSlot as usize, slot as f64);
+        }
+    }
+    let blend = blend.with_min_x(blend.left() + 6.0);
+    let (second, share) = blend.split_left_right_at_x(blend.left() + SECOND);
+    within(ui, second, "second recording", |ui| {
+        list(ui, Id::RecordingSecond as usize, RECORDING_SLOTS, SECOND - 12.0, hand);
+    });
+    slider(ui, share, Id::RecordingBlend as usize, "Blend", hand);
 }
 
 /// What can be done on the left, what the recording is like on the right.

@@ -100,6 +100,9 @@ fn recording(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &Hand<'_>) {
             parts.listen.saves(ui, parts.monitor, parts.view);
             parts.listen.burst(ui, parts.monitor, hand);
         });
-        parts.listen.word(ui, parts.monitor);
+        ui.horizontal(|ui| {
+            parts.listen.drag_out(ui, parts.monitor);
+            parts.listen.word(ui, parts.monitor);
+        });
     });
 }

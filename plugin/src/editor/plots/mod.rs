@@ -6,5 +6,6 @@ pub mod dynamics;
 pub mod heat;
 pub mod outline;
 pub mod pyramid;
+pub mod space;
 pub mod spectrum;
 pub mod trace;

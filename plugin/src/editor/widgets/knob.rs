@@ -83,9 +83,16 @@ fn dial(ui: &mut Ui, centre: Pos2, index: usize, look: &Look<'_>, hand: &mut Han
     let reason = hand.inert(index);
     draw(ui, &response, centre, parameter, plain, look, reason.is_some());
     indicate(ui, place, hand.indication(index));
+    let controller = hand.params.controllers.number(index);
+    if hand.params.controllers.learner() == Some(index) {
+        ui.painter().circle_stroke(centre, look.radius + 6.0, Stroke::new(1.5, theme::BLUE));
+    }
     response.on_hover_ui(|ui| {
         ui.set_max_width(320.0);
         ui.label(parameter.help);
+        if let Some(number) = controller {
+            ui.label(egui::RichText::new(format!("MIDI controller {number}")).font(theme::small()).color(theme::BLUE));
+        }
         if !look.more.is_empty() {
             ui.label(egui::RichText::new(&look.more).font(theme::small()).color(theme::WEAK));
         }

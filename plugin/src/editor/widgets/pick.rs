@@ -5,6 +5,7 @@ use pyrophone_settings::{PARAMETERS, Parameter};
 
 use super::super::hand::Hand;
 use super::super::{map, theme};
+use super::menu::menu;
 use super::notches;
 
 /// Width of a choice, in points.
@@ -41,6 +42,7 @@ pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut Ha
         }
     });
     let response = explain(list.response, parameter, reason);
+    menu(&response, index, false, hand);
     map::note(ui, format_args!("choice.{}", parameter.id), response.rect);
     // Without opening the list, as the host's own menus do.
     let next = (chosen as f64 - notches(ui, &response)).clamp(0.0, (names.len() - 1) as f64);
@@ -59,6 +61,7 @@ pub fn toggle(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
     let color = if reason.is_some() { color.gamma_multiply(DIMMED) } else { color };
     let switch = ui.checkbox(&mut is_on, RichText::new(parameter.name).color(color));
     let switch = explain(switch, parameter, reason);
+    menu(&switch, index, false, hand);
     map::note(ui, format_args!("toggle.{}", parameter.id), switch.rect);
     if switch.changed() {
         hand.set_once(index, f64::from(u8::from(is_on)));

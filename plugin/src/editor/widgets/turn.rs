@@ -1,11 +1,10 @@
 //! Turning a parameter: drag (finer with Shift), wheel, arrow keys, double click for the default, a menu on the right button.
 
 use egui::{Key, Response, Ui, WidgetInfo};
-use pyrophone_settings::{Kind, PARAMETERS, Parameter};
+use pyrophone_settings::{Kind, PARAMETERS};
 
 use super::super::hand::Hand;
-use super::super::map;
-use super::value;
+use super::menu::menu;
 
 /// Points that a full turn takes.
 const TRAVEL: f32 = 180.0;
@@ -21,6 +20,8 @@ pub enum Travel {
     Knob,
     /// Along a vertical track of this length in points.
     Fader(f32),
+    /// Along a horizontal track of this length in points.
+    Slider(f32),
 }
 
 /// Follows mouse and keys; the value as it is then. What has no effect is not moved by the pointer.
@@ -39,7 +40,7 @@ pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &m
     if response.has_focus() && ui.input(|input| input.key_pressed(Key::Delete) || input.key_pressed(Key::Backspace)) {
         hand.set_once(index, parameter.default_value());
     }
-    menu(response, index, hand);
+    menu(response, index, true, hand);
     let plain = hand.value(index);
     response.widget_info(|| {
         let mut info = WidgetInfo::slider(true, plain, parameter.name);
@@ -66,6 +67,7 @@ fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut H
         let moved = match travel {
             Travel::Knob => (delta.x - delta.y) / TRAVEL,
             Travel::Fader(length) => -delta.y / length.max(1.0),
+            Travel::Slider(length) => delta.x / length.max(1.0),
         };
         let held = (held + fine(ui) * f64::from(moved)).clamp(0.0, 1.0);
         ui.data_mut(|data| data.insert_temp(id, held));
@@ -117,33 +119,4 @@ fn wheel(input: &egui::InputState) -> f64 {
         _ => None,
     });
     f64::from(notches.sum::<f32>())
-}
-
-/// What the right button offers.
-fn menu(response: &Response, index: usize, hand: &mut Hand<'_>) {
-    let parameter: &Parameter = &PARAMETERS[index];
-    response.context_menu(|ui| {
-        let text = parameter.to_text(hand.value(index));
-        let mut entry = |words: String, name: &str| {
-            let button = ui.button(words);
-            map::note(ui, format_args!("menu.{name}"), button.rect);
-            let is_clicked = button.clicked();
-            if is_clicked {
-                ui.close();
-            }
-            is_clicked
-        };
-        let default = parameter.to_text(parameter.default_value());
-        if entry(format!("Reset to {default}"), "Reset") {
-            hand.set_once(index, parameter.default_value());
-        }
-        let is_typing = entry("Type a value".to_owned(), "Type");
-        let is_copied = entry(format!("Copy {text}"), "Copy");
-        if is_typing {
-            value::begin_typing(ui, index, &text);
-        }
-        if is_copied {
-            ui.ctx().copy_text(text);
-        }
-    });
 }

@@ -1,7 +1,8 @@
 //! Events that carry values of parameters, between the host's scale and the framework's.
 //!
 //! The framework counts whole numbers from 0. Those that are never automated are shown to hosts as they are
-//! ([`params`](super::params)), so that their values are shifted on the way in and out.
+//! ([`params`](super::params)), so that their values are shifted on the way in and out. Messages of MIDI controllers
+//! become values on the way in ([`controllers`](super::controllers)).
 
 use std::ffi::c_void;
 
@@ -10,29 +11,40 @@ use clap_sys::events::{
     clap_output_events,
 };
 
+use super::controllers::{Messages, Place, event_of};
 use super::params::shift;
 use super::plugin::Guard;
+use crate::controllers::Controllers;
 
 /// Events that may be in use at once: the framework looks at one and at the next.
 const IN_USE: usize = 4;
 
-/// Room for shifted events of the call under way.
+/// Room for events of our own in the call under way.
+#[derive(Default)]
 pub struct Scratch {
     events: [Option<clap_event_param_value>; IN_USE],
+    messages: Messages,
 }
 
 // SAFETY: what an event points to is the host's and only passed through within a call.
 unsafe impl Send for Scratch {}
 
-impl Default for Scratch {
-    fn default() -> Self {
-        Self { events: [const { None }; IN_USE] }
-    }
-}
-
 struct Incoming<'a> {
     host: &'a clap_input_events,
+    controllers: &'a Controllers,
     scratch: *mut Scratch,
+}
+
+impl Incoming<'_> {
+    fn count(&self) -> u32 {
+        // SAFETY: the host's own list.
+        self.host.size.map_or(0, |size| unsafe { size(self.host) })
+    }
+
+    fn event(&self, place: u32) -> *const clap_event_header {
+        // SAFETY: the host's own list.
+        self.host.get.map_or(std::ptr::null(), |get| unsafe { get(self.host, place) })
+    }
 }
 
 /// The event as one that sets a parameter whose values are shifted, and by how much.
@@ -53,22 +65,27 @@ unsafe fn shifted(event: *const clap_event_header) -> Option<(clap_event_param_v
 unsafe extern "C" fn size(list: *const clap_input_events) -> u32 {
     // SAFETY: made in `translated`, and used only within it.
     let incoming = unsafe { &*(*list).ctx.cast::<Incoming<'_>>() };
-    // SAFETY: the host's own list.
-    incoming.host.size.map_or(0, |size| unsafe { size(incoming.host) })
+    // SAFETY: held by `translated` for this call alone.
+    incoming.count() + unsafe { &(*incoming.scratch).messages }.added()
 }
 
 unsafe extern "C" fn get(list: *const clap_input_events, index: u32) -> *const clap_event_header {
     // SAFETY: made in `translated`, and used only within it.
     let incoming = unsafe { &*(*list).ctx.cast::<Incoming<'_>>() };
-    let Some(get) = incoming.host.get else { return std::ptr::null() };
-    // SAFETY: the host's own list.
-    let event = unsafe { get(incoming.host, index) };
-    // SAFETY: null or a live event.
-    let Some((mut own, shift)) = (unsafe { shifted(event) }) else { return event };
-    own.value -= shift;
-    // SAFETY: held by `translated` for this call alone; older events than the framework looks at are overwritten.
-    let place = unsafe { &mut (*incoming.scratch).events[index as usize % IN_USE] };
-    std::ptr::from_ref(&place.insert(own).header)
+    // SAFETY: held by `translated` for this call alone.
+    let scratch = unsafe { &mut *incoming.scratch };
+    let own = match scratch.messages.at(incoming.controllers, index) {
+        Place::Value { index, share, time } => event_of(index, share, time),
+        Place::Host(place) => {
+            let event = incoming.event(place);
+            // SAFETY: null or a live event.
+            let Some((mut own, shift)) = (unsafe { shifted(event) }) else { return event };
+            own.value -= shift;
+            own
+        }
+    };
+    // Older events than the framework looks at are overwritten.
+    std::ptr::from_ref(&scratch.events[index as usize % IN_USE].insert(own).header)
 }
 
 unsafe extern "C" fn try_push(list: *const clap_output_events, event: *const clap_event_header) -> bool {
@@ -87,7 +104,8 @@ unsafe extern "C" fn try_push(list: *const clap_output_events, event: *const cla
     }
 }
 
-/// Calls `work` with lists that shift values, in place of the host's; real-time safe. Lists that are null stay null.
+/// Calls `work` with lists that shift values and follow MIDI controllers, in place of the host's; real-time safe. Lists
+/// that are null stay null.
 ///
 /// # Safety
 /// The lists are null or live as long as the call.
@@ -101,7 +119,20 @@ pub unsafe fn translated<T>(
     let Ok(mut scratch) = guard.events.try_lock() else { return work(incoming, outgoing) };
     // SAFETY: by the caller's word.
     let (host_in, host_out) = unsafe { (incoming.as_ref(), outgoing.as_ref()) };
-    let context = host_in.map(|host| Incoming { host, scratch: &raw mut *scratch });
+    let controllers = &guard.instance.params.controllers;
+    let context = host_in.map(|host| Incoming { host, controllers, scratch: &raw mut *scratch });
+    if let Some(context) = &context {
+        // SAFETY: the host's events, and the scratch that is held here.
+        unsafe { (*context.scratch).messages.read(controllers, context.count(), |place| context.event(place)) };
+        // Before all other events that go out, because a list is in order of time.
+        if let Some((host, push)) = host_out.and_then(|host| Some((host, host.try_push?))) {
+            // SAFETY: the scratch that is held here.
+            for moved in unsafe { &(*context.scratch).messages }.moved(controllers) {
+                // SAFETY: the host's own list, which copies the event.
+                unsafe { push(host, &moved.header) };
+            }
+        }
+    }
     let list_in = context.as_ref().map(|context| clap_input_events {
         ctx: std::ptr::from_ref(context).cast::<c_void>().cast_mut(),
         size: Some(size),

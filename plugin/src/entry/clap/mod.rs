@@ -4,14 +4,18 @@
 //! |---|---|
 //! | [`plugin`] | the effect as the host holds it |
 //! | [`params`], [`events`] | parameters, and the events that carry their values |
+//! | [`controllers`] | MIDI controllers that move them |
 //! | [`ports`] | layouts and loudspeakers |
 //! | [`saving`] | states, and presets loaded by a host |
 //! | [`discovery`] | presets for a host's browser |
 //! | [`extras`] | indications and context menus |
+//! | [`host_menu`] | what the host adds to the window's menus |
 
+mod controllers;
 mod discovery;
 mod events;
 mod extras;
+mod host_menu;
 mod params;
 mod plugin;
 mod ports;

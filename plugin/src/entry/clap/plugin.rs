@@ -24,6 +24,7 @@ use clap_sys::plugin::clap_plugin;
 use clap_sys::process::{CLAP_PROCESS_ERROR, clap_process, clap_process_status};
 use nice_plug::wrapper::clap::Wrapper;
 
+use super::host_menu::ClapMenu;
 use super::{events, extras, params, ports, saving};
 use crate::Pyrophone;
 use crate::entry::buses::{Buses, MAX_INPUTS};
@@ -66,6 +67,8 @@ impl Guard {
             ..inner
         };
         let (events, buses) = (Mutex::default(), Mutex::new(None));
+        // SAFETY: it is taken away again before the plug-in is destroyed, which the host outlives.
+        instance.params.host_menu.set_provider(Some(Box::new(unsafe { ClapMenu::new(host) })));
         let guard = Box::new(Self { clap, inner, host, instance, events, buses });
         std::ptr::from_ref(&Box::leak(guard).clap)
     }
@@ -135,6 +138,7 @@ impl Guard {
 unsafe extern "C" fn destroy(plugin: *const clap_plugin) {
     // SAFETY: hosts destroy a plug-in once.
     let Some(guard) = (unsafe { Guard::of(plugin) }) else { return };
+    guard.instance.params.host_menu.set_provider(None);
     let inner = guard.inner;
     if let Some(destroy) = inner.destroy {
         // SAFETY: the framework's own plug-in, destroyed once.

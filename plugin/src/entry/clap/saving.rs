@@ -149,7 +149,8 @@ unsafe fn preset_at(
 fn apply(guard: &Guard, preset: &Preset) -> Option<()> {
     let present: serde_json::Value = serde_json::from_slice(&saved(guard)?).ok()?;
     let session = pyrophone_settings::Session::default();
-    let text = pyrophone_settings::session::plugin_state(&preset.values, &session);
+    let values = preset.values.chosen_over(&guard.instance.params.values());
+    let text = pyrophone_settings::session::plugin_state(&values, &session);
     let mut wanted: serde_json::Value = serde_json::from_str(&text).ok()?;
     wanted["fields"] = present["fields"].clone();
     load_json(guard, &serde_json::to_vec(&wanted).ok()?).then_some(())

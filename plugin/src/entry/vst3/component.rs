@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use nice_plug::wrapper::vst3::Wrapper;
 use vst3::Steinberg::Vst::{
     BusDirection, BusDirections_, BusInfo, ChannelContext::IInfoListener, ChannelContext::IInfoListenerTrait,
-    IAttributeList, IAudioProcessor, IComponent, IComponentTrait, IEditController, IEditControllerTrait,
+    IAttributeList, IAudioProcessor, IComponent, IComponentTrait, IEditController, IEditControllerTrait, IMidiMapping,
     IProcessContextRequirements, IProcessContextRequirementsTrait, IUnitInfo, IoMode, MediaType, MediaTypes_,
     RoutingInfo,
 };
@@ -16,12 +16,14 @@ use vst3::Steinberg::{
 };
 use vst3::{Class, ComPtr, ComWrapper};
 
+use super::controllers::ControllerInput;
+use super::host_menu::OpenView;
 use super::pending::PendingValues;
 use super::stream::{MemoryStream, pointer, read_all, write_all};
 use crate::Pyrophone;
 use crate::channels::MAX_CHANNELS;
 use crate::entry::buses::{Buses, Declared, MAX_INPUTS};
-use crate::entry::instance::{self, numeric_id};
+use crate::entry::instance::{self, Instance, numeric_id};
 use crate::entry::state;
 
 pub const AUDIO: MediaType = MediaTypes_::kAudio as MediaType;
@@ -36,7 +38,10 @@ pub struct Component {
     pub(super) units: ComPtr<IUnitInfo>,
     requirements: ComPtr<IProcessContextRequirements>,
     info_listener: ComPtr<IInfoListener>,
+    pub(super) instance: Instance,
     pub(super) pending: PendingValues,
+    pub(super) controllers: ControllerInput,
+    pub(super) view: OpenView,
     pub(super) is_processing: AtomicBool,
     /// Longest block, as announced; 0 before that.
     pub(super) max_block: std::sync::atomic::AtomicUsize,
@@ -48,8 +53,7 @@ impl Component {
     /// A new effect; none where the framework's object lacks an interface.
     pub fn new() -> Option<ComWrapper<Self>> {
         let wrapper = ComWrapper::new(Wrapper::<Pyrophone>::new());
-        // It needs nothing of the effect inside, which is not left for another one to find.
-        drop(instance::take_announced());
+        let instance = instance::take_announced()?;
         Some(ComWrapper::new(Self {
             component: wrapper.to_com_ptr()?,
             processor: wrapper.to_com_ptr()?,
@@ -57,7 +61,10 @@ impl Component {
             units: wrapper.to_com_ptr()?,
             requirements: wrapper.to_com_ptr()?,
             info_listener: wrapper.to_com_ptr()?,
+            instance,
             pending: PendingValues::default(),
+            controllers: ControllerInput::default(),
+            view: OpenView::default(),
             is_processing: AtomicBool::new(false),
             max_block: Default::default(),
             buses: Mutex::new(None),
@@ -106,8 +113,15 @@ impl Component {
 }
 
 impl Class for Component {
-    type Interfaces =
-        (IComponent, IEditController, IAudioProcessor, IProcessContextRequirements, IUnitInfo, IInfoListener);
+    type Interfaces = (
+        IComponent,
+        IEditController,
+        IAudioProcessor,
+        IProcessContextRequirements,
+        IUnitInfo,
+        IInfoListener,
+        IMidiMapping,
+    );
 }
 
 impl IPluginBaseTrait for Component {

@@ -1,21 +1,41 @@
 //! The controlling half: parameters and their groups.
 
-use pyrophone_settings::{Kind, PARAMETERS};
+use pyrophone_settings::controller_file::CONTROLLERS;
+use pyrophone_settings::{COUNT, Kind, PARAMETERS};
 use std::sync::atomic::Ordering;
-use vst3::ComPtr;
 use vst3::Steinberg::Vst::{
-    BusDirection, CString, IComponentHandler, IEditControllerTrait, IUnitInfoTrait, MediaType, ParamID, ParamValue,
-    ParameterInfo, ParameterInfo_::ParameterFlags_, ProgramListID, ProgramListInfo, String128, TChar, UnitID, UnitInfo,
-    kNoParentUnitId, kNoProgramListId, kRootUnitId,
+    BusDirection, CString, IComponentHandler, IComponentHandler3, IEditControllerTrait, IMidiMappingTrait,
+    IUnitInfoTrait, MediaType, ParamID, ParamValue, ParameterInfo, ParameterInfo_::ParameterFlags_, ProgramListID,
+    ProgramListInfo, String128, TChar, UnitID, UnitInfo, kNoParentUnitId, kNoProgramListId, kRootUnitId,
 };
 use vst3::Steinberg::{
     FIDString, IBStream, IPlugView, int16, int32, kInvalidArgument, kNotImplemented, kResultFalse, kResultOk, tresult,
 };
+use vst3::{ComPtr, ComRef};
 
 use super::component::Component;
+use super::controllers::{describe, id_of, number_of};
+use super::host_menu::Vst3Menu;
 use super::text;
 use super::view::View;
-use crate::entry::instance::index_of_numeric;
+use crate::controllers::value_at;
+use crate::entry::instance::{NUMERIC_IDS, index_of_numeric};
+use crate::host_menu::Provider;
+
+impl Component {
+    /// A controller has moved while nothing plays; otherwise the next block carries it.
+    fn move_controller(&self, number: u8, position: f64) {
+        if self.is_processing.load(Ordering::SeqCst) {
+            return;
+        }
+        let assigned = &self.instance.params.controllers;
+        self.controllers.set_position(assigned, number, position);
+        for index in assigned.targets(number) {
+            // SAFETY: a live controller; it stores values at once while nothing is processed.
+            unsafe { self.controller.setParamNormalized(NUMERIC_IDS[index], value_at(index, position)) };
+        }
+    }
+}
 
 impl IEditControllerTrait for Component {
     unsafe fn setComponentState(&self, state: *mut IBStream) -> tresult {
@@ -34,15 +54,22 @@ impl IEditControllerTrait for Component {
     }
 
     unsafe fn getParameterCount(&self) -> int32 {
-        // SAFETY: a live controller.
-        unsafe { self.controller.getParameterCount() }
+        // The MIDI controllers come last.
+        COUNT as int32 + int32::from(CONTROLLERS)
     }
 
     unsafe fn getParameterInfo(&self, index: int32, info: *mut ParameterInfo) -> tresult {
-        // The framework panics at the index behind the last.
-        // SAFETY: a live controller.
-        if info.is_null() || !(0..unsafe { self.getParameterCount() }).contains(&index) {
+        if info.is_null() || index < 0 {
             return kInvalidArgument;
+        }
+        // The framework panics at the index behind the last.
+        if let Some(number) = (index as usize).checked_sub(COUNT) {
+            let Some(number) = u8::try_from(number).ok().filter(|number| *number < CONTROLLERS) else {
+                return kInvalidArgument;
+            };
+            // SAFETY: a place to write to.
+            describe(number, unsafe { &mut *info });
+            return kResultOk;
         }
         // SAFETY: a live controller and a place to write to.
         let result = unsafe { self.controller.getParameterInfo(index, info) };
@@ -63,6 +90,11 @@ impl IEditControllerTrait for Component {
     unsafe fn getParamStringByValue(&self, id: ParamID, value: ParamValue, string: *mut String128) -> tresult {
         if string.is_null() {
             return kInvalidArgument;
+        }
+        if number_of(id).is_some() {
+            // SAFETY: a place to write to.
+            text::write(&format!("{:.0}", 127.0 * value.clamp(0.0, 1.0)), unsafe { &mut *string });
+            return kResultOk;
         }
         // SAFETY: a live controller and a place to write to.
         let result = unsafe { self.controller.getParamStringByValue(id, value, string) };
@@ -95,17 +127,27 @@ impl IEditControllerTrait for Component {
     }
 
     unsafe fn getParamNormalized(&self, id: ParamID) -> ParamValue {
+        if let Some(number) = number_of(id) {
+            return self.controllers.position(number);
+        }
         let pending = index_of_numeric(id).and_then(|index| self.pending.get(index));
         // SAFETY: a live controller.
         pending.unwrap_or_else(|| unsafe { self.controller.getParamNormalized(id) })
     }
 
     unsafe fn setParamNormalized(&self, id: ParamID, value: ParamValue) -> tresult {
-        let Some(index) = index_of_numeric(id) else { return kInvalidArgument };
         if !value.is_finite() {
             return kInvalidArgument;
         }
+        if let Some(number) = number_of(id) {
+            self.move_controller(number, value);
+            return kResultOk;
+        }
+        let Some(index) = index_of_numeric(id) else { return kInvalidArgument };
         if self.is_processing.load(Ordering::SeqCst) {
+            if self.pending.is_echo(index, value) {
+                return kResultOk;
+            }
             // The engines get it with the next block, at its sample; until then it is what the host reads and saves.
             self.pending.set(index, value);
             return kResultOk;
@@ -115,6 +157,10 @@ impl IEditControllerTrait for Component {
     }
 
     unsafe fn setComponentHandler(&self, handler: *mut IComponentHandler) -> tresult {
+        // SAFETY: null or a live handler, of which a reference is kept.
+        let own = unsafe { ComRef::from_raw(handler) }.and_then(|handler| handler.cast::<IComponentHandler3>());
+        let menu = own.map(|handler| Box::new(Vst3Menu::new(handler, self.view.clone())) as Box<dyn Provider>);
+        self.instance.params.host_menu.set_provider(menu);
         // SAFETY: a live controller; null takes the handler away.
         unsafe { self.controller.setComponentHandler(handler) }
     }
@@ -122,7 +168,27 @@ impl IEditControllerTrait for Component {
     unsafe fn createView(&self, name: FIDString) -> *mut IPlugView {
         // SAFETY: a live controller, which gives a view and one reference to it, or null.
         let view = unsafe { ComPtr::from_raw(self.controller.createView(name)) };
-        view.and_then(|view| View::new(view).to_com_ptr::<IPlugView>()).map_or(std::ptr::null_mut(), ComPtr::into_raw)
+        let view = view.and_then(|view| View::new(view, self.view.clone()).to_com_ptr::<IPlugView>());
+        view.map_or(std::ptr::null_mut(), ComPtr::into_raw)
+    }
+}
+
+impl IMidiMappingTrait for Component {
+    unsafe fn getMidiControllerAssignment(
+        &self,
+        bus: int32,
+        channel: int16,
+        controller: int16,
+        id: *mut ParamID,
+    ) -> tresult {
+        if id.is_null() {
+            return kInvalidArgument;
+        }
+        let number = u8::try_from(controller).ok().filter(|number| *number < CONTROLLERS);
+        let Some(number) = number.filter(|_| bus == 0 && (0..16).contains(&channel)) else { return kResultFalse };
+        // SAFETY: a place to write to.
+        unsafe { id.write(id_of(number)) };
+        kResultOk
     }
 }
 

@@ -5,13 +5,17 @@
 //! | [`component`] | the effect as the host holds it |
 //! | [`processor`] | arrangements, set-up, blocks |
 //! | [`controller`] | parameters and their groups |
+//! | [`controllers`] | MIDI controllers that move parameters |
 //! | [`pending`] | values set on the main thread that no block has carried yet |
+//! | [`host_menu`] | what the host adds to the window's menus |
 //! | [`view`], [`frame`] | the window and the run loop around it |
 //! | [`stream`], [`text`] | states and texts as VST3 has them |
 
 mod component;
 mod controller;
+mod controllers;
 mod frame;
+mod host_menu;
 mod pending;
 mod processor;
 mod stream;

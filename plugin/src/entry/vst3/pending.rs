@@ -2,8 +2,9 @@
 //!
 //! While sound runs, a VST3 host tells a change twice: to the controller at once, and to the processor with the next
 //! block. Between the two the engines rightly play the old value, but what the host reads and saves is the new one.
+//! Values that the effect itself has told the host of come back as well; no block carries those.
 
-use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering};
 
 use pyrophone_settings::PARAMETERS;
 
@@ -12,9 +13,26 @@ const NONE: u64 = u64::MAX;
 /// Blocks with changes of a parameter after which the value set on the main thread is the older one, whatever it was.
 const BLOCKS: u8 = 2;
 
+/// Values told to the host of each parameter that are remembered: hosts hand them back in their own time.
+const TOLD: usize = 32;
+
 struct Slot {
     bits: AtomicU64,
     blocks: AtomicU8,
+    /// The latest values that the host was told, as bits of 32-bit floats, and how many there were.
+    told: [AtomicU32; TOLD],
+    told_count: AtomicU32,
+}
+
+impl Slot {
+    fn new() -> Self {
+        Self {
+            bits: AtomicU64::new(NONE),
+            blocks: AtomicU8::new(0),
+            told: std::array::from_fn(|_| AtomicU32::new(f32::NAN.to_bits())),
+            told_count: AtomicU32::new(0),
+        }
+    }
 }
 
 /// One slot for each parameter.
@@ -22,7 +40,7 @@ pub struct PendingValues(Vec<Slot>);
 
 impl Default for PendingValues {
     fn default() -> Self {
-        Self(PARAMETERS.iter().map(|_| Slot { bits: AtomicU64::new(NONE), blocks: AtomicU8::new(0) }).collect())
+        Self(PARAMETERS.iter().map(|_| Slot::new()).collect())
     }
 }
 
@@ -37,6 +55,21 @@ impl PendingValues {
     pub fn get(&self, index: usize) -> Option<f64> {
         let bits = self.0[index].bits.load(Ordering::Acquire);
         (bits != NONE).then(|| f64::from_bits(bits))
+    }
+
+    /// Notes a value that the host is told, and that stands in place of any that was pending; real-time safe.
+    pub fn tell(&self, index: usize, normalised: f64) {
+        let slot = &self.0[index];
+        let place = slot.told_count.fetch_add(1, Ordering::Relaxed) as usize % TOLD;
+        slot.told[place].store((normalised as f32).to_bits(), Ordering::Relaxed);
+        slot.bits.store(NONE, Ordering::Release);
+    }
+
+    /// Whether a value that the host sets is one that it was told not long ago.
+    pub fn is_echo(&self, index: usize, normalised: f64) -> bool {
+        let is_it =
+            |told: &AtomicU32| (f64::from(f32::from_bits(told.load(Ordering::Relaxed))) - normalised).abs() < 1e-6;
+        self.0[index].told.iter().any(is_it)
     }
 
     /// A block carries changes of the parameter, the last of them to `normalised`; real-time safe.
@@ -94,6 +127,22 @@ mod tests {
         assert_eq!(pending.get(2), Some(0.75), "that block was on its way already");
         pending.pass(2, 0.2);
         assert_eq!(pending.get(2), None);
+    }
+
+    #[test]
+    fn what_the_host_is_told_is_not_pending_when_it_comes_back() {
+        let pending = PendingValues::default();
+        assert!(!pending.is_echo(2, 0.0), "nothing was told");
+        pending.set(2, 0.75);
+        pending.tell(2, 1.0 / 127.0);
+        assert_eq!(pending.get(2), None, "the controller came later");
+        assert!(
+            pending.is_echo(2, f64::from(1.0f32 / 127.0))
+                && !pending.is_echo(2, 0.5)
+                && !pending.is_echo(3, 1.0 / 127.0)
+        );
+        (0..TOLD).for_each(|_| pending.tell(2, 0.5));
+        assert!(!pending.is_echo(2, 1.0 / 127.0), "long ago");
     }
 
     #[test]

@@ -122,8 +122,15 @@ impl Component {
         // Without an output to write to only the changes of parameters count.
         guarded.numOutputs = int32::from(is_heard);
         guarded.outputs = guarded_outputs.as_mut_ptr();
+        let assigned = &self.instance.params.controllers;
+        // SAFETY: the host's changes, which live as long as the block.
+        guarded.inputParameterChanges = unsafe { self.controllers.follow(assigned, data.inputParameterChanges) };
         // SAFETY: a live processor; every channel that was declared is there and long enough.
         let result = unsafe { self.processor.process(&mut guarded) };
+        self.controllers.moved().for_each(|(index, value)| self.pending.tell(index, value));
+        // SAFETY: null or the host's changes.
+        unsafe { self.controllers.tell(data.outputParameterChanges) };
+        self.controllers.finish();
         // SAFETY: the host's buses; channels beyond those declared must not keep what was in them.
         unsafe { silence_rest(data, declared.output) };
         result

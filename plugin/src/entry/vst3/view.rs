@@ -12,6 +12,7 @@ use vst3::Steinberg::{
 use vst3::{Class, ComPtr, ComRef, ComWrapper};
 
 use super::frame::Frame;
+use super::host_menu::OpenView;
 
 /// Passes on what a host asks of its view.
 pub struct View {
@@ -19,6 +20,8 @@ pub struct View {
     /// The address that the host knows this view by.
     address: AtomicPtr<IPlugView>,
     frame: Mutex<Option<ComWrapper<Frame>>>,
+    /// Where the address is left while the view is open.
+    open: OpenView,
 }
 
 // SAFETY: views are used on the host's main thread only; what is shared is behind a lock.
@@ -28,8 +31,8 @@ unsafe impl Sync for View {}
 
 impl View {
     /// Guards the framework's view.
-    pub fn new(inner: ComPtr<IPlugView>) -> ComWrapper<Self> {
-        let view = ComWrapper::new(Self { inner, address: AtomicPtr::default(), frame: Mutex::default() });
+    pub fn new(inner: ComPtr<IPlugView>, open: OpenView) -> ComWrapper<Self> {
+        let view = ComWrapper::new(Self { inner, address: AtomicPtr::default(), frame: Mutex::default(), open });
         if let Some(address) = view.as_com_ref::<IPlugView>() {
             view.address.store(address.as_ptr(), Ordering::Relaxed);
         }
@@ -38,6 +41,12 @@ impl View {
 
     fn frame(&self) -> MutexGuard<'_, Option<ComWrapper<Frame>>> {
         self.frame.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes the address away, unless another view has left its own.
+    fn close(&self) {
+        let (own, none) = (self.address.load(Ordering::Relaxed), std::ptr::null_mut());
+        let _ = self.open.compare_exchange(own, none, Ordering::AcqRel, Ordering::Relaxed);
     }
 
     fn let_go_of_frame(&self) {
@@ -52,6 +61,7 @@ impl View {
 
 impl Drop for View {
     fn drop(&mut self) {
+        self.close();
         self.let_go_of_frame();
     }
 }
@@ -73,11 +83,13 @@ impl IPlugViewTrait for View {
         if kind.is_null() {
             return kInvalidArgument;
         }
+        self.open.store(self.address.load(Ordering::Relaxed), Ordering::Release);
         // SAFETY: a live view; the window and the text are the host's.
         unsafe { self.inner.attached(parent, kind) }
     }
 
     unsafe fn removed(&self) -> tresult {
+        self.close();
         // SAFETY: a live view.
         unsafe { self.inner.removed() }
     }

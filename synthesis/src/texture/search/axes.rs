@@ -188,11 +188,14 @@ impl Work for Needed<'_> {
                 sums[axis] += f64::from(*x);
                 squares[axis] += f64::from(*x) * f64::from(*x);
             }
-            beyond += f64::from(projection.rests[AXES_MAX / STAGE - 1].sqrt() as f32).powi(2);
+            beyond += maths::square(f64::from(projection.rests[AXES_MAX / STAGE - 1].sqrt() as f32));
             count += 1.0;
         }
-        let variances: Vec<f64> =
-            sums.iter().zip(&squares).map(|(sum, square)| (square / count - (sum / count).powi(2)).max(0.0)).collect();
+        let variances: Vec<f64> = sums
+            .iter()
+            .zip(&squares)
+            .map(|(sum, square)| (square / count - maths::square(sum / count)).max(0.0))
+            .collect();
         let total = variances.iter().sum::<f64>() + beyond / count;
         let left = |axes: usize| variances[axes - 1..].iter().sum::<f64>() + beyond / count;
         let enough = (STAGE..AXES_MAX).step_by(STAGE).find(|axes| left(*axes) <= LEFT_OUT * total);

@@ -75,7 +75,7 @@ pub fn first_axes(axes: usize) -> usize {
 }
 
 /// What taking a query into a frame comes to, added up over every eighth axis.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TakenIn {
     /// Squares of how far it lies outside.
     pub outside: [f32; CHUNK],
@@ -117,9 +117,8 @@ impl Coded {
     pub fn set<L: Lanes>(&mut self, lanes: L, frame: Frame<'_>, point: &[f32; AXES_MAX]) {
         let per_half_step = 1.0 / frame.scale.half_step;
         let taken = lanes.take_in(frame, per_half_step, point, bytemuck::cast_mut(&mut self.steps));
-        let [first, all] = [0, 1].map(|of| {
-            taken.squares[of].iter().sum::<i32>() + 2 * CODE_MAX as i32 * taken.sums[of].iter().sum::<i32>()
-        });
+        let [first, all] = [0, 1]
+            .map(|of| taken.squares[of].iter().sum::<i32>() + 2 * CODE_MAX as i32 * taken.sums[of].iter().sum::<i32>());
         self.base = all;
         self.rest = all - first;
         self.outside = taken.outside.iter().sum();

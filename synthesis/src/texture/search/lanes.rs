@@ -1,7 +1,7 @@
 //! Arithmetic on sixteen numbers at once, chosen at run time: AVX-512, AVX2, or what the compiler
 //! makes of plain arrays (on ARM that is NEON, which is always there).
 //!
-//! Paths may round differently; everything computed here in floating point is a bound that allows for it.
+//! All round alike, so that a search within a budget goes the same way on every machine. Bounds allow for the rounding.
 
 use super::codes::{CHUNK, Frame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
 use super::{AXES_MAX, LANES};
@@ -24,7 +24,7 @@ pub trait Lanes: Copy {
     fn load(self, numbers: &[f32; LANES]) -> Self::Singles;
     /// a - b
     fn sub(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
-    /// a b + c
+    /// a b + c, rounded twice: not every processor fuses them.
     fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles;
     /// The larger of a and b.
     fn max(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
@@ -61,6 +61,12 @@ pub trait Lanes: Copy {
     fn sum(self, a: Self::Doubles) -> f64;
     /// Asks for the memory of the first values, which will be read soon.
     fn prefetch<T>(self, values: &[T]);
+}
+
+/// The sum of eight numbers, in the one order in which vectors of any width add their halves.
+#[inline(always)]
+fn sum_of([a, b, c, d, e, f, g, h]: [f64; 8]) -> f64 {
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// Plain arrays.
@@ -172,7 +178,7 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn sum(self, a: Self::Doubles) -> f64 {
-        a.iter().sum()
+        sum_of(a)
     }
     #[inline(always)]
     fn prefetch<T>(self, _: &[T]) {}
@@ -187,7 +193,7 @@ mod x86 {
     use bytemuck::cast;
     use pulp::x86::{V3, V4};
 
-    use super::{AXES_MAX, CHUNK, Frame, LANES, Lanes, QUAD, Quad, ROUNDER, TakenIn, first_axes};
+    use super::{AXES_MAX, CHUNK, Frame, LANES, Lanes, QUAD, Quad, ROUNDER, TakenIn, first_axes, sum_of};
 
     /// Fetches 256 bytes.
     #[inline(always)]
@@ -257,7 +263,7 @@ mod x86 {
         }
         #[inline(always)]
         fn mul_add(self, a: __m512, b: __m512, c: __m512) -> __m512 {
-            self.avx512f._mm512_fmadd_ps(a, b, c)
+            self.avx512f._mm512_add_ps(self.avx512f._mm512_mul_ps(a, b), c)
         }
         #[inline(always)]
         fn load(self, numbers: &[f32; LANES]) -> __m512 {
@@ -324,7 +330,7 @@ mod x86 {
         #[inline(always)]
         fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: __m512d) -> __m512d {
             let difference = self.avx512f._mm512_sub_pd(cast(*a), cast(*b));
-            self.avx512f._mm512_fmadd_pd(difference, difference, sum)
+            self.avx512f._mm512_add_pd(sum, self.avx512f._mm512_mul_pd(difference, difference))
         }
         #[inline(always)]
         fn add_weighted_square(self, a: &[f64; 8], weight: &[f64; 8], b: &[f64; 8], sum: __m512d) -> __m512d {
@@ -333,7 +339,7 @@ mod x86 {
         }
         #[inline(always)]
         fn sum(self, a: __m512d) -> f64 {
-            self.avx512f._mm512_reduce_add_pd(a)
+            sum_of(cast(a))
         }
         #[inline(always)]
         fn prefetch<T>(self, values: &[T]) {
@@ -352,7 +358,8 @@ mod x86 {
         }
         #[inline(always)]
         fn mul_add(self, a: Self::Singles, b: Self::Singles, c: Self::Singles) -> Self::Singles {
-            [self.fma._mm256_fmadd_ps(a[0], b[0], c[0]), self.fma._mm256_fmadd_ps(a[1], b[1], c[1])]
+            let one = |at: usize| self.avx._mm256_add_ps(self.avx._mm256_mul_ps(a[at], b[at]), c[at]);
+            [one(0), one(1)]
         }
         #[inline(always)]
         fn load(self, numbers: &[f32; LANES]) -> Self::Singles {
@@ -432,7 +439,7 @@ mod x86 {
             let (a, b): ([__m256d; 2], [__m256d; 2]) = (cast(*a), cast(*b));
             let add = |a, b, sum| {
                 let difference = self.avx._mm256_sub_pd(a, b);
-                self.fma._mm256_fmadd_pd(difference, difference, sum)
+                self.avx._mm256_add_pd(sum, self.avx._mm256_mul_pd(difference, difference))
             };
             [add(a[0], b[0], sum[0]), add(a[1], b[1], sum[1])]
         }
@@ -450,7 +457,7 @@ mod x86 {
         }
         #[inline(always)]
         fn sum(self, a: Self::Doubles) -> f64 {
-            cast::<_, [f64; 8]>(a).iter().sum()
+            sum_of(cast(a))
         }
         #[inline(always)]
         fn prefetch<T>(self, values: &[T]) {
@@ -515,4 +522,57 @@ pub trait Work {
     type Done;
     /// Does it.
     fn with<L: Lanes>(self, lanes: L) -> Self::Done;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::codes::Scale;
+    use super::*;
+    use crate::noise::White;
+
+    /// A query taken into a frame, and the weighted squares of eight numbers.
+    struct Taken<'a> {
+        frame: Frame<'a>,
+        point: &'a [f32; AXES_MAX],
+        numbers: &'a [[f64; 8]; 3],
+    }
+
+    impl Work for Taken<'_> {
+        type Done = ([i8; AXES_MAX], TakenIn, f64);
+
+        fn with<L: Lanes>(self, lanes: L) -> Self::Done {
+            let mut steps = [0; AXES_MAX];
+            let taken = lanes.take_in(self.frame, 1.0 / self.frame.scale.half_step, self.point, &mut steps);
+            let [a, weight, b] = self.numbers;
+            (steps, taken, lanes.sum(lanes.add_weighted_square(a, weight, b, lanes.zeros())))
+        }
+    }
+
+    #[test]
+    fn every_machine_takes_queries_in_alike() {
+        let white = White::new(5, 6);
+        for round in 0..200 {
+            let number = |at: i64| white.at(100 * round + at);
+            let axes = [8, 16, 24, 32, 40, 48][round as usize % 6];
+            let middles: Vec<f32> = (0..axes).map(|axis| number(axis) as f32).collect();
+            let halves: Vec<f32> = (0..axes).map(|axis| (0.3 * number(axis + 50)).abs() as f32).collect();
+            let half_step = super::super::codes::half_step_for(halves.iter().copied());
+            let frame = Frame { middles: &middles, halves: &halves, scale: Scale { half_step, slack: 0.0 } };
+            let point = std::array::from_fn(|axis| number(axis as i64 + 17) as f32);
+            let numbers = [0, 8, 16].map(|from| std::array::from_fn(|i| number(from + i as i64)));
+            let found: Vec<_> = Machine::all()
+                .iter()
+                .map(|machine| machine.run(Taken { frame, point: &point, numbers: &numbers }))
+                .collect();
+            let (steps, taken, _) = found[0];
+            assert!(found.iter().all(|other| *other == found[0]), "round {round}");
+            let all: i32 = steps[..axes as usize].iter().map(|step| i32::from(*step)).sum();
+            assert_eq!(taken.sums[1].iter().sum::<i32>(), all);
+            let first: i32 = steps[..first_axes(axes as usize)].iter().map(|step| i32::from(*step)).sum();
+            if axes > 8 {
+                assert_eq!(taken.sums[0].iter().sum::<i32>(), first);
+            }
+            assert!(taken.outside.iter().any(|square| *square > 0.0), "some of it lies outside");
+        }
+    }
 }

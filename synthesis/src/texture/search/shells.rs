@@ -68,7 +68,11 @@ pub fn divide(features: &Features<'_>, windows: Range<usize>) -> Vec<Part> {
     let longest = f64::from(lengths.iter().fold(0.0f32, |most, length| most.max(*length)));
     let shell_of = |length: f32| {
         let below = longest / f64::from(length);
-        if below < f64::INFINITY { (below.log(RATIO) as usize).min(SHELLS - 1) } else { SHELLS - 1 }
+        if below < f64::INFINITY {
+            ((maths::ln(below) / maths::ln(RATIO)) as usize).min(SHELLS - 1)
+        } else {
+            SHELLS - 1
+        }
     };
     let nothing = || Part { windows: Vec::new(), least: f32::INFINITY, most: 0.0 };
     let mut parts: Vec<Part> = (0..SHELLS).map(|_| nothing()).collect();

@@ -62,12 +62,17 @@ pub struct Tree {
     #[bitcode(skip)]
     frames: Vec<f32>,
     scales: Vec<Scale>,
-    /// Of every leaf: a quad for every four axes.
+    /// Of every leaf: a quad for every four of the first axes, and for every four of the others, apart from them: those are
+    /// seldom looked at, and would only fill the cache.
     #[bitcode(skip)]
     codes: Vec<Quad>,
-    /// Of every leaf: along the first axes, and along the others.
     #[bitcode(skip)]
-    squares: Vec<[[i32; LANES]; 2]>,
+    other_codes: Vec<Quad>,
+    /// Of every leaf, likewise.
+    #[bitcode(skip)]
+    squares: Vec<[i32; LANES]>,
+    #[bitcode(skip)]
+    other_squares: Vec<[i32; LANES]>,
     #[bitcode(skip)]
     windows: Vec<[u32; LANES]>,
     #[bitcode(skip)]
@@ -79,7 +84,7 @@ pub struct Tree {
     pub root: Child,
 }
 
-bulk_fields!(Tree: frames, codes, squares, windows, groups, faces);
+bulk_fields!(Tree: frames, codes, other_codes, squares, other_squares, windows, groups, faces);
 
 /// Up to sixteen windows; lanes not in use repeat the last.
 #[derive(Debug)]
@@ -89,7 +94,7 @@ pub struct Leaf<'a> {
     /// Its points, along the first axes and along the others.
     pub codes: [&'a [Quad]; 2],
     /// Their squared lengths in half-steps, likewise.
-    pub squares: &'a [[i32; LANES]; 2],
+    pub squares: [&'a [i32; LANES]; 2],
     /// Window numbers.
     pub windows: &'a [u32; LANES],
 }
@@ -114,7 +119,9 @@ impl Tree {
         tree.frames.shrink_to_fit();
         tree.scales.shrink_to_fit();
         tree.codes.shrink_to_fit();
+        tree.other_codes.shrink_to_fit();
         tree.squares.shrink_to_fit();
+        tree.other_squares.shrink_to_fit();
         tree.windows.shrink_to_fit();
         tree.groups.shrink_to_fit();
         tree.faces.shrink_to_fit();
@@ -128,7 +135,9 @@ impl Tree {
             frames: Vec::new(),
             scales: Vec::new(),
             codes: Vec::new(),
+            other_codes: Vec::new(),
             squares: Vec::new(),
+            other_squares: Vec::new(),
             windows: Vec::new(),
             groups: Vec::new(),
             faces: Vec::new(),
@@ -140,11 +149,12 @@ impl Tree {
     /// A leaf.
     #[inline(always)]
     pub fn leaf(&self, leaf: usize) -> Leaf<'_> {
-        let quads = self.axes / QUAD;
+        let first = first_axes(self.axes) / QUAD;
+        let others = self.axes / QUAD - first;
         Leaf {
             group: self.groups[leaf],
-            codes: self.codes[leaf * quads..][..quads].split_at(first_axes(self.axes) / QUAD).into(),
-            squares: &self.squares[leaf],
+            codes: [&self.codes[leaf * first..][..first], &self.other_codes[leaf * others..][..others]],
+            squares: [&self.squares[leaf], &self.other_squares[leaf]],
             windows: &self.windows[leaf],
         }
     }
@@ -167,8 +177,8 @@ impl Tree {
     pub fn prefetch<L: Lanes>(&self, lanes: L, child: Child) {
         match child.kind() {
             Kind::Leaf(leaf) => {
-                let quads = self.axes / QUAD;
-                lanes.prefetch(&self.codes[leaf * quads..]);
+                let first = first_axes(self.axes) / QUAD;
+                lanes.prefetch(&self.codes[leaf * first..]);
             }
             Kind::Node(node) => lanes.prefetch(&self.faces[node * self.axes..]),
         }
@@ -176,8 +186,8 @@ impl Tree {
 
     /// Bytes held, about.
     pub fn bytes(&self) -> usize {
-        let of_leaf = size_of::<[u32; LANES]>() + size_of::<[[i32; LANES]; 2]>() + size_of::<u32>();
-        let leaves = self.windows.len() * of_leaf + self.codes.len() * size_of::<Quad>();
+        let of_leaf = size_of::<[u32; LANES]>() + 2 * size_of::<[i32; LANES]>() + size_of::<u32>();
+        let leaves = self.windows.len() * of_leaf + (self.codes.len() + self.other_codes.len()) * size_of::<Quad>();
         let groups = self.frames.len() * size_of::<f32>() + self.scales.len() * size_of::<Scale>();
         let nodes =
             self.children.len() * size_of::<[Child; LANES]>() + self.faces.len() * size_of::<[[f32; LANES]; 2]>();
@@ -190,7 +200,9 @@ impl Tree {
         self.frames.append(&mut other.frames);
         self.scales.append(&mut other.scales);
         self.codes.append(&mut other.codes);
+        self.other_codes.append(&mut other.other_codes);
         self.squares.append(&mut other.squares);
+        self.other_squares.append(&mut other.other_squares);
         self.windows.append(&mut other.windows);
         self.groups.extend(other.groups.iter().map(|group| group + groups));
         self.faces.append(&mut other.faces);
@@ -288,7 +300,7 @@ impl Builder<'_> {
                 sum.1 += x * x;
             }
         }
-        let variance = |axis: &usize| sums[*axis].1 / count - (sums[*axis].0 / count).powi(2);
+        let variance = |axis: &usize| sums[*axis].1 / count - maths::square(sums[*axis].0 / count);
         let widest = (0..self.axes).max_by(|a, b| variance(a).total_cmp(&variance(b))).unwrap_or(0);
         let key = |i: &u32| self.points[*i as usize * self.axes + widest];
         order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
@@ -365,14 +377,17 @@ impl Builder<'_> {
             let mut lost = 0.0;
             for (axis, (x, middle)) in point.iter().zip(middles).enumerate() {
                 let (code, value) = code_of(*x, *middle, half_step);
-                lost += (value - f64::from(*x)).powi(2);
+                lost += maths::square(value - f64::from(*x));
                 quads[axis / QUAD][QUAD * lane + axis % QUAD] = code;
                 squares[usize::from(axis >= first_axes(self.axes))][lane] += square(code);
             }
             error = error.max(lost.sqrt());
         }
-        tree.codes.extend(quads);
-        tree.squares.push(squares);
+        let (first, others) = quads.split_at(first_axes(self.axes) / QUAD);
+        tree.codes.extend(first);
+        tree.other_codes.extend(others);
+        tree.squares.push(squares[0]);
+        tree.other_squares.push(squares[1]);
         tree.windows.push(lanes.map(|i| self.windows[i as usize]));
         tree.groups.push(group);
         (Child::of_leaf(tree.windows.len() - 1), error)

@@ -1,0 +1,124 @@
+//! An editor in a window of its own, for screenshots and for driving it with the mouse.
+//!
+//! | module | contents |
+//! |---|---|
+//! | `x11` | the window on Linux |
+//! | `win32` | the window on Windows |
+//! | `none` | elsewhere: no window yet |
+
+#[cfg(target_os = "linux")]
+#[path = "x11.rs"]
+mod native;
+#[cfg(target_os = "windows")]
+#[path = "win32.rs"]
+mod native;
+#[cfg(not(any(target_os = "linux", target_os = "windows")))]
+#[path = "none.rs"]
+mod native;
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::{HostError, Plugin};
+use native::NativeWindow;
+
+/// Between two rounds of callbacks: about as often as a screen draws.
+const FRAME: Duration = Duration::from_millis(16);
+
+/// A plugin's editor, embedded in a window. Close it before the plugin goes.
+pub struct EditorWindow {
+    window: NativeWindow,
+    size: (u32, u32),
+}
+
+impl EditorWindow {
+    /// Opens a window with this title, on Linux on the display that `DISPLAY` names, and the plugin's editor in it.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when there is no display or the plugin has no editor for it.
+    pub fn open(plugin: &mut dyn Plugin, title: &str) -> Result<Self, HostError> {
+        let window = NativeWindow::new(title).map_err(no_window)?;
+        let size = plugin.open_editor(window.id())?;
+        let mut opened = Self { window, size };
+        opened.fit(size)?;
+        Ok(opened)
+    }
+
+    /// The system's number of the window: what `import -window` and `xdotool` take.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        self.window.id()
+    }
+
+    /// Width and height in pixels.
+    #[must_use]
+    pub const fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Resizes editor and window to the size in pixels nearest to this that the editor takes.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when the editor keeps its size, or the display is gone.
+    pub fn resize(&mut self, plugin: &mut dyn Plugin, size: (u32, u32)) -> Result<(), HostError> {
+        let size = plugin.resize_editor(size)?;
+        self.fit(size)
+    }
+
+    /// Tells the editor how many pixels a point has on this screen, as hosts do, and gives the window the size that it then has.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when the editor does not want to know, or the display is gone.
+    pub fn scale(&mut self, plugin: &mut dyn Plugin, scale: f64) -> Result<(), HostError> {
+        let size = plugin.scale_editor(scale)?;
+        self.fit(size)
+    }
+
+    /// Gives the window the editor's size.
+    fn fit(&mut self, size: (u32, u32)) -> Result<(), HostError> {
+        self.window.fit(size).map_err(no_window)?;
+        self.size = size;
+        Ok(())
+    }
+
+    /// Lets the editor live for this long, running the plugin's callbacks and giving it the size that it asks for.
+    pub fn run_for(&mut self, plugin: &mut dyn Plugin, duration: Duration) {
+        let end = Instant::now() + duration;
+        while Instant::now() < end {
+            let _ = plugin.run_callbacks();
+            if let Some(size) = plugin.take_wanted_editor_size() {
+                // An editor that refuses what it asked for, or a display that is gone, leaves things as they are.
+                let _ = self.resize(plugin, size);
+            }
+            self.window.handle_events();
+            thread::sleep(FRAME);
+        }
+    }
+
+    /// Puts the window before all others.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when the display is gone.
+    pub fn raise(&self) -> Result<(), HostError> {
+        self.window.raise().map_err(no_window)
+    }
+
+    /// Destroys the window under its editor, as a host may in the wrong order. The editor is still to be closed.
+    ///
+    /// # Errors
+    /// [`HostError::Unsupported`] when the display is gone.
+    pub fn destroy_window(&self) -> Result<(), HostError> {
+        self.window.destroy().map_err(no_window)
+    }
+
+    /// Closes editor and window.
+    pub fn close(self, plugin: &mut dyn Plugin) {
+        plugin.close_editor();
+        // What is left goes with the connection, or with the process.
+        let _ = self.window.destroy();
+    }
+}
+
+fn no_window(error: impl std::fmt::Display) -> HostError {
+    HostError::Unsupported(format!("no window can be opened: {error}"))
+}

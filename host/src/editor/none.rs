@@ -1,0 +1,34 @@
+//! No window: this host has not learnt to make one on this system.
+
+type Done = Result<(), &'static str>;
+
+const WHY: &str = "this host makes windows on Linux and Windows only";
+
+/// Cannot be made.
+pub(super) enum NativeWindow {}
+
+impl NativeWindow {
+    pub fn new(_: &str) -> Result<Self, &'static str> {
+        Err(WHY)
+    }
+
+    pub const fn id(&self) -> u32 {
+        match *self {}
+    }
+
+    pub fn fit(&self, _: (u32, u32)) -> Done {
+        match *self {}
+    }
+
+    pub fn handle_events(&self) {
+        match *self {}
+    }
+
+    pub fn raise(&self) -> Done {
+        match *self {}
+    }
+
+    pub fn destroy(&self) -> Done {
+        match *self {}
+    }
+}

@@ -1,0 +1,84 @@
+//! A window on the desktop of Windows.
+
+use std::io::Error;
+use std::ptr::null;
+
+use windows_sys::Win32::Foundation::HWND;
+use windows_sys::Win32::UI::WindowsAndMessaging::{
+    AdjustWindowRect, CreateWindowExW, DestroyWindow, DispatchMessageW, HWND_TOP, MSG, PM_REMOVE, PeekMessageW,
+    SW_SHOWNOACTIVATE, SWP_NOACTIVATE, SWP_NOMOVE, SWP_NOSIZE, SWP_NOZORDER, SetWindowPos, ShowWindow,
+    TranslateMessage, WS_CLIPCHILDREN, WS_OVERLAPPEDWINDOW,
+};
+
+type Done = Result<(), Error>;
+
+/// A class of windows that every process has; it shows whatever lies in it.
+const CLASS: &str = "STATIC";
+
+/// A window with nothing in it.
+pub(super) struct NativeWindow(HWND);
+
+fn utf16(text: &str) -> Vec<u16> {
+    text.encode_utf16().chain([0]).collect()
+}
+
+fn checked(is_done: i32) -> Done {
+    if is_done == 0 { Err(Error::last_os_error()) } else { Ok(()) }
+}
+
+impl NativeWindow {
+    pub fn new(title: &str) -> Result<Self, Error> {
+        let (class, title) = (utf16(CLASS), utf16(title));
+        let style = WS_OVERLAPPEDWINDOW | WS_CLIPCHILDREN;
+        // SAFETY: both texts end in 0 and live until the call returns; all other pointers may be null.
+        let window = unsafe {
+            let none = std::ptr::null_mut();
+            CreateWindowExW(0, class.as_ptr(), title.as_ptr(), style, 0, 0, 800, 600, none, none, none, null())
+        };
+        if window.is_null() {
+            return Err(Error::last_os_error());
+        }
+        // SAFETY: a window of this thread.
+        unsafe { ShowWindow(window, SW_SHOWNOACTIVATE) };
+        Ok(Self(window))
+    }
+
+    /// Handles of windows have 32 significant bits, so that processes of either kind can share them.
+    pub fn id(&self) -> u32 {
+        self.0 as usize as u32
+    }
+
+    pub fn fit(&self, (width, height): (u32, u32)) -> Done {
+        let edge = |length: u32| i32::try_from(length).unwrap_or(i32::MAX);
+        let mut outside =
+            windows_sys::Win32::Foundation::RECT { left: 0, top: 0, right: edge(width), bottom: edge(height) };
+        // SAFETY: a rectangle to read and write.
+        checked(unsafe { AdjustWindowRect(&mut outside, WS_OVERLAPPEDWINDOW, 0) })?;
+        let (width, height) = (outside.right - outside.left, outside.bottom - outside.top);
+        let flags = SWP_NOMOVE | SWP_NOZORDER | SWP_NOACTIVATE;
+        // SAFETY: a window of this thread; should it be gone, the system says so.
+        checked(unsafe { SetWindowPos(self.0, std::ptr::null_mut(), 0, 0, width, height, flags) })
+    }
+
+    /// Hands messages to this thread's windows, the editor's among them.
+    pub fn handle_events(&self) {
+        // SAFETY: a message is numbers, for which zero is a value, and is filled in before it is read.
+        unsafe {
+            let mut message: MSG = std::mem::zeroed();
+            while PeekMessageW(&mut message, std::ptr::null_mut(), 0, 0, PM_REMOVE) != 0 {
+                TranslateMessage(&message);
+                DispatchMessageW(&message);
+            }
+        }
+    }
+
+    pub fn raise(&self) -> Done {
+        // SAFETY: a window of this thread; should it be gone, the system says so.
+        checked(unsafe { SetWindowPos(self.0, HWND_TOP, 0, 0, 0, 0, SWP_NOMOVE | SWP_NOSIZE | SWP_NOACTIVATE) })
+    }
+
+    pub fn destroy(&self) -> Done {
+        // SAFETY: a window of this thread; should it be gone, the system says so.
+        checked(unsafe { DestroyWindow(self.0) })
+    }
+}

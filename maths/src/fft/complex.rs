@@ -1,0 +1,107 @@
+//! Transforms of complex samples.
+
+use super::chirp::Chirp;
+use super::passes::Pass;
+use super::{Complex64, Machine, Parts};
+
+/// Fourier transforms of one length.
+#[derive(Debug)]
+pub struct ComplexTransform {
+    len: usize,
+    way: Way,
+    machine: Machine,
+}
+
+#[derive(Debug)]
+enum Way {
+    /// Prime factors up to 7 have passes of their own.
+    Passes(Vec<Pass>),
+    /// All other lengths take a longer transform of such a length.
+    Chirp(Box<Chirp>),
+}
+
+impl ComplexTransform {
+    /// Transforms of `len` samples. Lengths whose prime factors are 2, 3, 5 and 7 are quick; others take about six times as long.
+    ///
+    /// # Panics
+    /// Panics if `len` is 0.
+    pub fn new(len: usize) -> Self {
+        assert!(len > 0, "a transform of nothing");
+        let (mut passes, mut left) = (Vec::new(), len);
+        // Fours first: whatever follows is then done in whole vectors.
+        for radix in [4, 2, 3, 5, 7] {
+            while left.is_multiple_of(radix) {
+                passes.push(Pass::new(radix, left, len / left));
+                left /= radix;
+            }
+        }
+        let way = if left == 1 { Way::Passes(passes) } else { Way::Chirp(Box::new(Chirp::new(len))) };
+        Self { len, way, machine: Machine::best() }
+    }
+
+    /// Number of samples.
+    #[allow(clippy::len_without_is_empty, reason = "no transform is empty")]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Numbers of room that [`run`](Self::run) needs.
+    pub(super) fn room(&self) -> usize {
+        4 * self.len
+            + match &self.way {
+                Way::Passes(_) => 0,
+                Way::Chirp(chirp) => chirp.room(),
+            }
+    }
+
+    /// The two halves of `room`: what is put into the first is transformed.
+    pub(super) fn halves<'a>(&self, room: &'a mut [f64]) -> [Parts<'a>; 2] {
+        let (first, second) = room[..4 * self.len].split_at_mut(2 * self.len);
+        [first, second].map(|half| {
+            let (re, im) = half.split_at_mut(self.len);
+            Parts { re, im }
+        })
+    }
+
+    /// Transforms what lies in the first half of `room`, and answers where the result lies.
+    pub(super) fn run<'a>(&self, room: &'a mut [f64]) -> Parts<'a> {
+        let (own, rest) = room.split_at_mut(4 * self.len);
+        let [mut input, mut output] = self.halves(own);
+        match &self.way {
+            Way::Passes(passes) => self.machine.run(
+                #[inline(always)]
+                || {
+                    for pass in passes {
+                        pass.run(&input, &mut output);
+                        std::mem::swap(&mut input, &mut output);
+                    }
+                },
+            ),
+            Way::Chirp(chirp) => chirp.run(&mut input, rest),
+        }
+        input
+    }
+
+    /// The spectrum of `samples`, in their place, unscaled.
+    pub fn forward(&self, samples: &mut [Complex64]) {
+        self.in_place(samples, false);
+    }
+
+    /// The signal of this spectrum, in its place, unscaled: after [`forward`](Self::forward) it is `len` times the signal.
+    pub fn inverse(&self, samples: &mut [Complex64]) {
+        self.in_place(samples, true);
+    }
+
+    /// With real and imaginary parts exchanged, before and after, a transform is its inverse.
+    fn in_place(&self, samples: &mut [Complex64], is_inverse: bool) {
+        let mut room = vec![0.0; self.room()];
+        let [input, _] = self.halves(&mut room);
+        for ((sample, re), im) in samples.iter().zip(input.re).zip(input.im) {
+            (*re, *im) = if is_inverse { (sample.im, sample.re) } else { (sample.re, sample.im) };
+        }
+        let result = self.run(&mut room);
+        for ((sample, re), im) in samples.iter_mut().zip(&*result.re).zip(&*result.im) {
+            *sample = if is_inverse { Complex64::new(*im, *re) } else { Complex64::new(*re, *im) };
+        }
+    }
+}

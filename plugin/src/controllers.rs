@@ -1,0 +1,174 @@
+//! Which MIDI controllers move which parameters, and learning that from a controller that is moved.
+//!
+//! Everything is atomic: the audio thread looks controllers up and learns them, the window assigns and shows them. A
+//! controller counts on every MIDI channel; it may move several parameters, a parameter follows one controller.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+
+use pyrophone_settings::controller_file::{Assignments, CONTROLLERS, is_assignable};
+use pyrophone_settings::{PARAMETERS, index_of};
+
+/// Number of no controller.
+const NONE: u8 = u8::MAX;
+/// Place of no parameter.
+const NOBODY: u32 = u32::MAX;
+
+/// Assignments of one instance.
+#[derive(Debug)]
+pub struct Controllers {
+    /// By the parameter's place in the table.
+    numbers: Vec<AtomicU8>,
+    /// Place of the parameter that takes the next controller that moves.
+    learner: AtomicU32,
+}
+
+impl Default for Controllers {
+    fn default() -> Self {
+        Self { numbers: PARAMETERS.iter().map(|_| AtomicU8::new(NONE)).collect(), learner: AtomicU32::new(NOBODY) }
+    }
+}
+
+impl Controllers {
+    /// The controller that moves the parameter at `index` of the table.
+    pub fn number(&self, index: usize) -> Option<u8> {
+        let number = self.numbers[index].load(Ordering::Relaxed);
+        (number != NONE).then_some(number)
+    }
+
+    /// Assigns a controller, or none, to the parameter at `index` of the table.
+    pub fn assign(&self, index: usize, number: Option<u8>) {
+        self.numbers[index].store(number.unwrap_or(NONE), Ordering::Relaxed);
+    }
+
+    /// Has the next controller that moves assigned to the parameter at `index`; one that was waiting waits no longer.
+    pub fn learn(&self, index: usize) {
+        self.learner.store(index as u32, Ordering::Relaxed);
+    }
+
+    /// Calls off what [`learn`](Self::learn) began.
+    pub fn stop_learning(&self) {
+        self.learner.store(NOBODY, Ordering::Relaxed);
+    }
+
+    /// Place of the parameter that waits for a controller.
+    pub fn learner(&self) -> Option<usize> {
+        let learner = self.learner.load(Ordering::Relaxed);
+        (learner != NOBODY).then_some(learner as usize)
+    }
+
+    /// Notes that a controller moves, which a waiting parameter takes; real-time safe.
+    pub fn hear(&self, number: u8) {
+        if number >= CONTROLLERS {
+            return;
+        }
+        let learner = self.learner.swap(NOBODY, Ordering::Relaxed);
+        if let Some(slot) = self.numbers.get(learner as usize) {
+            slot.store(number, Ordering::Relaxed);
+        }
+    }
+
+    /// Places of the parameters that a controller moves; real-time safe.
+    pub fn targets(&self, number: u8) -> impl Iterator<Item = usize> {
+        let is_moved = move |slot: &AtomicU8| number < CONTROLLERS && slot.load(Ordering::Relaxed) == number;
+        self.numbers.iter().enumerate().filter(move |(_, slot)| is_moved(slot)).map(|(index, _)| index)
+    }
+
+    /// Takes over assignments; parameters without one follow no controller.
+    pub fn set_all(&self, assignments: &Assignments) {
+        for (parameter, slot) in PARAMETERS.iter().zip(&self.numbers) {
+            slot.store(assignments.get(parameter.id).copied().unwrap_or(NONE), Ordering::Relaxed);
+        }
+    }
+
+    /// As a session keeps them.
+    pub fn to_json(&self) -> String {
+        let assigned = (0..PARAMETERS.len()).filter_map(|index| Some((PARAMETERS[index].id, self.number(index)?)));
+        serde_json::to_string(&assigned.collect::<BTreeMap<&str, u8>>()).unwrap_or_default()
+    }
+
+    /// As a session has kept them. Text that is no such list changes nothing, and assignments that cannot be are left out.
+    pub fn read_json(&self, text: &str) {
+        if let Ok(mut assignments) = serde_json::from_str::<Assignments>(text) {
+            assignments.retain(|id, number| is_assignable(id, *number));
+            self.set_all(&assignments);
+        }
+    }
+}
+
+/// The normalised value that the parameter at `index` has where its controller stands at `share` (0-1); real-time safe.
+pub fn value_at(index: usize, share: f64) -> f64 {
+    let parameter = &PARAMETERS[index];
+    parameter.to_normalised(parameter.from_normalised(share))
+}
+
+/// Place of the parameter `id` where it may follow a controller.
+pub fn assignable(id: &str) -> Option<usize> {
+    index_of(id).ok().filter(|index| PARAMETERS[*index].automatable)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(id: &str) -> usize {
+        assignable(id).expect("a parameter that can be automated")
+    }
+
+    #[test]
+    fn a_waiting_parameter_takes_the_next_controller() {
+        let controllers = Controllers::default();
+        controllers.hear(7);
+        controllers.learn(place("alpha"));
+        controllers.learn(place("macro_size"));
+        assert_eq!(controllers.learner(), Some(place("macro_size")));
+        controllers.hear(CONTROLLERS);
+        assert_eq!(controllers.number(place("macro_size")), None, "a channel mode message is no controller");
+        controllers.hear(21);
+        controllers.hear(22);
+        assert_eq!((controllers.number(place("macro_size")), controllers.learner()), (Some(21), None));
+        assert_eq!(controllers.number(place("alpha")), None);
+        controllers.learn(place("alpha"));
+        controllers.stop_learning();
+        controllers.hear(23);
+        assert_eq!(controllers.number(place("alpha")), None);
+    }
+
+    #[test]
+    fn a_controller_moves_all_that_follow_it() {
+        let controllers = Controllers::default();
+        assert_eq!(controllers.targets(NONE).count(), 0, "what follows none follows no controller of that number");
+        for id in ["alpha", "macro_size"] {
+            controllers.assign(place(id), Some(1));
+        }
+        controllers.assign(place("cutoff"), Some(2));
+        assert_eq!(controllers.targets(1).collect::<Vec<_>>(), [place("alpha"), place("macro_size")]);
+        controllers.assign(place("alpha"), None);
+        assert_eq!(controllers.targets(1).collect::<Vec<_>>(), [place("macro_size")]);
+    }
+
+    #[test]
+    fn sessions_keep_assignments_and_garbage_changes_nothing() {
+        let controllers = Controllers::default();
+        controllers.assign(place("macro_size"), Some(21));
+        let other = Controllers::default();
+        other.assign(place("alpha"), Some(3));
+        other.read_json(&controllers.to_json());
+        assert_eq!(other.to_json(), r#"{"macro_size":21}"#);
+        for garbage in ["", "[]", "null", r#"{"macro_size":-1}"#, r#"{"macro_size":300}"#] {
+            other.read_json(garbage);
+            assert_eq!(other.to_json(), r#"{"macro_size":21}"#, "{garbage}");
+        }
+        other.read_json(r#"{"levels":1,"no_such":2,"macro_fury":120,"macro_hiss":119}"#);
+        assert_eq!(other.to_json(), r#"{"macro_hiss":119}"#);
+    }
+
+    #[test]
+    fn steps_are_whole_at_any_position() {
+        let choice = place("drive_mode");
+        let steps: std::collections::BTreeSet<u64> =
+            (0..=127).map(|position| value_at(choice, f64::from(position) / 127.0).to_bits()).collect();
+        assert_eq!(steps.len(), PARAMETERS[choice].high() as usize + 1);
+        assert_eq!((value_at(choice, 0.0), value_at(choice, 1.0)), (0.0, 1.0));
+    }
+}

@@ -1,0 +1,394 @@
+//! A sound that is dragged out of the window, onto another program's timeline or into a folder.
+//!
+//! Under X11 this is a source of XDND 5 on a connection and a thread of its own: the window's button is held by the window
+//! itself, so pointer and buttons are asked for instead. Windows (`DoDragDrop`) and macOS (`NSDraggingSource`) want their
+//! source in the window's own event loop, which baseview 0.4.2 does not let in; there sounds are saved and dragged from
+//! the system's file browser.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+use raw_window_handle::{HasWindowHandle, RawWindowHandle};
+use x11rb::connection::Connection;
+use x11rb::errors::{ConnectError, ConnectionError, ReplyError, ReplyOrIdError};
+use x11rb::protocol::Event;
+use x11rb::protocol::xproto::{
+    AtomEnum, ClientMessageEvent, ConnectionExt, CreateWindowAux, EventMask, KeyButMask, PropMode,
+    SELECTION_NOTIFY_EVENT, SelectionNotifyEvent, SelectionRequestEvent, Window, WindowClass,
+};
+use x11rb::rust_connection::RustConnection;
+use x11rb::wrapper::ConnectionExt as _;
+
+use super::task::Task;
+
+x11rb::atom_manager! {
+    /// What source and target speak of.
+    Words: WordsCookie {
+        XdndAware,
+        XdndProxy,
+        XdndEnter,
+        XdndPosition,
+        XdndStatus,
+        XdndLeave,
+        XdndDrop,
+        XdndFinished,
+        XdndSelection,
+        XdndActionCopy,
+        TARGETS,
+        UriList: b"text/uri-list",
+    }
+}
+
+const VERSION: u32 = 5;
+/// How often pointer and target are asked.
+const PERIOD: Duration = Duration::from_millis(10);
+/// Time that a target has to take what was dropped.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// Bytes that stand for themselves in an address, beside letters and digits.
+const PLAIN: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_');
+
+/// What came of a drag.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Outcome {
+    /// The file was taken.
+    Taken(PathBuf),
+    /// It was dropped where nobody takes it, or called off.
+    Dropped,
+    /// Something went wrong, in words.
+    Failed(String),
+}
+
+/// Where sounds are dragged out of.
+pub struct DragSource {
+    editor: Window,
+    is_called_off: Arc<AtomicBool>,
+    task: Option<Task<Outcome>>,
+}
+
+impl DragSource {
+    /// A source for this window; none where it cannot be.
+    pub fn of(window: &impl HasWindowHandle) -> Option<Self> {
+        let editor = match window.window_handle().ok()?.as_raw() {
+            RawWindowHandle::Xlib(handle) => u32::try_from(handle.window).ok()?,
+            RawWindowHandle::Xcb(handle) => handle.window.get(),
+            _ => return None,
+        };
+        Some(Self { editor, is_called_off: Arc::default(), task: None })
+    }
+
+    /// Whether something is being dragged.
+    pub fn is_busy(&self) -> bool {
+        self.task.is_some()
+    }
+
+    /// Drags the file that `write` makes, as long as the primary button is held; `end` is called when it is over.
+    pub fn start(
+        &mut self,
+        path: PathBuf,
+        write: impl FnOnce(&Path) -> Result<(), String> + Send + 'static,
+        end: impl FnOnce() + Send + 'static,
+    ) {
+        let (editor, is_called_off) = (self.editor, Arc::new(AtomicBool::new(false)));
+        self.is_called_off = is_called_off.clone();
+        let work = move || match write(&path) {
+            Ok(()) => Drag::begin(editor, &path)
+                .and_then(|mut drag| drag.run(&is_called_off))
+                .map_or_else(|error| Outcome::Failed(error.to_string()), |taken| outcome(taken, path)),
+            Err(message) => Outcome::Failed(message),
+        };
+        self.task = Task::start("pyrophone-drag", work, end);
+    }
+
+    /// What came of the last drag, once.
+    pub fn poll(&mut self) -> Option<Outcome> {
+        let outcome = self.task.as_mut()?.poll()?;
+        self.task = None;
+        Some(outcome)
+    }
+}
+
+impl Drop for DragSource {
+    fn drop(&mut self) {
+        // The task is waited for.
+        self.is_called_off.store(true, Ordering::Relaxed);
+    }
+}
+
+fn outcome(is_taken: bool, path: PathBuf) -> Outcome {
+    if is_taken { Outcome::Taken(path) } else { Outcome::Dropped }
+}
+
+/// Why there is no drag.
+#[derive(Debug)]
+enum Error {
+    Connect(ConnectError),
+    Reply(ReplyOrIdError),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let reason: &dyn fmt::Display = match self {
+            Self::Connect(error) => error,
+            Self::Reply(error) => error,
+        };
+        write!(f, "the sound cannot be dragged: {reason}; save it instead")
+    }
+}
+
+impl From<ConnectError> for Error {
+    fn from(error: ConnectError) -> Self {
+        Self::Connect(error)
+    }
+}
+
+impl From<ConnectionError> for Error {
+    fn from(error: ConnectionError) -> Self {
+        Self::Reply(error.into())
+    }
+}
+
+impl From<ReplyError> for Error {
+    fn from(error: ReplyError) -> Self {
+        Self::Reply(error.into())
+    }
+}
+
+impl From<ReplyOrIdError> for Error {
+    fn from(error: ReplyOrIdError) -> Self {
+        Self::Reply(error)
+    }
+}
+
+/// A window that takes what is dropped, and the one that answers for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Target {
+    window: Window,
+    proxy: Window,
+}
+
+/// A drag under way.
+struct Drag {
+    connection: RustConnection,
+    words: Words,
+    root: Window,
+    /// Not dropped on: it would load what it has made.
+    editor: Window,
+    source: Window,
+    uri: String,
+    target: Option<Target>,
+    /// Where the pointer was told to be last, and whether the answer to that is awaited.
+    told: Option<(i16, i16)>,
+    is_awaited: bool,
+    is_accepted: bool,
+}
+
+impl Drag {
+    fn begin(editor: Window, path: &Path) -> Result<Self, Error> {
+        let (connection, screen) = x11rb::connect(None)?;
+        let words = Words::new(&connection)?.reply()?;
+        let root = connection.setup().roots[screen].root;
+        let source = connection.generate_id()?;
+        let looks = CreateWindowAux::new();
+        connection.create_window(0, source, root, -1, -1, 1, 1, 0, WindowClass::INPUT_ONLY, 0, &looks)?;
+        connection.set_selection_owner(source, words.XdndSelection, x11rb::CURRENT_TIME)?.check()?;
+        let uri = address(path);
+        Ok(Self {
+            connection,
+            words,
+            root,
+            editor,
+            source,
+            uri,
+            target: None,
+            told: None,
+            is_awaited: false,
+            is_accepted: false,
+        })
+    }
+
+    /// Follows the pointer until the button is let go; whether the file was taken.
+    fn run(&mut self, is_called_off: &AtomicBool) -> Result<bool, Error> {
+        loop {
+            self.answer()?;
+            let pointer = self.connection.query_pointer(self.root)?.reply()?;
+            let is_held = pointer.mask.contains(KeyButMask::BUTTON1);
+            if is_called_off.load(Ordering::Relaxed) {
+                self.leave()?;
+                return Ok(false);
+            }
+            let place = (pointer.root_x, pointer.root_y);
+            self.go_over(self.target_at(place)?)?;
+            self.tell_place(place)?;
+            if !is_held {
+                return self.let_go(is_called_off);
+            }
+            std::thread::sleep(PERIOD);
+        }
+    }
+
+    /// The button was let go: drops, once the target has said whether it takes it, and waits until it has.
+    fn let_go(&mut self, is_called_off: &AtomicBool) -> Result<bool, Error> {
+        let (began, mut is_dropped) = (Instant::now(), false);
+        while let Some(target) = self.target {
+            if began.elapsed() > PATIENCE || is_called_off.load(Ordering::Relaxed) {
+                break;
+            }
+            if let Some(is_taken) = self.answer()? {
+                return Ok(is_taken);
+            }
+            if !is_dropped && !self.is_awaited {
+                if !self.is_accepted {
+                    break;
+                }
+                self.tell(target, self.words.XdndDrop, [0, x11rb::CURRENT_TIME, 0, 0])?;
+                is_dropped = true;
+            }
+            std::thread::sleep(PERIOD);
+        }
+        if !is_dropped {
+            self.leave()?;
+        }
+        Ok(false)
+    }
+
+    /// Answers what has arrived; whether the file was taken, once the target has said so.
+    fn answer(&mut self) -> Result<Option<bool>, Error> {
+        while let Some(event) = self.connection.poll_for_event()? {
+            match event {
+                Event::SelectionRequest(request) => self.give(&request)?,
+                Event::ClientMessage(message) if message.format == 32 => {
+                    let data = message.data.as_data32();
+                    let is_its = self.target.is_some_and(|target| data[0] == target.window);
+                    if is_its && message.type_ == self.words.XdndStatus {
+                        (self.is_awaited, self.is_accepted) = (false, data[1] & 1 != 0);
+                    } else if is_its && message.type_ == self.words.XdndFinished {
+                        return Ok(Some(data[1] & 1 != 0));
+                    }
+                }
+                _ => {}
+            }
+        }
+        Ok(None)
+    }
+
+    fn give(&self, request: &SelectionRequestEvent) -> Result<(), Error> {
+        let words = &self.words;
+        // Clients from before that was settled name no property.
+        let wanted = if request.property == 0 { request.target } else { request.property };
+        let (to, replace) = (request.requestor, PropMode::REPLACE);
+        let property = if request.target == words.UriList {
+            self.connection.change_property8(replace, to, wanted, words.UriList, self.uri.as_bytes())?;
+            wanted
+        } else if request.target == words.TARGETS {
+            let kinds = [words.TARGETS, words.UriList];
+            self.connection.change_property32(replace, to, wanted, AtomEnum::ATOM, &kinds)?;
+            wanted
+        } else {
+            0
+        };
+        let answer = SelectionNotifyEvent {
+            response_type: SELECTION_NOTIFY_EVENT,
+            sequence: 0,
+            time: request.time,
+            requestor: to,
+            selection: request.selection,
+            target: request.target,
+            property,
+        };
+        self.connection.send_event(false, to, EventMask::NO_EVENT, answer)?;
+        self.connection.flush()?;
+        Ok(())
+    }
+
+    /// The outermost window at a place of the screen that takes what is dropped, but for the editor's own.
+    fn target_at(&self, (x, y): (i16, i16)) -> Result<Option<Target>, Error> {
+        let (mut window, mut found) = (self.root, None);
+        loop {
+            let inside = self.connection.translate_coordinates(self.root, window, x, y)?.reply()?;
+            if inside.child == 0 {
+                return Ok(found);
+            }
+            window = inside.child;
+            if window == self.editor {
+                return Ok(None);
+            }
+            if found.is_none() {
+                found = self.as_target(window)?;
+            }
+        }
+    }
+
+    fn as_target(&self, window: Window) -> Result<Option<Target>, Error> {
+        let stand_in = self.property(window, self.words.XdndProxy)?;
+        let proxy = match stand_in {
+            Some(proxy) if self.property(proxy, self.words.XdndProxy)? == Some(proxy) => proxy,
+            _ => window,
+        };
+        let version = self.property(proxy, self.words.XdndAware)?;
+        Ok(version.filter(|version| *version >= 3).map(|_| Target { window, proxy }))
+    }
+
+    /// The first number of a property; none of a window that is gone.
+    fn property(&self, window: Window, name: u32) -> Result<Option<u32>, Error> {
+        match self.connection.get_property(false, window, name, AtomEnum::ANY, 0, 1)?.reply() {
+            Ok(reply) => Ok(reply.value32().and_then(|mut values| values.next())),
+            Err(ReplyError::X11Error(_)) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn go_over(&mut self, target: Option<Target>) -> Result<(), Error> {
+        if self.target == target {
+            return Ok(());
+        }
+        self.leave()?;
+        self.target = target;
+        if let Some(target) = target {
+            self.tell(target, self.words.XdndEnter, [VERSION << 24, self.words.UriList, 0, 0])?;
+        }
+        Ok(())
+    }
+
+    fn tell_place(&mut self, place: (i16, i16)) -> Result<(), Error> {
+        let Some(target) = self.target.filter(|_| !self.is_awaited && self.told != Some(place)) else { return Ok(()) };
+        let packed = u32::from(place.0 as u16) << 16 | u32::from(place.1 as u16);
+        self.tell(target, self.words.XdndPosition, [0, packed, x11rb::CURRENT_TIME, self.words.XdndActionCopy])?;
+        (self.told, self.is_awaited) = (Some(place), true);
+        Ok(())
+    }
+
+    fn leave(&mut self) -> Result<(), Error> {
+        if let Some(target) = self.target.take() {
+            self.tell(target, self.words.XdndLeave, [0; 4])?;
+        }
+        (self.told, self.is_awaited, self.is_accepted) = (None, false, false);
+        Ok(())
+    }
+
+    fn tell(&self, target: Target, what: u32, [a, b, c, d]: [u32; 4]) -> Result<(), Error> {
+        let message = ClientMessageEvent::new(32, target.window, what, [self.source, a, b, c, d]);
+        self.connection.send_event(false, target.proxy, EventMask::NO_EVENT, message)?;
+        self.connection.flush()?;
+        Ok(())
+    }
+}
+
+/// The address of a file of this machine, as a list of one (RFC 2483).
+fn address(path: &Path) -> String {
+    format!("file://{}\r\n", utf8_percent_encode(&path.to_string_lossy(), PLAIN))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_of_plain_characters() {
+        let path = Path::new("/home/a b/Flöte 100%.wav");
+        assert_eq!(address(path), "file:///home/a%20b/Fl%C3%B6te%20100%25.wav\r\n");
+    }
+}

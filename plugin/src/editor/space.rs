@@ -1,0 +1,32 @@
+//! The page of space: vortex sound from above, and what places it.
+
+use egui::Rect;
+
+use super::controls::{self, Page};
+use super::hand::Hand;
+use super::play::Parts;
+use super::{GAP, listen, meter_bridge, part};
+
+/// Most of the width that the view takes, and width of the meters, in points.
+const VIEW: f32 = 0.5;
+const METERS: f32 = 190.0;
+/// Below this width there is no room for the meters.
+const ROOM_FOR_METERS: f32 = 900.0;
+
+/// The page.
+pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+    let side = rest.height().min(VIEW * rest.width());
+    let (view, right) = rest.split_left_right_at_x(rest.left() + side);
+    let channels = parts.monitor.channels();
+    parts.monitor.space.show(ui, view.with_max_y(view.top() + side), channels, hand);
+    let mut controls = right.with_min_x(right.left() + GAP);
+    if rest.width() >= ROOM_FOR_METERS {
+        let meters = controls.with_min_x(controls.right() - METERS);
+        controls.max.x = meters.left() - GAP;
+        meter_bridge::show(ui, meters.with_max_y(meters.bottom() - listen::HEIGHT - GAP), parts.levels);
+        part(ui, listen::place(meters), "listen", |ui| {
+            parts.listen.show(ui, parts.monitor, parts.loader, parts.view, hand);
+        });
+    }
+    part(ui, controls, "controls", |ui| controls::show(ui, Page::Space, hand));
+}

@@ -1,0 +1,135 @@
+//! What the right button offers on a parameter.
+
+use egui::{Response, Ui};
+use pyrophone_settings::PARAMETERS;
+
+use super::super::hand::Hand;
+use super::super::map;
+use super::value;
+use crate::host_menu::Line;
+
+/// The menu of a parameter on `response`; `has_text` where its value can be typed and copied.
+pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut Hand<'_>) {
+    let parameter = &PARAMETERS[index];
+    if response.secondary_clicked() {
+        hand.params.host_menu.ask(index);
+    }
+    response.context_menu(|ui| {
+        let default = parameter.to_text(parameter.default_value());
+        if entry(ui, format!("Reset to {default}"), "Reset") {
+            hand.set_once(index, parameter.default_value());
+        }
+        if has_text {
+            let text = parameter.to_text(hand.value(index));
+            if entry(ui, "Type a value".to_owned(), "Type") {
+                value::begin_typing(ui, index, &text);
+            }
+            if entry(ui, format!("Copy {text}"), "Copy") {
+                ui.ctx().copy_text(text);
+            }
+        }
+        if parameter.automatable {
+            ui.separator();
+            controllers(ui, index, hand);
+        }
+        host(ui, index, hand);
+    });
+}
+
+/// What the host offers, once it has answered.
+fn host(ui: &mut Ui, index: usize, hand: &Hand<'_>) {
+    let lines = hand.params.host_menu.offered(index);
+    if lines.is_empty() {
+        return;
+    }
+    ui.separator();
+    if let Some(action) = host_lines(ui, &lines) {
+        hand.params.host_menu.perform(index, action);
+        ui.close();
+    }
+}
+
+/// Shows lines up to the end of the menu that they are in.
+fn host_lines(ui: &mut Ui, lines: &[Line]) -> Option<i32> {
+    let (mut at, mut chosen) = (0, None);
+    while let Some(line) = lines.get(at) {
+        at += 1;
+        match line {
+            Line::Separator => drop(ui.separator()),
+            Line::Title(words) => drop(ui.weak(words)),
+            Line::End => break,
+            Line::Begin(words) => {
+                let rest = &lines[at..];
+                at += length(rest);
+                let menu = ui.menu_button(words, |ui| host_lines(ui, rest));
+                map::note(ui, format_args!("menu.host.{words}"), menu.response.rect);
+                chosen = chosen.or(menu.inner.flatten());
+            }
+            Line::Entry { label, is_enabled, is_checked, action } => {
+                let words = if *is_checked { format!("✔ {label}") } else { label.clone() };
+                let button = ui.add_enabled(*is_enabled, egui::Button::new(words));
+                map::note(ui, format_args!("menu.host.{label}"), button.rect);
+                if button.clicked() {
+                    chosen = Some(*action);
+                }
+            }
+        }
+    }
+    chosen
+}
+
+/// Lines up to the end of a menu, with that.
+fn length(lines: &[Line]) -> usize {
+    let mut depth = 1;
+    for (at, line) in lines.iter().enumerate() {
+        match line {
+            Line::Begin(_) => depth += 1,
+            Line::End => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return at + 1;
+        }
+    }
+    lines.len()
+}
+
+/// What there is to do about the MIDI controller of a parameter.
+fn controllers(ui: &mut Ui, index: usize, hand: &Hand<'_>) {
+    let controllers = &hand.params.controllers;
+    if controllers.learner() == Some(index) {
+        if entry(ui, "Stop MIDI learn".to_owned(), "Stop learning") {
+            controllers.stop_learning();
+        }
+    } else if entry(ui, "MIDI learn".to_owned(), "Learn") {
+        controllers.learn(index);
+    }
+    if let Some(number) = controllers.number(index)
+        && entry(ui, format!("Forget MIDI controller {number}"), "Forget")
+    {
+        controllers.assign(index, None);
+    }
+}
+
+/// A line of the menu, which closes it; whether it was clicked.
+fn entry(ui: &mut Ui, words: String, name: &str) -> bool {
+    let button = ui.button(words);
+    map::note(ui, format_args!("menu.{name}"), button.rect);
+    let is_clicked = button.clicked();
+    if is_clicked {
+        ui.close();
+    }
+    is_clicked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn menus_in_menus_end_where_they_end() {
+        let begin = || Line::Begin(String::new());
+        let lines = [Line::Separator, begin(), Line::Separator, Line::End, Line::End, Line::Separator];
+        assert_eq!((length(&lines), length(&lines[2..]), length(&lines[5..])), (5, 2, 1));
+    }
+}

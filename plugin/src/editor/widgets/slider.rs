@@ -1,0 +1,46 @@
+//! A slider that lies: a bar that is as full as its parameter, with name and value on it.
+
+use egui::{Align2, CornerRadius, Id, Rect, Sense, Stroke, StrokeKind, Ui, Vec2};
+use pyrophone_settings::PARAMETERS;
+
+use super::super::hand::Hand;
+use super::super::{map, theme};
+use super::turn::{Travel, turn};
+
+/// What is left of the colour of a parameter without effect.
+const DIMMED: f32 = 0.45;
+
+/// A slider for the parameter at `index` in all of `rect`; `name` is what it is called there.
+pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, hand: &mut Hand<'_>) {
+    let parameter = &PARAMETERS[index];
+    let response = ui.interact(rect, Id::unique(("slider", parameter.id)), Sense::click_and_drag());
+    map::note(ui, format_args!("slider.{}", parameter.id), rect);
+    let plain = turn(ui, &response, index, Travel::Slider(rect.width()), hand);
+    let reason = hand.inert(index);
+    let dimmed = if reason.is_some() { DIMMED } else { 1.0 };
+    let painter = ui.painter().with_clip_rect(rect);
+    let filled = rect.with_max_x(rect.left() + rect.width() * parameter.to_normalised(plain) as f32);
+    painter.rect_filled(rect, 3.0, theme::WELL);
+    painter.rect_filled(filled, CornerRadius::same(3), theme::EMBER.gamma_multiply(0.45 * dimmed));
+    let is_hot = response.hovered() || response.dragged() || response.has_focus();
+    let border = if is_hot { theme::EMBER } else { theme::LINE };
+    painter.rect_stroke(rect, 3.0, Stroke::new(1.0, border), StrokeKind::Inside);
+    let inset = Vec2::new(6.0, 0.0);
+    let color = theme::TEXT.gamma_multiply(dimmed);
+    let text = parameter.to_text(plain);
+    let value = painter.text(rect.right_center() - inset, Align2::RIGHT_CENTER, text, theme::small(), color);
+    // A name for which there is no room is left out: it is said where the pointer rests.
+    let name_galley = painter.layout_no_wrap(name.to_owned(), theme::small(), color);
+    if rect.left() + inset.x + name_galley.size().x + 4.0 <= value.left() {
+        let at = rect.left_center() + inset - Vec2::new(0.0, 0.5 * name_galley.size().y);
+        painter.galley(at, name_galley, color);
+    }
+    response.on_hover_ui(|ui| {
+        ui.set_max_width(280.0);
+        ui.label(format!("{}: {}", parameter.name, parameter.to_text(plain)));
+        ui.label(parameter.help);
+        if let Some(reason) = reason {
+            ui.label(egui::RichText::new(format!("No effect at present: {reason}.")).color(theme::ALARM));
+        }
+    });
+}

@@ -1,0 +1,223 @@
+//! Messages of MIDI controllers, which the framework gets as values of the parameters that follow them.
+//!
+//! So the engines follow at the message's own sample, as they follow automation, and the host is told the value that
+//! came of it.
+
+use clap_sys::events::{
+    CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_IS_LIVE, CLAP_EVENT_MIDI, CLAP_EVENT_PARAM_VALUE, clap_event_header,
+    clap_event_midi, clap_event_param_value,
+};
+use pyrophone_settings::controller_file::CONTROLLERS;
+use pyrophone_settings::{Kind, PARAMETERS};
+
+use crate::controllers::{Controllers, value_at};
+use crate::entry::instance::NUMERIC_IDS;
+
+/// Most messages of one block that move something; whatever comes after them in that block does nothing.
+const MOST: usize = 1024;
+
+/// A message of the host's list, which stands for one event or more of ours.
+#[derive(Debug, Clone, Copy)]
+struct Message {
+    /// Place in the host's list.
+    event: u32,
+    /// Place in ours of the first value that it sets.
+    first: u32,
+    /// How many it sets.
+    values: u32,
+    number: u8,
+    /// Position of the controller, 0-1.
+    share: f64,
+    time: u32,
+}
+
+/// What an event of ours is.
+#[derive(Debug, Clone, Copy)]
+pub enum Place {
+    /// The host's event at this place of its list.
+    Host(u32),
+    /// The value of the parameter at this place of the table.
+    Value { index: usize, share: f64, time: u32 },
+}
+
+/// The controllers' messages of the call under way; real-time safe, but for its making.
+pub struct Messages {
+    messages: Vec<Message>,
+    /// Position at the end of the call of every controller that has moved something.
+    last: [Option<f64>; CONTROLLERS as usize],
+}
+
+impl Default for Messages {
+    fn default() -> Self {
+        Self { messages: Vec::with_capacity(MOST), last: [None; CONTROLLERS as usize] }
+    }
+}
+
+/// Number and position (0-1) of the controller whose message an event is.
+///
+/// # Safety
+/// `event` is null or a live event.
+unsafe fn controller(event: *const clap_event_header) -> Option<(u8, f64, u32)> {
+    // SAFETY: by the caller's word.
+    let header = unsafe { event.as_ref() }?;
+    if header.space_id != CLAP_CORE_EVENT_SPACE_ID || header.type_ != CLAP_EVENT_MIDI {
+        return None;
+    }
+    // SAFETY: events of this type are of this size.
+    let [status, number, position] = unsafe { (*event.cast::<clap_event_midi>()).data };
+    let is_one = status & 0xf0 == 0xb0 && number < CONTROLLERS && position < 128;
+    is_one.then(|| (number, f64::from(position) / 127.0, header.time))
+}
+
+impl Messages {
+    /// Reads the host's list, `count` events that `event` gives; a parameter that waits for a controller takes the first.
+    ///
+    /// # Safety
+    /// What `event` gives is null or a live event.
+    pub unsafe fn read(
+        &mut self,
+        controllers: &Controllers,
+        count: u32,
+        event: impl Fn(u32) -> *const clap_event_header,
+    ) {
+        self.messages.clear();
+        self.last.fill(None);
+        let mut added = 0;
+        for place in 0..count {
+            // SAFETY: by the caller's word.
+            let Some((number, share, time)) = (unsafe { controller(event(place)) }) else { continue };
+            controllers.hear(number);
+            let values = controllers.targets(number).count() as u32;
+            if values == 0 || self.messages.len() == MOST {
+                continue;
+            }
+            self.messages.push(Message { event: place, first: place + added, values, number, share, time });
+            self.last[usize::from(number)] = Some(share);
+            added += values - 1;
+        }
+    }
+
+    /// How many more events there are than in the host's list.
+    pub fn added(&self) -> u32 {
+        self.messages.iter().map(|message| message.values - 1).sum()
+    }
+
+    /// What stands at a place of our list.
+    pub fn at(&self, controllers: &Controllers, place: u32) -> Place {
+        let before = self.messages.partition_point(|message| message.first <= place);
+        let Some(message) = before.checked_sub(1).map(|index| self.messages[index]) else { return Place::Host(place) };
+        let beyond = place - message.first;
+        if beyond >= message.values {
+            return Place::Host(message.event + 1 + beyond - message.values);
+        }
+        // The window may have assigned it elsewhere meanwhile; of the message itself the framework makes nothing.
+        controllers.targets(message.number).nth(beyond as usize).map_or(Place::Host(message.event), |index| {
+            Place::Value { index, share: message.share, time: message.time }
+        })
+    }
+
+    /// Values at the end of the call of the parameters that were moved.
+    pub fn moved(&self, controllers: &Controllers) -> impl Iterator<Item = clap_event_param_value> {
+        let moved = self.last.iter().enumerate().filter_map(|(number, share)| Some((number as u8, (*share)?)));
+        moved.flat_map(|(number, share)| controllers.targets(number).map(move |index| event_of(index, share, 0)))
+    }
+}
+
+/// The event that brings the parameter at `index` to where its controller stands; real-time safe.
+pub fn event_of(index: usize, share: f64, time: u32) -> clap_event_param_value {
+    let parameter = &PARAMETERS[index];
+    // Hosts count the steps of what has steps.
+    let steps = if matches!(parameter.kind, Kind::Float { .. }) { 1.0 } else { parameter.high() - parameter.low() };
+    clap_event_param_value {
+        header: clap_event_header {
+            size: size_of::<clap_event_param_value>() as u32,
+            time,
+            space_id: CLAP_CORE_EVENT_SPACE_ID,
+            type_: CLAP_EVENT_PARAM_VALUE,
+            flags: CLAP_EVENT_IS_LIVE,
+        },
+        param_id: NUMERIC_IDS[index],
+        cookie: std::ptr::null_mut(),
+        note_id: -1,
+        port_index: -1,
+        channel: -1,
+        key: -1,
+        value: value_at(index, share) * steps,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controllers::assignable;
+
+    fn message(status: u8, number: u8, position: u8, time: u32) -> clap_event_midi {
+        let header = clap_event_header {
+            size: size_of::<clap_event_midi>() as u32,
+            time,
+            space_id: CLAP_CORE_EVENT_SPACE_ID,
+            type_: CLAP_EVENT_MIDI,
+            flags: 0,
+        };
+        clap_event_midi { header, port_index: 0, data: [status, number, position] }
+    }
+
+    #[test]
+    fn a_message_becomes_the_values_that_it_sets() {
+        let controllers = Controllers::default();
+        let [alpha, size] = ["alpha", "macro_size"].map(|id| assignable(id).expect("automatable"));
+        controllers.assign(alpha, Some(1));
+        controllers.assign(size, Some(1));
+        // A note, two controllers that move something, one that does not, another note.
+        let events = [
+            message(0x90, 60, 1, 0),
+            message(0xb0, 1, 127, 3),
+            message(0xb5, 2, 64, 4),
+            message(0xbf, 1, 0, 9),
+            message(0x80, 60, 0, 9),
+        ];
+        let mut messages = Messages::default();
+        // SAFETY: live events.
+        let read =
+            || unsafe { messages.read(&controllers, 5, |place| std::ptr::from_ref(&events[place as usize].header)) };
+        assert_eq!(allocation_counter::measure(read).count_total, 0);
+        assert_eq!(messages.added(), 2);
+        let found: Vec<String> = (0..7).map(|place| format!("{:?}", messages.at(&controllers, place))).collect();
+        let value = |index: usize, share: f64, time: u32| format!("{:?}", Place::Value { index, share, time });
+        let host = |place: u32| format!("{:?}", Place::Host(place));
+        let expected = [
+            host(0),
+            value(alpha, 1.0, 3),
+            value(size, 1.0, 3),
+            host(2),
+            value(alpha, 0.0, 9),
+            value(size, 0.0, 9),
+            host(4),
+        ];
+        assert_eq!(found, expected);
+        let told: Vec<(u32, f64)> = messages.moved(&controllers).map(|event| (event.param_id, event.value)).collect();
+        assert_eq!(told, [(NUMERIC_IDS[alpha], 0.0), (NUMERIC_IDS[size], 0.0)], "the host is told the last value");
+        controllers.assign(size, None);
+        assert!(matches!(messages.at(&controllers, 2), Place::Host(1)), "assigned elsewhere within the block");
+    }
+
+    #[test]
+    fn more_messages_than_there_is_room_for_do_nothing() {
+        let controllers = Controllers::default();
+        controllers.assign(assignable("alpha").expect("automatable"), Some(1));
+        let event = message(0xb0, 1, 64, 0);
+        let mut messages = Messages::default();
+        // SAFETY: a live event.
+        unsafe { messages.read(&controllers, 3 * MOST as u32, |_| &event.header) };
+        assert_eq!((messages.messages.len(), messages.messages.capacity()), (MOST, MOST));
+        assert!(matches!(messages.at(&controllers, 2 * MOST as u32), Place::Host(_)));
+    }
+
+    #[test]
+    fn steps_are_counted_as_hosts_count_them() {
+        let choice = assignable("drive_mode").expect("automatable");
+        let (event, high) = (event_of(choice, 1.0, 5), PARAMETERS[choice].high());
+        assert_eq!((event.value, event.header.time), (high, 5));
+        assert_eq!(event_of(choice, 0.4, 0).value.fract(), 0.0);
+    }
+}

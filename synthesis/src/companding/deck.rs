@@ -1,0 +1,146 @@
+//! From texture of one recording to what is heard of it: its band limit, its equaliser, its stereo image.
+
+use std::ops::Range;
+
+use super::Recorded;
+use super::equalizer::Equalizer;
+use super::image::Image;
+
+/// Factor by which, from sample to sample, the rest of a recording ends that was taken away.
+const FADE: f64 = 0.99;
+
+/// Filters of one recording.
+#[derive(Debug)]
+pub(super) struct Deck {
+    /// Takes out what windows that change leave above a recording that is cut there.
+    band_limit: Equalizer,
+    equalizer: Equalizer,
+    /// Of two channels alone.
+    image: Option<Image>,
+    /// Samples for which it has been silent, and those that it has left out meanwhile.
+    silent_samples: usize,
+    left_out: usize,
+    /// The recording's own level.
+    level: f64,
+}
+
+impl Deck {
+    /// For `channels` in blocks of up to `block` samples.
+    pub fn new(sample_rate_hz: f64, channels: usize, block: usize) -> Self {
+        let mut deck = Self {
+            band_limit: Equalizer::new(sample_rate_hz, channels),
+            equalizer: Equalizer::new(sample_rate_hz, channels),
+            image: (channels == 2).then(|| Image::new(sample_rate_hz, block)),
+            silent_samples: 0,
+            left_out: 0,
+            level: 0.0,
+        };
+        deck.reset();
+        deck
+    }
+
+    /// Back to silence.
+    pub fn reset(&mut self) {
+        self.band_limit.reset();
+        self.equalizer.reset();
+        self.image.iter_mut().for_each(Image::reset);
+        self.silent_samples = self.forgets_after();
+        self.left_out = 0;
+    }
+
+    /// Samples for which it sounds on.
+    pub fn tail_samples(&self) -> usize {
+        2 * self.equalizer.tail_samples() + self.image.as_ref().map_or(0, Image::tail_samples)
+    }
+
+    /// Samples of silence after which nothing of the past is left in any filter.
+    fn forgets_after(&self) -> usize {
+        self.band_limit.memory_samples() + self.equalizer.memory_samples() + self.tail_samples()
+    }
+
+    /// Whether there is anything to be heard of it, or may be.
+    pub fn is_on(&self, recorded: &Recorded<'_>) -> bool {
+        recorded.profile.is_some() || self.silent_samples < self.forgets_after()
+    }
+
+    /// The recording's own level at the next sample.
+    #[inline]
+    pub fn level(&mut self, recorded: &Recorded<'_>) -> f64 {
+        self.level = recorded.profile.map_or(FADE * self.level, |profile| profile.level);
+        self.level
+    }
+
+    /// Filters the samples in `range` of every channel. Where there is no recording any more it ends once it is silent.
+    pub fn process(
+        &mut self,
+        recorded: &Recorded<'_>,
+        spectrum_match: f64,
+        channels: &mut [&mut [f64]],
+        range: Range<usize>,
+    ) {
+        if !self.is_on(recorded) {
+            self.left_out += range.len();
+            return;
+        }
+        let left_out = std::mem::take(&mut self.left_out);
+        if left_out > 0 {
+            self.band_limit.skip(left_out);
+            self.equalizer.skip(left_out);
+            self.image.iter_mut().for_each(|image| image.skip(left_out));
+        }
+        let [limit_taps, taps, side_taps] = match recorded.profile {
+            Some(profile) => [&profile.limit_taps[..], &profile.taps, &profile.side_taps],
+            None => [&[] as &[f64]; 3],
+        };
+        self.count_silence(channels, range.clone());
+        self.band_limit.process(limit_taps, 1.0, channels, range.clone());
+        self.equalizer.process(taps, spectrum_match, channels, range.clone());
+        if let Some(image) = &mut self.image {
+            image.process(side_taps, channels, range);
+        }
+    }
+
+    fn count_silence(&mut self, channels: &[&mut [f64]], range: Range<usize>) {
+        let is_heard = |i: &usize| channels.iter().any(|channel| channel[*i] != 0.0);
+        self.silent_samples = match range.clone().rev().find(is_heard) {
+            Some(last) => range.end - 1 - last,
+            None => self.silent_samples.saturating_add(range.len()),
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::companding::{Profile, equalizer::design};
+    use crate::noise::White;
+
+    const RATE_HZ: f64 = 44_100.0;
+
+    /// A recording is heard, taken away, and loaded again; `cut` says how the sound is cut.
+    fn run(cut: usize, always: bool) -> Vec<f64> {
+        let mut noise = vec![0.0; 24_000];
+        White::new(5, 6).fill(0, &mut noise);
+        noise[6_000..18_000].fill(0.0);
+        let mut profile = Profile::flatten(&mut [noise.clone()], RATE_HZ);
+        profile.set_calibration(1.0, design(&[6.0; 23], RATE_HZ), Vec::new());
+        let mut deck = Deck::new(RATE_HZ, 1, 1000);
+        let mut at = 0;
+        while at < noise.len() {
+            let end = (at + cut).min((at / 1000 + 1) * 1000);
+            let is_there = always || !(6_000..18_000).contains(&at);
+            let recorded = Recorded { profile: is_there.then_some(&profile), gain: 1.0 };
+            deck.process(&recorded, 1.0, &mut [&mut noise], at..end);
+            at = end;
+        }
+        noise
+    }
+
+    #[test]
+    fn what_is_left_out_in_silence_changes_nothing() {
+        let whole = run(1000, false);
+        assert!([1, 7, 333].iter().all(|cut| run(*cut, false) == whole), "however it is cut");
+        assert!(whole[7_500..18_000].iter().all(|x| *x == 0.0));
+        assert_eq!(whole[18_000..], run(1000, true)[18_000..], "as if it had gone on");
+    }
+}

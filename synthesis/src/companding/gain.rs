@@ -1,0 +1,49 @@
+//! The factor that gives texture the drive's loudness back, for recordings of any level.
+
+/// Loudness told by frames, read between their middles. A recording's own level comes in where it is read.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OutputGain {
+    frame: Option<i64>,
+    /// Loudness, and the part of it that the gate leaves, of the frames before and after.
+    from: [f64; 2],
+    to: [f64; 2],
+}
+
+impl OutputGain {
+    /// Goes on to the place between `frame` and the next; `tell` is asked once for every frame.
+    #[inline]
+    pub fn go_to(&mut self, frame: i64, mut tell: impl FnMut(i64) -> [f64; 2]) {
+        if self.frame != Some(frame) {
+            let goes_on = self.frame.is_some_and(|before| before + 1 == frame);
+            self.from = if goes_on { self.to } else { tell(frame) };
+            self.to = tell(frame + 1);
+            self.frame = Some(frame);
+        }
+    }
+
+    /// The factor, `part` of the way to the next frame, on what is made of a recording of this `level`.
+    #[inline]
+    pub fn at(&self, part: f64, level: f64) -> f64 {
+        let [from, to] = [self.from, self.to].map(|[loudness, audible]| level * loudness * audible);
+        from + part * (to - from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_asked_once_and_read_between() {
+        let (mut gain, mut asked) = (OutputGain::default(), Vec::new());
+        let mut go_to = |gain: &mut OutputGain, frame: i64| {
+            gain.go_to(frame, |frame| {
+                asked.push(frame);
+                [frame as f64, 0.5]
+            });
+        };
+        [3, 3, 4, 9].into_iter().for_each(|frame| go_to(&mut gain, frame));
+        assert_eq!(asked, [3, 4, 5, 9, 10]);
+        assert_eq!((gain.at(0.0, 2.0), gain.at(0.5, 2.0)), (9.0, 9.5));
+    }
+}
