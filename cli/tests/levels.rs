@@ -15,8 +15,8 @@ use tempfile::TempDir;
 const MOST_DBTP: f64 = -1.0;
 /// Seconds of what burns by itself, in every run and in the long tests.
 const SECONDS: [f64; 2] = [5.0, 20.0];
-/// Every so manyeth preset is heard over the reference data; all in the long tests.
-const STRIDE: usize = 5;
+/// Of so many presets one is heard in every run; all in the long tests.
+const STRIDE: usize = 12;
 /// Samples on either side from which a value between two samples is found, and places between two at which it is.
 const REACH: i64 = 16;
 const PLACES: i64 = 4;
@@ -85,7 +85,8 @@ fn presets_that_burn_by_themselves_stay_below_minus_1_dbtp() {
     let alone: Vec<&Preset> = presets.iter().filter(|preset| burns(preset) && !is_paper(preset)).collect();
     assert!(alone.len() > 20, "{} presets burn by themselves", alone.len());
     let options = format!("--seconds {}", SECONDS[usize::from(is_soak())]);
-    let loud: Vec<String> = alone.iter().filter_map(|preset| studio.too_loud(preset, &options)).collect();
+    let chosen = alone.into_iter().step_by(if is_soak() { 1 } else { STRIDE / 4 });
+    let loud: Vec<String> = chosen.filter_map(|preset| studio.too_loud(preset, &options)).collect();
     assert!(loud.is_empty(), "{loud:#?}");
 }
 

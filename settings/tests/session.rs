@@ -90,7 +90,7 @@ fn damaged_texts_are_refused() {
 
 #[test]
 fn sessions_from_before_there_was_a_cut_take_all_of_the_recording() {
-    let whole = Session { cut: Cut::default(), ..full() };
+    let whole = Session { cut: Cut::default(), others: Default::default(), ..full() };
     assert!(!whole.to_json().contains("cut"), "and builds of that time can read what is saved");
     assert_eq!(Session::from_json(&whole.to_json()).unwrap(), whole);
 }

@@ -158,7 +158,7 @@ impl Default for Quality {
 pub const SLOTS: usize = 4;
 
 /// Which recordings texture and crackle are made of. A slot beyond the last is the last.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordingControls {
     /// Slot of the recording.
     pub slot: usize,
@@ -166,6 +166,12 @@ pub struct RecordingControls {
     pub second: usize,
     /// Share of the second one, 0-1.
     pub blend: f64,
+}
+
+impl Default for RecordingControls {
+    fn default() -> Self {
+        Self { slot: 0, second: 1, blend: 0.0 }
+    }
 }
 
 impl RecordingControls {

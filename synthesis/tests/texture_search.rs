@@ -97,15 +97,21 @@ fn check(seed: u64) {
             let expected = scan(index, &features, &query);
             let hint = (i % 3 > 0).then(|| index.windows().start + random.below(index.windows().len() + 5));
             let context = format!("seed {seed}, recording {kind}, level {level}, query {}, {shape:?}", i % 8);
+            let mut first_path = None;
             for (path, searcher) in searchers.iter_mut().enumerate() {
                 let exact = searcher.nearest(index, &features, &query, hint, Budget::Exact { eps: 0.0 });
                 assert_eq!(exact.window, expected.0, "{context}, path {path}");
+                let mut answers = vec![exact];
                 for candidates in [Budget::LEAST, 256, 1024, 4096] {
                     let found = searcher.nearest(index, &features, &query, hint, Budget::Bounded { candidates });
                     assert!(found.compared <= candidates, "{context}: {} of {candidates}", found.compared);
                     assert!(index.windows().contains(&found.window), "{context}");
                     assert!(features.distance(found.window, &query) >= expected.1, "{context}");
+                    answers.push(found);
                 }
+                // What a budget allows to be found depends on the way there: it is the same with any arithmetic.
+                let first = first_path.get_or_insert_with(|| answers.clone());
+                assert_eq!(*first, answers, "{context}, path {path}");
             }
             searched += 1;
         }

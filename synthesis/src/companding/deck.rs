@@ -20,6 +20,8 @@ pub(super) struct Deck {
     /// Samples for which it has been silent, and those that it has left out meanwhile.
     silent_samples: usize,
     left_out: usize,
+    /// Samples of silence after which nothing of the past is left in any filter.
+    forgets_after: usize,
     /// The recording's own level.
     level: f64,
 }
@@ -33,8 +35,11 @@ impl Deck {
             image: (channels == 2).then(|| Image::new(sample_rate_hz, block)),
             silent_samples: 0,
             left_out: 0,
+            forgets_after: 0,
             level: 0.0,
         };
+        let memory_samples = deck.band_limit.memory_samples() + deck.equalizer.memory_samples();
+        deck.forgets_after = memory_samples + deck.tail_samples();
         deck.reset();
         deck
     }
@@ -44,7 +49,7 @@ impl Deck {
         self.band_limit.reset();
         self.equalizer.reset();
         self.image.iter_mut().for_each(Image::reset);
-        self.silent_samples = self.forgets_after();
+        self.silent_samples = self.forgets_after;
         self.left_out = 0;
     }
 
@@ -53,14 +58,9 @@ impl Deck {
         2 * self.equalizer.tail_samples() + self.image.as_ref().map_or(0, Image::tail_samples)
     }
 
-    /// Samples of silence after which nothing of the past is left in any filter.
-    fn forgets_after(&self) -> usize {
-        self.band_limit.memory_samples() + self.equalizer.memory_samples() + self.tail_samples()
-    }
-
     /// Whether there is anything to be heard of it, or may be.
     pub fn is_on(&self, recorded: &Recorded<'_>) -> bool {
-        recorded.profile.is_some() || self.silent_samples < self.forgets_after()
+        recorded.profile.is_some() || self.silent_samples < self.forgets_after
     }
 
     /// The recording's own level at the next sample.
