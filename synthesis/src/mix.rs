@@ -54,6 +54,21 @@ pub struct Peaks {
     pub output: f64,
 }
 
+/// Levels of one sample.
+#[derive(Debug, Clone, Copy)]
+struct Levels {
+    low: f64,
+    extension: f64,
+    texture: f64,
+    vortex: f64,
+    crackle: f64,
+    hiss: f64,
+    body: f64,
+    width: f64,
+    output: f64,
+    bypass: f64,
+}
+
 /// Adds the layers. Controls are delayed by the latency, so that they act on the sound that they
 /// arrived with, and smoothed.
 #[derive(Debug, Clone)]
@@ -126,8 +141,10 @@ impl Mix {
             let entered = (self.now + start as u64).saturating_sub(self.latency_samples);
             let (controls, end) = self.controls.run_at(entered);
             let end = end.saturating_add(self.latency_samples).saturating_sub(self.now).min(samples as u64) as usize;
+            let settled = self.is_settled(&controls).then(|| self.next_levels(&controls));
             for i in start..end {
-                self.sample(layers, &controls, i, outputs, &mut peaks);
+                let levels = settled.unwrap_or_else(|| self.next_levels(&controls));
+                self.sample(layers, &controls, &levels, i, outputs, &mut peaks);
             }
             start = end;
         }
@@ -149,25 +166,52 @@ impl Mix {
         self.bypass.value = f64::from(u8::from(controls.bypass));
     }
 
+    /// Whether all levels have arrived where the controls want them, and the tone is neutral: then they stay.
+    fn is_settled(&self, controls: &MixControls) -> bool {
+        let bypass = f64::from(u8::from(controls.bypass));
+        self.low.value == controls.low
+            && self.extension.value == controls.extension
+            && self.texture.value == controls.texture
+            && self.vortex.value == controls.vortex
+            && self.crackle.value == controls.crackle
+            && self.hiss.value == controls.hiss
+            && self.body.value == controls.body
+            && self.width.value == controls.width
+            && self.output.value == controls.output
+            && self.bypass.value == bypass
+            && self.tone.is_neutral(&controls.tone)
+    }
+
+    /// The levels one sample later.
+    #[inline]
+    fn next_levels(&mut self, controls: &MixControls) -> Levels {
+        self.tone.step(&controls.tone);
+        Levels {
+            low: self.low.next(controls.low),
+            extension: self.extension.next(controls.extension),
+            texture: self.texture.next(controls.texture),
+            vortex: self.vortex.next(controls.vortex),
+            crackle: self.crackle.next(controls.crackle),
+            hiss: self.hiss.next(controls.hiss),
+            body: self.body.next(controls.body),
+            width: self.width.next(controls.width),
+            output: self.output.next(controls.output),
+            bypass: self.bypass.next(f64::from(u8::from(controls.bypass))),
+        }
+    }
+
     #[inline]
     fn sample(
         &mut self,
         layers: &Layers<'_>,
         controls: &MixControls,
+        levels: &Levels,
         i: usize,
         outputs: &mut [&mut [f32]],
         peaks: &mut Peaks,
     ) {
-        let low = self.low.next(controls.low) * layers.low[i];
-        let extension_level = self.extension.next(controls.extension);
-        let texture_level = self.texture.next(controls.texture);
-        let vortex_level = self.vortex.next(controls.vortex);
-        let crackle_level = self.crackle.next(controls.crackle);
-        let [hiss_level, body_level] = [self.hiss.next(controls.hiss), self.body.next(controls.body)];
-        let width = self.width.next(controls.width);
-        self.tone.step(&controls.tone);
-        let output_level = self.output.next(controls.output);
-        let bypass = self.bypass.next(f64::from(u8::from(controls.bypass)));
+        let Levels { width, bypass, .. } = *levels;
+        let low = levels.low * layers.low[i];
         peaks.low = peaks.low.max(low.abs());
         // Narrowing is for pairs; at full width the recording's own channels pass untouched.
         let narrowed = outputs.len() == 2 && width != 1.0;
@@ -187,14 +231,14 @@ impl Mix {
             if self.effects == Some(channel) {
                 continue;
             }
-            let texture = narrow(layers.texture, channel) * texture_level;
-            let crackle = narrow(layers.crackle, channel) * crackle_level;
-            let extension = layers.extension[channel][i] * extension_level;
-            let vortex = layers.vortex[channel][i] * vortex_level;
-            let [hiss, body] = [(layers.hiss, hiss_level), (layers.body, body_level)]
+            let texture = narrow(layers.texture, channel) * levels.texture;
+            let crackle = narrow(layers.crackle, channel) * levels.crackle;
+            let extension = layers.extension[channel][i] * levels.extension;
+            let vortex = layers.vortex[channel][i] * levels.vortex;
+            let [hiss, body] = [(layers.hiss, levels.hiss), (layers.body, levels.body)]
                 .map(|(layer, level)| if level == 0.0 { 0.0 } else { narrow(layer, channel) * level });
             let sum = low + extension + texture + vortex + crackle + hiss + body;
-            *wet = self.tone.process(channel, sum) * output_level;
+            *wet = self.tone.process(channel, sum) * levels.output;
             // A comparison with what is no number would leave it out.
             loudest = if wet.is_nan() { f64::NAN } else { wet.abs().max(loudest) };
             peaks.extension = peaks.extension.max(extension.abs());

@@ -61,8 +61,11 @@ impl<T: Copy + PartialEq> Timeline<T> {
 
     /// The value at `sample`, and the sample before which it is known to hold.
     pub fn run_at(&self, sample: u64) -> (T, u64) {
-        let capacity = self.runs.len();
-        let run = |i: usize| self.runs[(self.head + i) % capacity];
+        // Not a remainder: this is asked for several times a window.
+        let run = |i: usize| {
+            let at = self.head + i;
+            self.runs[if at < self.runs.len() { at } else { at - self.runs.len() }]
+        };
         let (mut low, mut high) = (0, self.len);
         while high - low > 1 {
             let middle = (low + high) / 2;

@@ -64,6 +64,11 @@ impl Tone {
         self.is_on = targets != [0.0; FACTORS];
     }
 
+    /// Whether it passes the sound bit for bit, and will with these controls.
+    pub fn is_neutral(&self, controls: &ToneControls) -> bool {
+        !self.is_on && targets(controls) == [0.0; FACTORS]
+    }
+
     /// Samples for which it sounds on after its input has ended.
     pub fn tail_samples(&self, controls: &ToneControls) -> usize {
         if targets(controls) == [0.0; FACTORS] { 0 } else { self.tail_samples }

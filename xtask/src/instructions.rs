@@ -15,7 +15,7 @@ const KEPT: &str = "xtask/instructions.txt";
 const TOLERANCE: f64 = 0.1;
 /// Cases that are counted, as `bench instructions` of the package's bench names them.
 const PACKAGE: &str = "pyrophone-synthesis";
-const ENGINES: [&str; 7] = ["exact", "bounded", "quiet", "extension", "default", "load", "activation"];
+const ENGINES: [&str; 6] = ["exact", "bounded", "quiet", "extension", "default", "activation"];
 
 /// Reason for which nothing can be compared, if there is one.
 pub fn obstacle() -> Option<&'static str> {

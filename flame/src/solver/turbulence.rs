@@ -1,5 +1,7 @@
 //! Eddies that are too small, or come from too far away, to be simulated: a field of noise that is put in.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use super::lattice::Lattice;
 use super::random::Random;
 
@@ -19,12 +21,38 @@ const DRIFTS: [[f32; 3]; 2] = [[0.37, 0.23, 0.71], [-0.29, 0.31, -0.53]];
 /// like into flames), repeating in space, never in time.
 #[derive(Debug, Clone)]
 pub struct Turbulence {
-    tile: Vec<[f32; 4]>,
+    tile: Arc<[[f32; 4]]>,
+}
+
+/// The noise made last, with its number. It takes tens of milliseconds, and solvers come in pairs and are made again and
+/// again with the same number.
+#[derive(Debug)]
+struct Latest(Mutex<Option<(u64, Turbulence)>>);
+
+static LATEST: Latest = Latest(Mutex::new(None));
+
+impl Latest {
+    fn get(&self, seed: u64) -> Turbulence {
+        // Held while noise is made: whoever asks meanwhile wants the same, mostly.
+        let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((number, turbulence)) = &*latest
+            && *number == seed
+        {
+            return turbulence.clone();
+        }
+        let turbulence = Turbulence::made(seed);
+        *latest = Some((seed, turbulence.clone()));
+        turbulence
+    }
 }
 
 impl Turbulence {
     /// Noise number `seed`, of 1 rms per component.
     pub fn new(seed: u64) -> Self {
+        LATEST.get(seed)
+    }
+
+    fn made(seed: u64) -> Self {
         let mut random = Random::new(seed);
         let mut tile = vec![[0.0f32; 4]; SIZE * SIZE * SIZE];
         for _ in 0..WAVES {
@@ -52,18 +80,20 @@ impl Turbulence {
                 direction.map(|along| (wave * along) as f32)
             };
             let added: Vec<[f32; 3]> = (lowest..=highest).map(add).collect();
-            for (index, value) in tile.iter_mut().enumerate() {
-                let position = [index / (SIZE * SIZE), index / SIZE % SIZE, index % SIZE];
-                let parts: i32 = (0..3).map(|a| wave[a] * position[a] as i32).sum();
-                for (value, added) in value.iter_mut().zip(added[(parts - lowest) as usize]) {
-                    *value += added;
+            for (line, values) in tile.chunks_exact_mut(SIZE).enumerate() {
+                let mut parts = wave[0] * (line / SIZE) as i32 + wave[1] * (line % SIZE) as i32 - lowest;
+                for value in values {
+                    for (value, added) in value.iter_mut().zip(added[parts as usize]) {
+                        *value += added;
+                    }
+                    parts += wave[2];
                 }
             }
         }
         let power: f64 = tile.iter().flat_map(|value| &value[..3]).map(|v| maths::square(f64::from(*v))).sum();
         let rms = (power / (3 * tile.len()) as f64).sqrt().max(1e-30) as f32;
         tile.iter_mut().flatten().for_each(|value| *value /= rms);
-        Self { tile }
+        Self { tile: tile.into() }
     }
 
     /// The noise at a place, in units of the largest eddies' size, and a time, in units of their turnover.
@@ -79,5 +109,20 @@ impl Turbulence {
             }
         }
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_of_one_number_is_made_once_and_always_the_same() {
+        let latest = Latest(Mutex::new(None));
+        let first = latest.get(7);
+        assert!(Arc::ptr_eq(&first.tile, &latest.get(7).tile));
+        assert_ne!(first.tile, latest.get(8).tile);
+        assert_eq!(first.tile, latest.get(7).tile);
+        assert_eq!(first.tile, Turbulence::new(7).tile);
     }
 }

@@ -21,14 +21,15 @@ const RATE_HZ: f64 = 44_100.0;
 /// Measures, and prints what it found.
 type Figures = Box<dyn Fn(&[pairs::Pair]) -> String>;
 
-/// A row: its name, and what it prints.
+/// A row: its name, what is aimed at, and what it prints.
 struct Row {
     name: &'static str,
+    goal: &'static str,
     figures: Figures,
 }
 
-fn row(name: &'static str, figures: impl Fn(&[pairs::Pair]) -> String + 'static) -> Row {
-    Row { name, figures: Box::new(figures) }
+fn row(name: &'static str, goal: &'static str, figures: impl Fn(&[pairs::Pair]) -> String + 'static) -> Row {
+    Row { name, goal, figures: Box::new(figures) }
 }
 
 fn main() {
@@ -40,10 +41,10 @@ fn main() {
         return;
     }
     let pairs = pairs::all();
-    println!("| row | found |\n|---|---|");
-    for Row { name, figures } in texture::rows().into_iter().chain(blocks::rows()).chain(start::rows()) {
+    println!("| row | goal | found |\n|---|---|---|");
+    for Row { name, goal, figures } in texture::rows().into_iter().chain(blocks::rows()).chain(start::rows()) {
         if wanted.is_empty() || wanted.iter().any(|word| name.contains(word.as_str())) {
-            println!("| {name} | {} |", figures(&pairs));
+            println!("| {name} | {goal} | {} |", figures(&pairs));
         }
     }
 }

@@ -29,18 +29,30 @@ pub struct Power {
     bin_hz: f64,
 }
 
-impl Power {
-    /// The powers of `signal`. One shorter than a window is taken as followed by silence.
-    pub fn of(signal: &[f64], sample_rate_hz: f64) -> Self {
+/// What powers are found with: making it takes longer than using it once.
+struct Analyser {
+    sample_rate_hz: f64,
+    transform: Transform,
+    window: Vec<f64>,
+}
+
+impl Analyser {
+    fn new(sample_rate_hz: f64) -> Self {
         let longest = maths::log2(WINDOW_S * sample_rate_hz).floor() as u32;
-        let mut transform = Transform::new(1 << longest.clamp(6, 20));
+        let transform = Transform::new(1 << longest.clamp(6, 20));
         let len = transform.len();
-        let window: Vec<f64> = (0..len).map(|i| 0.5 - 0.5 * maths::cos(2.0 * PI * i as f64 / len as f64)).collect();
+        let window = (0..len).map(|i| 0.5 - 0.5 * maths::cos(2.0 * PI * i as f64 / len as f64)).collect();
+        Self { sample_rate_hz, transform, window }
+    }
+
+    fn power(&mut self, signal: &[f64]) -> Power {
+        let Self { sample_rate_hz, transform, window } = self;
+        let len = transform.len();
         let mut bins = vec![0.0; transform.bins()];
         let mut count = 0.0;
         for start in (0..signal.len().saturating_sub(len / 2).max(1)).step_by(len / 2) {
             transform.time.fill(0.0);
-            for ((time, x), weight) in transform.time.iter_mut().zip(&signal[start..]).zip(&window) {
+            for ((time, x), weight) in transform.time.iter_mut().zip(&signal[start..]).zip(&*window) {
                 *time = x * weight;
             }
             transform.forward();
@@ -50,15 +62,22 @@ impl Power {
         // A Hann window's mean square is 3/8; all bins but the outermost stand for two.
         let scale = 2.0 / (0.375 * maths::square(len as f64) * count);
         bins.iter_mut().for_each(|power| *power *= scale);
-        Self { bins, bin_hz: sample_rate_hz / len as f64 }
+        Power { bins, bin_hz: *sample_rate_hz / len as f64 }
+    }
+}
+
+impl Power {
+    /// The powers of `signal`. One shorter than a window is taken as followed by silence.
+    pub fn of(signal: &[f64], sample_rate_hz: f64) -> Self {
+        Analyser::new(sample_rate_hz).power(signal)
     }
 
     /// The spectra of single windows, half overlapping, from which [`of`](Self::of) takes the mean.
     fn windows(signal: &[f64], sample_rate_hz: f64) -> impl Iterator<Item = Self> {
-        let longest = maths::log2(WINDOW_S * sample_rate_hz).floor() as u32;
-        let len = 1usize << longest.clamp(6, 20);
+        let mut analyser = Analyser::new(sample_rate_hz);
+        let len = analyser.window.len();
         let starts = (0..signal.len().saturating_sub(len / 2).max(1)).step_by(len / 2);
-        starts.map(move |start| Self::of(&signal[start..signal.len().min(start + len)], sample_rate_hz))
+        starts.map(move |start| analyser.power(&signal[start..signal.len().min(start + len)]))
     }
 
     /// The mean power between two frequencies in Hz, per bin; between bins where none lies there.

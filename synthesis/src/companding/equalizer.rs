@@ -323,23 +323,36 @@ impl Channel {
 /// What the first taps make of `line` from `from` on.
 fn head(taps: &[f64], line: &[f64], from: usize, count: usize) -> [f64; BLOCK] {
     let mut out = [0.0; BLOCK];
-    pulp::Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            for (piece, out) in
-                out[..count.next_multiple_of(AT_ONCE)].as_chunks_mut::<AT_ONCE>().0.iter_mut().enumerate()
-            {
-                for (delay, tap) in taps.iter().enumerate() {
-                    // Beyond `count` this reads what is to come, of which nothing is heard.
-                    let past = &line[from + piece * AT_ONCE - delay..][..AT_ONCE];
-                    for (sum, sample) in out.iter_mut().zip(past) {
-                        *sum += tap * sample;
-                    }
+    pulp::Arch::new().dispatch(Head { taps, line, from, out: &mut out[..count.next_multiple_of(AT_ONCE)] });
+    out
+}
+
+/// The same, to be compiled for every kind of machine.
+struct Head<'a> {
+    taps: &'a [f64],
+    line: &'a [f64],
+    from: usize,
+    out: &'a mut [f64],
+}
+
+impl pulp::WithSimd for Head<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        for (piece, out) in self.out.as_chunks_mut::<AT_ONCE>().0.iter_mut().enumerate() {
+            // Sums of its own, which stay in registers.
+            let mut sums = [0.0; AT_ONCE];
+            for (delay, tap) in self.taps.iter().enumerate() {
+                // Beyond the samples asked for this reads what is to come, of which nothing is heard.
+                let past = &self.line[self.from + piece * AT_ONCE - delay..][..AT_ONCE];
+                for (sum, sample) in sums.iter_mut().zip(past) {
+                    *sum += tap * sample;
                 }
             }
-        },
-    );
-    out
+            *out = sums;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -90,12 +90,11 @@ impl Track {
         self.told += 1;
     }
 
-    /// Between which frames' middles `sample` lies, where sample 0 is the first of frame 0: the frame
-    /// before it, and how far it lies behind its middle, 0-1.
-    pub fn place(&self, sample: i64) -> (i64, f64) {
+    /// Between which frames' middles `sample`, and those after it, lie, where sample 0 is the first of frame 0.
+    pub fn places(&self, sample: i64) -> Places {
         let place = 2 * sample - (self.frame_samples - 1);
         let span = 2 * self.frame_samples;
-        (place.div_euclid(span), place.rem_euclid(span) as f64 / span as f64)
+        Places { frame: place.div_euclid(span), into: place.rem_euclid(span), span }
     }
 
     /// The value told last.
@@ -110,6 +109,35 @@ impl Track {
         }
         let length = self.values.len() as i64;
         self.values[(frame.min(self.told - 1).max(0) % length) as usize]
+    }
+}
+
+/// Between which frames' middles samples in a row lie: for each the frame before it, and how far it lies behind that
+/// frame's middle, 0-1.
+#[derive(Debug, Clone, Copy)]
+pub struct Places {
+    frame: i64,
+    /// Half samples since that frame's middle, of `span` from one middle to the next.
+    into: i64,
+    span: i64,
+}
+
+impl Places {
+    /// The same, so many frames later.
+    pub fn later(self, frames: i64) -> Self {
+        Self { frame: self.frame + frames, ..self }
+    }
+
+    /// The next sample's place.
+    #[inline]
+    pub fn step(&mut self) -> (i64, f64) {
+        let place = (self.frame, self.into as f64 / self.span as f64);
+        self.into += 2;
+        if self.into >= self.span {
+            self.into -= self.span;
+            self.frame += 1;
+        }
+        place
     }
 }
 
@@ -148,9 +176,10 @@ mod tests {
             track.push(f64::from(value));
         }
         // Frame 3 spans samples 12-15, its middle is 13.5.
-        assert_eq!(track.place(13), (2, 0.875));
-        assert_eq!(track.place(14), (3, 0.125));
-        assert_eq!(track.place(-1), (-1, 0.375));
+        let place = |sample| track.places(sample).step();
+        assert_eq!([place(13), place(14), place(-1)], [(2, 0.875), (3, 0.125), (-1, 0.375)]);
+        let mut places = track.places(-9);
+        (-9..30).for_each(|sample| assert_eq!(places.step(), place(sample), "sample {sample}"));
         assert_eq!((track.frame(3), track.newest()), (3.0, 5.0));
         assert_eq!(track.frame(1000), 5.0, "beyond the last one, the last one");
         assert_eq!(track.frame(-1000), 0.0);

@@ -15,7 +15,9 @@ pub const HIGHEST_HZ: f64 = 400.0;
 #[derive(Debug)]
 pub struct LowEnd {
     sample_rate_hz: f64,
-    glide_samples: f64,
+    /// Most that the wet share, and the gain, change in a sample.
+    wet_step: f64,
+    gain_step: f64,
     drive: [Section; 2],
     texture: Vec<[Section; 2]>,
     gain: f64,
@@ -29,9 +31,11 @@ pub struct LowEnd {
 impl LowEnd {
     /// A crossover for `channels` of texture.
     pub fn new(sample_rate_hz: f64, channels: usize) -> Self {
+        let wet_step = 1.0 / (GLIDE_S * sample_rate_hz);
         Self {
             sample_rate_hz,
-            glide_samples: GLIDE_S * sample_rate_hz,
+            wet_step,
+            gain_step: wet_step * section_gain(HIGHEST_HZ, sample_rate_hz),
             drive: Default::default(),
             texture: vec![Default::default(); channels],
             gain: 0.0,
@@ -74,9 +78,8 @@ impl LowEnd {
         if self.wet == 0.0 && self.target_wet == 0.0 {
             return;
         }
-        let step = 1.0 / self.glide_samples;
-        self.wet = approach(self.wet, self.target_wet, step);
-        self.gain = approach(self.gain, self.target_gain, step * section_gain(HIGHEST_HZ, self.sample_rate_hz));
+        self.wet = approach(self.wet, self.target_wet, self.wet_step);
+        self.gain = approach(self.gain, self.target_gain, self.gain_step);
         let [first, second] = &mut self.drive;
         let low = second.process(self.gain, first.process(self.gain, drive).low).low;
         for (channel, [first, second]) in channels.iter_mut().zip(&mut self.texture) {

@@ -52,7 +52,7 @@ use crate::smoothed::Smoothed;
 use crate::texture::Distribution;
 use crate::timeline::Timeline;
 use deck::Deck;
-use frames::{Kernel, Track, frame_samples};
+use frames::{Kernel, Places, Track, frame_samples};
 use gain::OutputGain;
 pub use learn::loudnesses;
 use level::{NOMINAL, RunningLevel};
@@ -267,10 +267,10 @@ impl Companding {
         flat.copy_from_slice(drive);
         self.wait.process(flat);
         let undertone = UNDERTONE * MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms);
+        let mut places = self.places(self.now - self.wait_samples, 0);
         for (i, sample) in drive.iter().enumerate() {
             self.measure(*sample, controls);
-            let place = self.place(self.now - self.wait_samples, 0);
-            let gain = self.flat_gain_at(place, profile);
+            let gain = self.flat_gain_at(places.step(), profile);
             flat[i] = flat[i] * gain + undertone * self.noise.at(self.position.wrapping_add(self.now));
             loudness[i] = self.heard;
             self.now += 1;
@@ -309,9 +309,9 @@ impl Companding {
         let mut start = 0;
         while start < samples {
             let (controls, end) = self.run(start, samples, self.latency_samples);
+            let mut places = self.places(self.now - (samples - start) as i64 - self.latency_samples, 1);
             for (i, drive) in drive.iter_mut().enumerate().take(end).skip(start) {
-                let sample = self.now - (samples - i) as i64 - self.latency_samples;
-                let place = self.place(sample, 1);
+                let place = places.step();
                 self.follow_output(place, &controls);
                 for ((texture, recorded), deck) in textures.iter_mut().zip(recordings).zip(&mut self.decks) {
                     if deck.is_on(recorded) {
@@ -397,10 +397,9 @@ impl Companding {
         (controls, end.clamp(start as i64 + 1, samples as i64) as usize)
     }
 
-    /// Which frames' loudness holds at `sample` since reset: that told while the frame's future had arrived.
-    fn place(&self, sample: i64, kernel: usize) -> (i64, f64) {
-        let (frame, part) = self.loudness[kernel].place(sample + self.origin);
-        (frame + self.kernels[kernel].look_ahead(), part)
+    /// Which frames' loudness holds at `sample` since reset and those after it: that told while the frame's future had arrived.
+    fn places(&self, sample: i64, kernel: usize) -> Places {
+        self.loudness[kernel].places(sample + self.origin).later(self.kernels[kernel].look_ahead())
     }
 
     /// Takes one sample of the drive into account.

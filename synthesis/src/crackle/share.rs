@@ -1,5 +1,7 @@
 //! What part of a recording's crackles is played, found by a trial run over its bed.
 
+use rayon::prelude::*;
+
 use super::Crackle;
 use super::detect::crackles;
 use super::event::{Crackles, loud};
@@ -15,9 +17,11 @@ impl Crackles {
     /// level, as the recording has: an even bed hides fewer than the recording's own, and adds some.
     pub(crate) fn calibrate(&mut self, bed: &[f64], sample_rate_hz: f64) {
         let seconds = TRIALS as f64 * bed.len() as f64 / sample_rate_hz;
+        let all = &*self;
         let count: usize = (0..TRIALS)
+            .into_par_iter()
             .map(|seed| {
-                let mut heard = play_steadily(self, seed, bed.len(), sample_rate_hz);
+                let mut heard = play_steadily(all, seed, bed.len(), sample_rate_hz);
                 heard.iter_mut().zip(bed).for_each(|(crackle, bed)| *crackle += bed);
                 loud(&crackles(&[heard], sample_rate_hz))
             })

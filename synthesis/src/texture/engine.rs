@@ -54,6 +54,8 @@ pub struct Texture {
     query: Vec<f64>,
     taps: Vec<f64>,
     window: Vec<f64>,
+    /// Samples of a level to which nothing is added any more.
+    done: Vec<f64>,
     /// Index of the first sample after reset, and what it lacks to the host's position.
     origin: i64,
     base: i64,
@@ -176,6 +178,7 @@ impl Texture {
             query: vec![0.0; shape.feature_len()],
             taps: vec![0.0; shape.coarse_len() + 1],
             window: vec![0.0; shape.hat().len()],
+            done: vec![0.0; shape.window],
             origin: 0,
             base: 0,
             crossfade_samples,
@@ -439,9 +442,9 @@ impl Texture {
             }
         }
         // The next window begins with a weight of 0 at this one's centre: nothing is added up to there any more.
-        for index in centre - w + 1..=centre {
-            self.extents.take(l, index, self.levels[l].samples.get(index));
-        }
+        let done = &mut self.done[..w as usize];
+        self.levels[l].samples.copy(centre - w + 1, i64::MIN, done);
+        self.extents.take_all(l, centre - w + 1, done);
     }
 
     /// The slot of the window whose centre is at this sample: all that stand over one window of the level below the top
@@ -623,11 +626,12 @@ struct Target {
 
 impl Target {
     fn add(&self, factors: &[f64], recording: Excerpt<'_>, ring: &mut Ring) {
-        for (i, factor) in factors.iter().enumerate() {
-            let (from, to) = (self.from + i as i64 - recording.first as i64, self.to + i as i64);
-            if to >= self.floor && to < self.end && from >= 0 && (from as usize) < recording.samples.len() {
-                ring.add(to, factor * recording.samples[from as usize]);
-            }
+        let from = self.from - recording.first as i64;
+        let first = (self.floor - self.to).max(-from).max(0);
+        let end = self.end.saturating_sub(self.to).min(recording.samples.len() as i64 - from).min(factors.len() as i64);
+        if first < end {
+            let samples = &recording.samples[(from + first) as usize..];
+            ring.add_products(self.to + first, &factors[first as usize..end as usize], samples);
         }
     }
 }

@@ -64,6 +64,19 @@ impl Extents {
         frame.high = frame.high.max(sample);
     }
 
+    /// Takes samples of `level` from `first` on; real-time safe.
+    pub fn take_all(&mut self, level: usize, first: i64, samples: &[f64]) {
+        let frame = &mut self.levels[level];
+        if (first + samples.len() as i64) << level > frame.end {
+            (first..).zip(samples).for_each(|(index, sample)| self.take(level, index, *sample));
+            return;
+        }
+        for sample in samples {
+            frame.low = frame.low.min(*sample);
+            frame.high = frame.high.max(*sample);
+        }
+    }
+
     /// Those that are done since they were taken last.
     pub fn drain(&mut self) -> std::vec::Drain<'_, Extent> {
         self.done.drain(..)
@@ -73,6 +86,22 @@ impl Extents {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn samples_taken_together_count_as_those_taken_one_by_one() {
+        let (mut together, mut single) = (Extents::new(2, 600.0), Extents::new(2, 600.0));
+        [&mut together, &mut single].into_iter().for_each(|extents| extents.reset(4));
+        let samples: Vec<f64> = (0..400).map(|n| f64::from(n * n % 71) - 35.0).collect();
+        for (number, part) in samples.chunks(4).enumerate() {
+            for level in 0..2 {
+                let first = (4 >> level) + 4 * number as i64;
+                together.take_all(level, first, part);
+                (first..).zip(part).for_each(|(index, sample)| single.take(level, index, *sample));
+            }
+        }
+        let done: Vec<Extent> = together.drain().collect();
+        assert!(done.len() > 50 && done == single.drain().collect::<Vec<_>>());
+    }
 
     #[test]
     fn frames_of_all_levels_keep_pace() {

@@ -92,12 +92,11 @@ impl Features<'_> {
         a.between == b.between && causal(a) == causal(b) && coarse(a) == coarse(b)
     }
 
-    /// The samples of `window`'s feature where they lie, if they need neither weights nor
-    /// interpolation.
+    /// The samples of `window`'s feature where they lie, not weighted, if they need no interpolation.
     #[inline(always)]
     pub fn in_place(&self, window: usize) -> Option<[&[f64]; 2]> {
         let place = Place::of(window as i64, self.shape);
-        (self.unweighted && !place.between).then(|| {
+        (!place.between).then(|| {
             let causal = &self.fine.from(place.causal)[..self.shape.causal_len()];
             [causal, &self.coarse.from(place.coarse)[..self.shape.coarse_len()]]
         })
@@ -109,7 +108,7 @@ impl Features<'_> {
     pub fn distance(&self, window: usize, query: &[f64]) -> f64 {
         let (query_causal, query_coarse) = query.split_at(self.shape.causal_len());
         let mut sum = 0.0;
-        if let Some([causal, coarse]) = self.in_place(window) {
+        if let Some([causal, coarse]) = self.in_place(window).filter(|_| self.unweighted) {
             for (x, q) in causal.iter().zip(query_causal).chain(coarse.iter().zip(query_coarse)) {
                 sum += (x - q) * (x - q);
             }

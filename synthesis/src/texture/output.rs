@@ -81,7 +81,7 @@ mod tests {
         outputs.reset(10);
         outputs.prepare(30);
         for slot in [1, 3] {
-            outputs.channels_mut(slot, 25)[0].add(20, 1.0 + slot as f64);
+            outputs.channels_mut(slot, 25)[0].add_products(20, &[1.0], &[1.0 + slot as f64]);
         }
         let (mut one, mut all) = ([9.0; 8], [9.0; 8]);
         outputs.copy(3, 18, 1..7, &mut [&mut one]);

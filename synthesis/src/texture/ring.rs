@@ -36,10 +36,19 @@ impl Ring {
         self.data[(index & self.mask) as usize] = value;
     }
 
-    /// Adds to a sample, which must be prepared.
-    #[inline]
-    pub fn add(&mut self, index: i64, value: f64) {
-        self.data[(index & self.mask) as usize] += value;
+    /// Adds products to the samples from `first` on, no more than it remembers, which must be prepared.
+    pub fn add_products(&mut self, first: i64, factors: &[f64], samples: &[f64]) {
+        let start = (first & self.mask) as usize;
+        let whole = factors.len().min(self.data.len() - start);
+        let add = |sums: &mut [f64], factors: &[f64], samples: &[f64]| {
+            for ((sum, factor), sample) in sums.iter_mut().zip(factors).zip(samples) {
+                *sum += factor * sample;
+            }
+        };
+        add(&mut self.data[start..], &factors[..whole], samples);
+        if whole < factors.len() {
+            add(&mut self.data, &factors[whole..], &samples[whole..]);
+        }
     }
 
     /// A sample of the recent past.
@@ -82,8 +91,10 @@ mod tests {
         assert_eq!(out, expected);
         ring.copy(40, 0, &mut out);
         assert_eq!(out, [0.0; 12]);
-        ring.prepare(33);
-        ring.add(32, 1.5);
-        assert_eq!((ring.get(31), ring.get(32), ring.get(33)), (0.0, 1.5, 0.0));
+        ring.prepare(34);
+        ring.add_products(30, &[1.0, 0.5, 3.0], &[2.0, 1.0, 0.5]);
+        let mut sums = [9.0; 5];
+        ring.copy(29, 0, &mut sums);
+        assert_eq!(sums, [29.0, 2.0, 0.5, 1.5, 0.0], "from the last place on to the first");
     }
 }

@@ -86,10 +86,16 @@ impl Bank {
         for row in texture.rows() {
             for direction in directions() {
                 let coefficients = oversample.process(row, direction);
-                let largest = coefficients.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+                let largest = largest(coefficients);
                 let scale = if largest > 0.0 { largest / f64::from(i16::MAX) } else { 1.0 };
                 scales.push(scale as f32);
-                series.extend(coefficients.iter().cycle().take(stride).map(|value| (value / scale).round() as i16));
+                let begin = series.len();
+                series.resize(begin + period, 0);
+                pulp::Arch::new().dispatch(Quantise { values: coefficients, scale, to: &mut series[begin..] });
+                while series.len() < begin + stride {
+                    let missing = begin + stride - series.len();
+                    series.extend_from_within(begin..begin + period.min(missing));
+                }
             }
         }
         let rate_hz = OVERSAMPLING as f64 * texture.sample_rate_hz();
@@ -133,6 +139,43 @@ impl Bank {
         let from = if step == 0 { self.period - 1 } else { step - 1 };
         (self.scales[which], &self.series[which * self.stride + from..][..LONGEST_READ])
     }
+}
+
+/// The largest magnitude of `values`.
+fn largest(values: &[f64]) -> f64 {
+    // Several at once: which comes first does not matter.
+    let mut most = [0.0f64; 8];
+    let (chunks, rest) = values.as_chunks::<8>();
+    for chunk in chunks {
+        most.iter_mut().zip(chunk).for_each(|(most, value)| *most = most.max(value.abs()));
+    }
+    most.iter().chain(rest).fold(0.0, |most, value| most.max(value.abs()))
+}
+
+/// Writes what `values` are of `scale`, rounded; half a step is rounded away from 0.
+struct Quantise<'a> {
+    values: &'a [f64],
+    scale: f64,
+    to: &'a mut [i16],
+}
+
+impl pulp::WithSimd for Quantise<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        for (to, value) in self.to.iter_mut().zip(self.values) {
+            *to = rounded(value / self.scale);
+        }
+    }
+}
+
+/// As `f64::round`, which is a call for every value; `steps` is within the range of the answer.
+#[inline(always)]
+fn rounded(steps: f64) -> i16 {
+    let whole = steps as i32;
+    let rest = steps - f64::from(whole);
+    (whole + i32::from(rest >= 0.5) - i32::from(rest <= -0.5)) as i16
 }
 
 /// From a texture's steps to the coefficients of a spline at the higher rate.
@@ -191,6 +234,17 @@ mod tests {
             let apart = [x, y, z, x.abs() - y.abs(), y.abs() - z.abs(), z.abs() - x.abs()];
             assert!(apart.iter().all(|distance| distance.abs() > 0.11), "{apart:?}");
         }
+    }
+
+    #[test]
+    fn halves_are_rounded_away_from_zero() {
+        let beside: [f64; 9] = [0.0, 0.5, 0.49999999999999994, 1.5, 2.5, 32_766.5, 32_767.0, 3.3, 1234.5678];
+        for steps in beside.into_iter().flat_map(|x| [x, -x, x.next_up(), -x.next_up(), x.next_down()]) {
+            assert_eq!(rounded(steps), steps.round() as i16, "{steps}");
+        }
+        let values: Vec<f64> = (0..100).map(|n| f64::from(n * 37 % 100) - 70.0).collect();
+        assert_eq!(largest(&values), 70.0);
+        assert_eq!((largest(&values[..0]), largest(&values[..3])), (0.0, 70.0));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The textures, and the scenes' speed fields, that come with the engines.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
 
 use super::bank::Bank;
@@ -40,30 +40,50 @@ pub fn fields() -> Result<&'static [Arc<SpeedField>], Error> {
     READ_FIELDS.as_deref().map_err(Error::clone)
 }
 
-/// Banks by texture and rate, as long as somebody plays them.
-static BANKS: Mutex<Option<Banks>> = Mutex::new(None);
+/// The textures made ready for a rate, in the order of [`TEXTURES`].
+pub type Banks = [Arc<Bank>; TEXTURES.len()];
 
-/// By place in [`TEXTURES`] and bits of the rate.
-type Banks = HashMap<(usize, u64), Weak<Bank>>;
+/// Banks that were made before.
+static MADE: Mutex<Made> = Mutex::new(Made { latest: None, played: BTreeMap::new() });
 
-/// The shipped textures, made ready for output at `sample_rate_hz` (8,000-384,000); those that are in use already are
-/// shared. Not for the audio thread.
-pub fn banks(sample_rate_hz: f64) -> Result<[Arc<Bank>; TEXTURES.len()], Error> {
-    let mut banks = Vec::with_capacity(TEXTURES.len());
-    // Whoever asks meanwhile needs the same ones, mostly.
-    let mut guard = BANKS.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = guard.get_or_insert_default();
-    for (which, file) in FILES.into_iter().enumerate() {
-        let key = (which, sample_rate_hz.to_bits());
-        let bank = match known.get(&key).and_then(Weak::upgrade) {
-            Some(bank) => bank,
-            None => Arc::new(Bank::new(&VortexTexture::from_bytes(file)?, sample_rate_hz)?),
+/// Making the banks takes as long as some hosts give an activation altogether, and hosts activate again and again.
+struct Made {
+    /// Those of the rate that was asked for last, by the rate's bits.
+    latest: Option<(u64, Banks)>,
+    /// Those of all rates, as long as somebody plays them.
+    played: BTreeMap<u64, [Weak<Bank>; TEXTURES.len()]>,
+}
+
+impl Made {
+    fn get(&mut self, sample_rate_hz: f64) -> Result<Banks, Error> {
+        let key = sample_rate_hz.to_bits();
+        let banks = match self.known(key) {
+            Some(banks) => banks,
+            None => made(sample_rate_hz)?,
         };
-        known.insert(key, Arc::downgrade(&bank));
-        banks.push(bank);
+        self.played.insert(key, banks.each_ref().map(Arc::downgrade));
+        self.latest = Some((key, banks.clone()));
+        self.played.retain(|_, banks| banks.iter().all(|bank| bank.strong_count() > 0));
+        Ok(banks)
     }
-    known.retain(|_, bank| bank.strong_count() > 0);
-    Ok(std::array::from_fn(|which| banks[which].clone()))
+
+    fn known(&self, key: u64) -> Option<Banks> {
+        let [fire, jet] = self.played.get(&key)?;
+        Some([fire.upgrade()?, jet.upgrade()?])
+    }
+}
+
+fn made(sample_rate_hz: f64) -> Result<Banks, Error> {
+    let make = |file| Bank::new(&VortexTexture::from_bytes(file)?, sample_rate_hz).map(Arc::new);
+    let [fire, jet] = FILES;
+    Ok([make(fire)?, make(jet)?])
+}
+
+/// The shipped textures, made ready for output at `sample_rate_hz` (8,000-384,000); those that are in use already, and those
+/// of the rate that was asked for last, are shared. Not for the audio thread.
+pub fn banks(sample_rate_hz: f64) -> Result<Banks, Error> {
+    // Whoever asks meanwhile needs the same ones, mostly.
+    MADE.lock().unwrap_or_else(PoisonError::into_inner).get(sample_rate_hz)
 }
 
 #[cfg(test)]
@@ -104,9 +124,16 @@ mod tests {
     }
 
     #[test]
-    fn banks_are_shared_while_in_use() {
-        let first = banks(47_999.0).unwrap();
-        let second = banks(47_999.0).unwrap();
-        assert!(first.iter().zip(&second).all(|(a, b)| Arc::ptr_eq(a, b)));
+    fn banks_are_shared_while_in_use_and_kept_for_the_latest_rate() {
+        let mut made = Made { latest: None, played: BTreeMap::new() };
+        let same = |a: &Banks, b: &Banks| a.iter().zip(b).all(|(a, b)| Arc::ptr_eq(a, b));
+        let first = made.get(47_999.0).unwrap();
+        let other = made.get(47_998.0).unwrap();
+        assert!(!same(&first, &other) && same(&first, &made.get(47_999.0).unwrap()), "in use");
+        let weak = first.each_ref().map(Arc::downgrade);
+        drop((first, other));
+        assert!(weak.iter().all(|bank| bank.strong_count() > 0), "kept");
+        drop(made.get(47_998.0).unwrap());
+        assert!(weak.iter().all(|bank| bank.strong_count() == 0) && made.played.len() == 1, "no longer the latest");
     }
 }

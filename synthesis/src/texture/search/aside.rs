@@ -12,6 +12,8 @@ pub struct Aside {
     /// Bounds' bits: those of numbers that are not negative are in the numbers' order.
     bounds: Vec<u32>,
     places: Vec<Place>,
+    /// How many of them are remembered.
+    len: usize,
 }
 
 /// Bounds looked at together.
@@ -20,31 +22,32 @@ const CHUNK: usize = 32;
 impl Aside {
     /// Room for `capacity` boxes; more are not remembered.
     pub fn new(capacity: usize) -> Self {
-        Self { bounds: Vec::with_capacity(capacity), places: Vec::with_capacity(capacity) }
+        Self { bounds: vec![0; capacity], places: vec![(0, Child::NONE); capacity], len: 0 }
     }
 
     /// Forgets all.
     #[inline(always)]
     pub fn clear(&mut self) {
-        self.bounds.clear();
-        self.places.clear();
+        self.len = 0;
     }
 
     /// Remembers a box; `bound` is not negative.
     #[inline(always)]
     pub fn push(&mut self, bound: f32, place: Place) {
-        if self.bounds.len() < self.bounds.capacity() {
-            self.bounds.push(bound.to_bits());
-            self.places.push(place);
+        if let (Some(room), Some(room_for_place)) = (self.bounds.get_mut(self.len), self.places.get_mut(self.len)) {
+            (*room, *room_for_place) = (bound.to_bits(), place);
+            self.len += 1;
         }
     }
 
     /// Takes out the latest put in whose bound is at most `limit`; those passed over are forgotten.
     #[inline(always)]
     pub fn pop_latest(&mut self, limit: f32) -> Option<(f32, Place)> {
-        while let (Some(bound), Some(place)) = (self.bounds.pop(), self.places.pop()) {
-            if f32::from_bits(bound) <= limit {
-                return Some((f32::from_bits(bound), place));
+        while self.len > 0 {
+            self.len -= 1;
+            let bound = f32::from_bits(self.bounds[self.len]);
+            if bound <= limit {
+                return Some((bound, self.places[self.len]));
             }
         }
         None
@@ -53,9 +56,10 @@ impl Aside {
     /// Takes out the nearest, if its bound is at most `limit`.
     #[inline(always)]
     pub fn pop_nearest(&mut self, limit: f32) -> Option<(f32, Place)> {
-        let least = self.bounds.iter().copied().min().filter(|least| f32::from_bits(*least) <= limit)?;
+        let bounds = &mut self.bounds[..self.len];
+        let least = bounds.iter().copied().min().filter(|least| f32::from_bits(*least) <= limit)?;
         let mut at = 0;
-        for chunk in self.bounds.chunks(CHUNK) {
+        for chunk in bounds.chunks(CHUNK) {
             // Without leaving early, so that a chunk is compared at once.
             if chunk.iter().fold(false, |found, bound| found | (*bound == least)) {
                 at += chunk.iter().position(|bound| *bound == least).unwrap_or(0);
@@ -63,8 +67,11 @@ impl Aside {
             }
             at += chunk.len();
         }
-        self.bounds.swap_remove(at);
-        Some((f32::from_bits(least), self.places.swap_remove(at)))
+        self.len -= 1;
+        bounds[at] = bounds[self.len];
+        let place = self.places[at];
+        self.places[at] = self.places[self.len];
+        Some((f32::from_bits(least), place))
     }
 }
 

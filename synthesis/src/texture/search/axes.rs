@@ -29,15 +29,20 @@ pub struct Axes {
     parts: Vec<[f64; GROUP]>,
 }
 
-/// A feature along the axes.
+/// A feature along the axes, as many of them as were asked for.
 #[derive(Debug, Clone)]
 pub struct Projection {
     /// Its coordinates.
     coordinates: [f32; AXES_MAX],
-    /// For every number of axes that a shell may have, the length of what all but the last leave out.
-    rests: [f32; AXES_MAX / STAGE],
+    /// For every number of axes that a shell may have, the square of the length of what all but the last leave out.
+    rests: [f64; AXES_MAX / STAGE],
     /// Its distance from the mean.
     pub length: f64,
+    square: f64,
+    /// The part of the square that the coordinates explain.
+    explained: f64,
+    /// Groups of axes that it was projected onto.
+    groups: usize,
 }
 
 impl Projection {
@@ -45,7 +50,7 @@ impl Projection {
     #[inline(always)]
     pub fn point(&self, axes: usize) -> [f32; AXES_MAX] {
         let mut point = self.coordinates;
-        point[axes - 1] = self.rests[axes / STAGE - 1];
+        point[axes - 1] = self.rests[axes / STAGE - 1].sqrt() as f32;
         point
     }
 }
@@ -84,50 +89,43 @@ impl Axes {
     /// Numbers that the points of `windows` need: coordinates enough to leave out next to nothing of how the windows
     /// differ, and the length of the rest. Windows 60 dB below others differ in directions that those hardly have.
     pub fn needed(&self, features: &Features<'_>, windows: &[u32]) -> usize {
-        let mut feature = vec![0.0; self.mean.len()];
-        let stride = windows.len().div_ceil(SAMPLE).max(1);
-        let (mut sums, mut squares) = ([0.0; AXES_MAX], [0.0; AXES_MAX]);
-        let (mut beyond, mut count) = (0.0, 0.0);
-        for window in windows.iter().step_by(stride) {
-            features.write(*window as usize, &mut feature);
-            let projection = self.project(&feature);
-            for (axis, x) in projection.coordinates.iter().enumerate() {
-                sums[axis] += f64::from(*x);
-                squares[axis] += f64::from(*x) * f64::from(*x);
-            }
-            beyond += maths::square(f64::from(projection.rests[AXES_MAX / STAGE - 1]));
-            count += 1.0;
-        }
-        let variances: Vec<f64> = sums
-            .iter()
-            .zip(&squares)
-            .map(|(sum, square)| (square / count - maths::square(sum / count)).max(0.0))
-            .collect();
-        let total = variances.iter().sum::<f64>() + beyond / count;
-        let left = |axes: usize| variances[axes - 1..].iter().sum::<f64>() + beyond / count;
-        let enough = (STAGE..AXES_MAX).step_by(STAGE).find(|axes| left(*axes) <= LEFT_OUT * total);
-        enough.unwrap_or(AXES_MAX)
+        Machine::best().run(Needed { axes: self, features, windows })
     }
 
-    /// Projects `feature`.
+    /// Projects `feature` onto all axes.
     #[inline(always)]
     pub fn project(&self, feature: &[f64]) -> Projection {
+        let mut projection = self.begin(feature);
+        self.extend(&mut projection, feature, AXES_MAX);
+        projection
+    }
+
+    /// `feature`, not projected onto anything yet.
+    #[inline(always)]
+    pub fn begin(&self, feature: &[f64]) -> Projection {
         let square: f64 = feature.iter().zip(&self.mean).map(|(x, mean)| (x - mean) * (x - mean)).sum();
-        let mut coordinates = [0.0; AXES_MAX];
-        let mut rests = [0.0; AXES_MAX / STAGE];
-        let mut explained = 0.0;
-        let groups = coordinates.as_chunks_mut::<GROUP>().0.iter_mut().zip(rests.as_chunks_mut::<STAGES>().0);
-        for (part, (coordinates, rests)) in self.parts.chunks_exact(self.mean.len()).zip(groups) {
+        let (coordinates, rests) = ([0.0; AXES_MAX], [0.0; AXES_MAX / STAGE]);
+        Projection { coordinates, rests, length: square.sqrt(), square, explained: 0.0, groups: 0 }
+    }
+
+    /// Projects `feature` onto so many axes, where it is not yet.
+    #[inline(always)]
+    pub fn extend(&self, projection: &mut Projection, feature: &[f64], axes: usize) {
+        let Projection { coordinates, rests, square, explained, groups, .. } = projection;
+        let parts = self.parts.chunks_exact(self.mean.len());
+        let room = coordinates.as_chunks_mut::<GROUP>().0.iter_mut().zip(rests.as_chunks_mut::<STAGES>().0);
+        let wanted = axes.div_ceil(GROUP);
+        for (part, (coordinates, rests)) in parts.zip(room).take(wanted).skip(*groups) {
             let squares = self.project_onto(part, feature, coordinates);
             for (rest, squares) in rests.iter_mut().zip(squares.as_chunks::<STAGE>().0) {
                 // The last number of a stage may be the rest instead of a coordinate.
                 let [a, b, c, d, e, f, g, last] = *squares;
-                explained += ((a + b) + (c + d)) + ((e + f) + g);
-                *rest = (square - explained).max(0.0).sqrt() as f32;
-                explained += last;
+                *explained += ((a + b) + (c + d)) + ((e + f) + g);
+                *rest = (*square - *explained).max(0.0);
+                *explained += last;
             }
         }
-        Projection { coordinates, rests, length: square.sqrt() }
+        *groups = wanted.max(*groups);
     }
 
     /// Projects onto some axes; answers the squares of the coordinates.
@@ -168,6 +166,43 @@ impl Axes {
     }
 }
 
+struct Needed<'a> {
+    axes: &'a Axes,
+    features: &'a Features<'a>,
+    windows: &'a [u32],
+}
+
+impl Work for Needed<'_> {
+    type Done = usize;
+
+    #[inline(always)]
+    fn with<L: Lanes>(self, _: L) -> usize {
+        let mut feature = vec![0.0; self.axes.mean.len()];
+        let stride = self.windows.len().div_ceil(SAMPLE).max(1);
+        let (mut sums, mut squares) = ([0.0; AXES_MAX], [0.0; AXES_MAX]);
+        let (mut beyond, mut count) = (0.0, 0.0);
+        for window in self.windows.iter().step_by(stride) {
+            self.features.write(*window as usize, &mut feature);
+            let projection = self.axes.project(&feature);
+            for (axis, x) in projection.coordinates.iter().enumerate() {
+                sums[axis] += f64::from(*x);
+                squares[axis] += f64::from(*x) * f64::from(*x);
+            }
+            beyond += maths::square(f64::from(projection.rests[AXES_MAX / STAGE - 1].sqrt() as f32));
+            count += 1.0;
+        }
+        let variances: Vec<f64> = sums
+            .iter()
+            .zip(&squares)
+            .map(|(sum, square)| (square / count - maths::square(sum / count)).max(0.0))
+            .collect();
+        let total = variances.iter().sum::<f64>() + beyond / count;
+        let left = |axes: usize| variances[axes - 1..].iter().sum::<f64>() + beyond / count;
+        let enough = (STAGE..AXES_MAX).step_by(STAGE).find(|axes| left(*axes) <= LEFT_OUT * total);
+        enough.unwrap_or(AXES_MAX)
+    }
+}
+
 struct Points<'a> {
     axes: &'a Axes,
     features: &'a Features<'a>,
@@ -194,21 +229,34 @@ impl Work for Points<'_> {
 }
 
 fn covariance(features: &Features<'_>, sampled: &[usize], mean: &[f64]) -> DMatrix<f64> {
-    let dimensions = mean.len();
-    let partial = |windows: &[usize]| {
+    let partial = |windows: &[usize]| Machine::best().run(Covariance { features, windows, mean });
+    // Chunks of a fixed size, added in order: the axes must not depend on the number of threads.
+    let partials: Vec<DMatrix<f64>> = sampled.par_chunks(CHUNK).map(partial).collect();
+    partials.into_iter().fold(DMatrix::zeros(mean.len(), mean.len()), |sum, part| sum + part)
+}
+
+struct Covariance<'a> {
+    features: &'a Features<'a>,
+    windows: &'a [usize],
+    mean: &'a [f64],
+}
+
+impl Work for Covariance<'_> {
+    type Done = DMatrix<f64>;
+
+    #[inline(always)]
+    fn with<L: Lanes>(self, _: L) -> DMatrix<f64> {
+        let dimensions = self.mean.len();
         let mut feature = vec![0.0; dimensions];
         let mut sums = DMatrix::<f64>::zeros(dimensions, dimensions);
-        for window in windows {
-            features.write(*window, &mut feature);
-            feature.iter_mut().zip(mean).for_each(|(x, mean)| *x -= mean);
+        for window in self.windows {
+            self.features.write(*window, &mut feature);
+            feature.iter_mut().zip(self.mean).for_each(|(x, mean)| *x -= mean);
             for (column, x) in feature.iter().enumerate() {
                 let column = &mut sums.as_mut_slice()[column * dimensions..][..dimensions];
                 column.iter_mut().zip(&feature).for_each(|(sum, y)| *sum += x * y);
             }
         }
         sums
-    };
-    // Chunks of a fixed size, added in order: the axes must not depend on the number of threads.
-    let partials: Vec<DMatrix<f64>> = sampled.par_chunks(CHUNK).map(partial).collect();
-    partials.into_iter().fold(DMatrix::zeros(dimensions, dimensions), |sum, part| sum + part)
+    }
 }

@@ -9,6 +9,7 @@
 
 use bitcode::{Decode, Encode};
 
+use super::lanes::Lanes;
 use super::{AXES_MAX, LANES};
 
 /// Axes multiplied at once.
@@ -20,7 +21,7 @@ pub type Quad = [u8; QUAD * LANES];
 /// Least half-step, for windows that are all the same.
 const LEAST_HALF_STEP: f32 = 1e-30;
 /// Added to a number of at most 2^22 and taken away again, it leaves the nearest integer.
-const ROUNDER: f32 = 12_582_912.0;
+pub const ROUNDER: f32 = 12_582_912.0;
 /// Integer limits stay far from overflow.
 const LIMIT_MAX: f32 = 1e9;
 
@@ -62,10 +63,32 @@ pub fn code_of(x: f32, middle: f32, half_step: f32) -> (u8, f64) {
     (code as u8, middle + half_step * (2.0 * code - CODE_MAX))
 }
 
-/// Squared length in half-steps of a window with these codes.
-pub fn square(codes: impl Iterator<Item = u8>) -> i32 {
-    codes.map(|code| (2 * i32::from(code) - CODE_MAX as i32).pow(2)).sum()
+/// Square in half-steps of what a code stands for.
+pub fn square(code: u8) -> i32 {
+    (2 * i32::from(code) - CODE_MAX as i32).pow(2)
 }
+
+/// How many of a window's `axes` are looked at first: mostly they say already that it lies too far away.
+#[inline(always)]
+pub fn first_axes(axes: usize) -> usize {
+    (axes / 2).next_multiple_of(CHUNK)
+}
+
+/// What taking a query into a frame comes to, added up over every eighth axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct TakenIn {
+    /// Squares of how far it lies outside.
+    pub outside: [f32; CHUNK],
+    /// Squares of what its steps lose.
+    pub error: [f32; CHUNK],
+    /// Its steps, along the first axes alone and along all.
+    pub sums: [[i32; CHUNK]; 2],
+    /// Their squares, likewise.
+    pub squares: [[i32; CHUNK]; 2],
+}
+
+/// Axes taken in at once.
+pub const CHUNK: usize = 8;
 
 /// A query in a frame.
 #[derive(Debug, Clone)]
@@ -74,6 +97,8 @@ pub struct Coded {
     pub steps: [[i8; QUAD]; AXES_MAX / QUAD],
     /// |q|^2 + 254 times the sum of all steps: with what `Lanes::closeness` answers it makes the squared distance.
     base: i32,
+    /// The part of it that is not of the first axes.
+    rest: i32,
     /// Square of its distance from the frame's box.
     outside: f32,
     /// Distance of its nearest point in the box from where the steps say, and the windows' slack.
@@ -84,38 +109,20 @@ pub struct Coded {
 impl Coded {
     /// Nothing.
     pub fn new() -> Self {
-        Self { steps: [[0; QUAD]; AXES_MAX / QUAD], base: 0, outside: 0.0, error: 0.0, per_half_step: 0.0 }
+        Self { steps: [[0; QUAD]; AXES_MAX / QUAD], base: 0, rest: 0, outside: 0.0, error: 0.0, per_half_step: 0.0 }
     }
 
     /// Takes `point` into `frame`.
     #[inline(always)]
-    pub fn set(&mut self, frame: Frame<'_>, point: &[f32; AXES_MAX]) {
-        const CHUNK: usize = 8;
-        let (half_step, per_half_step) = (frame.scale.half_step, 1.0 / frame.scale.half_step);
-        let (mut outside, mut error) = ([0.0f32; CHUNK], [0.0f32; CHUNK]);
-        let (mut sum, mut squares) = ([0i32; CHUNK], [0i32; CHUNK]);
-        let steps: &mut [i8; AXES_MAX] = bytemuck::cast_mut(&mut self.steps);
-        let chunks = frame.middles.as_chunks::<CHUNK>().0.iter().zip(frame.halves.as_chunks::<CHUNK>().0);
-        let queries = point.as_chunks::<CHUNK>().0.iter().zip(steps.as_chunks_mut::<CHUNK>().0);
-        for ((middles, halves), (point, steps)) in chunks.zip(queries) {
-            for axis in 0..CHUNK {
-                let from_middle = point[axis] - middles[axis];
-                let inside = from_middle.max(-halves[axis]).min(halves[axis]);
-                let beyond = from_middle - inside;
-                outside[axis] += beyond * beyond;
-                let rounded = inside * per_half_step + ROUNDER;
-                let lost = inside - (rounded - ROUNDER) * half_step;
-                error[axis] += lost * lost;
-                // The low byte of such a number is the integer in two's complement.
-                let step = rounded.to_bits() as u8 as i8;
-                steps[axis] = step;
-                sum[axis] += i32::from(step);
-                squares[axis] += i32::from(step) * i32::from(step);
-            }
-        }
-        self.base = squares.iter().sum::<i32>() + 2 * CODE_MAX as i32 * sum.iter().sum::<i32>();
-        self.outside = outside.iter().sum();
-        self.error = error.iter().sum::<f32>().sqrt() + frame.scale.slack;
+    pub fn set<L: Lanes>(&mut self, lanes: L, frame: Frame<'_>, point: &[f32; AXES_MAX]) {
+        let per_half_step = 1.0 / frame.scale.half_step;
+        let taken = lanes.take_in(frame, per_half_step, point, bytemuck::cast_mut(&mut self.steps));
+        let [first, all] = [0, 1]
+            .map(|of| taken.squares[of].iter().sum::<i32>() + 2 * CODE_MAX as i32 * taken.sums[of].iter().sum::<i32>());
+        self.base = all;
+        self.rest = all - first;
+        self.outside = taken.outside.iter().sum();
+        self.error = taken.error.iter().sum::<f32>().sqrt() + frame.scale.slack;
         self.per_half_step = per_half_step;
     }
 
@@ -127,5 +134,11 @@ impl Coded {
         let inside = if square.is_nan() { f32::INFINITY } else { square.max(0.0).sqrt() };
         let steps = (inside + self.error) * self.per_half_step;
         (steps * steps * (1.0 + 1e-5)).min(LIMIT_MAX) as i32 + 1 - self.base
+    }
+
+    /// The same for the first axes alone, where for all of them it is `limit`.
+    #[inline(always)]
+    pub fn first_limit(&self, limit: i32) -> i32 {
+        limit.saturating_add(self.rest)
     }
 }

@@ -3,8 +3,8 @@
 //!
 //! All round alike, so that a search within a budget goes the same way on every machine. Bounds allow for the rounding.
 
-use super::LANES;
-use super::codes::{QUAD, Quad};
+use super::codes::{CHUNK, Frame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
+use super::{AXES_MAX, LANES};
 
 /// Bounds are checked against the limit after every so many axes.
 pub const STAGE: usize = 8;
@@ -32,8 +32,21 @@ pub trait Lanes: Copy {
     fn within(self, a: Self::Singles, limit: f32) -> u32;
     /// As an array.
     fn array(self, a: Self::Singles) -> [f32; LANES];
+    /// Writes how many half-steps `point` lies from the middle along each of the frame's axes; what lies outside counts as at the
+    /// edge. All of it is rounded alike on every machine.
+    fn take_in(
+        self,
+        frame: Frame<'_>,
+        per_half_step: f32,
+        point: &[f32; AXES_MAX],
+        steps: &mut [i8; AXES_MAX],
+    ) -> TakenIn;
+    /// Sixteen integers from memory.
+    fn load_integers(self, integers: &[i32; LANES]) -> Self::Integers;
+    /// a + b
+    fn add_integers(self, a: Self::Integers, b: Self::Integers) -> Self::Integers;
     /// Squares of sixteen windows less four times the products of their codes and the query's steps.
-    fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: &[i32; LANES]) -> Self::Integers;
+    fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: Self::Integers) -> Self::Integers;
     /// A bit for every integer that is at most `limit`.
     fn at_most(self, a: Self::Integers, limit: i32) -> u32;
     /// As an array.
@@ -42,6 +55,8 @@ pub trait Lanes: Copy {
     fn zeros(self) -> Self::Doubles;
     /// sum + (a - b)^2
     fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: Self::Doubles) -> Self::Doubles;
+    /// sum + (a weight - b)^2, where a weight is rounded as any product is.
+    fn add_weighted_square(self, a: &[f64; 8], weight: &[f64; 8], b: &[f64; 8], sum: Self::Doubles) -> Self::Doubles;
     /// The sum of the eight.
     fn sum(self, a: Self::Doubles) -> f64;
     /// Asks for the memory of the first values, which will be read soon.
@@ -92,7 +107,39 @@ impl Lanes for Portable {
         a
     }
     #[inline(always)]
-    fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: &[i32; LANES]) -> Self::Integers {
+    fn take_in(
+        self,
+        frame: Frame<'_>,
+        per_half_step: f32,
+        point: &[f32; AXES_MAX],
+        steps: &mut [i8; AXES_MAX],
+    ) -> TakenIn {
+        let mut taken = TakenIn::default();
+        let chunks = frame.middles.as_chunks::<CHUNK>().0.iter().zip(frame.halves.as_chunks::<CHUNK>().0);
+        let queries = point.as_chunks::<CHUNK>().0.iter().zip(steps.as_chunks_mut::<CHUNK>().0);
+        for (number, ((middles, halves), (point, steps))) in chunks.zip(queries).enumerate() {
+            if number * CHUNK == first_axes(frame.middles.len()) {
+                (taken.sums[0], taken.squares[0]) = (taken.sums[1], taken.squares[1]);
+            }
+            for axis in 0..CHUNK {
+                let from_middle = point[axis] - middles[axis];
+                let inside = from_middle.max(-halves[axis]).min(halves[axis]);
+                let beyond = from_middle - inside;
+                taken.outside[axis] += beyond * beyond;
+                let rounded = inside * per_half_step + ROUNDER;
+                let lost = inside - (rounded - ROUNDER) * frame.scale.half_step;
+                taken.error[axis] += lost * lost;
+                // The low byte of such a number is the integer in two's complement.
+                let step = rounded.to_bits() as u8 as i8;
+                steps[axis] = step;
+                taken.sums[1][axis] += i32::from(step);
+                taken.squares[1][axis] += i32::from(step) * i32::from(step);
+            }
+        }
+        taken
+    }
+    #[inline(always)]
+    fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: Self::Integers) -> Self::Integers {
         let mut sums = [0i32; LANES];
         for (codes, query) in codes.iter().zip(query) {
             for (sum, codes) in sums.iter_mut().zip(codes.as_chunks::<QUAD>().0) {
@@ -100,6 +147,14 @@ impl Lanes for Portable {
             }
         }
         std::array::from_fn(|lane| squares[lane] - 4 * sums[lane])
+    }
+    #[inline(always)]
+    fn load_integers(self, integers: &[i32; LANES]) -> Self::Integers {
+        *integers
+    }
+    #[inline(always)]
+    fn add_integers(self, a: Self::Integers, b: Self::Integers) -> Self::Integers {
+        std::array::from_fn(|i| a[i] + b[i])
     }
     #[inline(always)]
     fn at_most(self, a: Self::Integers, limit: i32) -> u32 {
@@ -118,6 +173,10 @@ impl Lanes for Portable {
         std::array::from_fn(|i| sum[i] + (a[i] - b[i]) * (a[i] - b[i]))
     }
     #[inline(always)]
+    fn add_weighted_square(self, a: &[f64; 8], weight: &[f64; 8], b: &[f64; 8], sum: Self::Doubles) -> Self::Doubles {
+        self.add_square(&std::array::from_fn(|i| a[i] * weight[i]), b, sum)
+    }
+    #[inline(always)]
     fn sum(self, a: Self::Doubles) -> f64 {
         sum_of(a)
     }
@@ -134,7 +193,7 @@ mod x86 {
     use bytemuck::cast;
     use pulp::x86::{V3, V4};
 
-    use super::{LANES, Lanes, QUAD, Quad, sum_of};
+    use super::{AXES_MAX, CHUNK, Frame, LANES, Lanes, QUAD, Quad, ROUNDER, TakenIn, first_axes, sum_of};
 
     /// Fetches 256 bytes.
     #[inline(always)]
@@ -143,6 +202,53 @@ mod x86 {
             let address = values.as_ptr().cast::<i8>().wrapping_add(64 * line);
             // SAFETY: every x86-64 has SSE; a prefetch reads nothing and never faults, whatever the address.
             unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
+        }
+    }
+
+    /// Eight axes at once, in the same order and with the same roundings as without.
+    #[inline(always)]
+    fn take_in(
+        V3 { avx, avx2, .. }: V3,
+        frame: Frame<'_>,
+        per_half_step: f32,
+        point: &[f32; AXES_MAX],
+        steps: &mut [i8; AXES_MAX],
+    ) -> TakenIn {
+        let zero = avx._mm256_setzero_ps();
+        let (half_step, per_half_step) = (avx._mm256_set1_ps(frame.scale.half_step), avx._mm256_set1_ps(per_half_step));
+        let (rounder, rounder_bits) = (avx._mm256_set1_ps(ROUNDER), avx._mm256_set1_epi32(ROUNDER.to_bits() as i32));
+        let (mut outside, mut error) = (zero, zero);
+        let (mut sums, mut squares) = (avx._mm256_setzero_si256(), avx._mm256_setzero_si256());
+        let (mut first_sums, mut first_squares) = (sums, squares);
+        let chunks = frame.middles.as_chunks::<CHUNK>().0.iter().zip(frame.halves.as_chunks::<CHUNK>().0);
+        let queries = point.as_chunks::<CHUNK>().0.iter().zip(steps.as_chunks_mut::<CHUNK>().0);
+        for (number, ((middles, halves), (point, steps))) in chunks.zip(queries).enumerate() {
+            if number * CHUNK == first_axes(frame.middles.len()) {
+                (first_sums, first_squares) = (sums, squares);
+            }
+            let halves: __m256 = cast(*halves);
+            let from_middle = avx._mm256_sub_ps(cast(*point), cast(*middles));
+            // Of a number and no number the second argument is taken.
+            let inside = avx._mm256_min_ps(avx._mm256_max_ps(from_middle, avx._mm256_sub_ps(zero, halves)), halves);
+            let beyond = avx._mm256_sub_ps(from_middle, inside);
+            outside = avx._mm256_add_ps(outside, avx._mm256_mul_ps(beyond, beyond));
+            let rounded = avx._mm256_add_ps(avx._mm256_mul_ps(inside, per_half_step), rounder);
+            let coded = avx._mm256_mul_ps(avx._mm256_sub_ps(rounded, rounder), half_step);
+            let lost = avx._mm256_sub_ps(inside, coded);
+            error = avx._mm256_add_ps(error, avx._mm256_mul_ps(lost, lost));
+            let step = avx2._mm256_sub_epi32(avx._mm256_castps_si256(rounded), rounder_bits);
+            sums = avx2._mm256_add_epi32(sums, step);
+            squares = avx2._mm256_add_epi32(squares, avx2._mm256_mullo_epi32(step, step));
+            // Four bytes in each half.
+            let words = avx2._mm256_packs_epi32(step, step);
+            let bytes: [[i8; QUAD]; 8] = cast(avx2._mm256_packs_epi16(words, words));
+            *steps = cast([bytes[0], bytes[QUAD]]);
+        }
+        TakenIn {
+            outside: cast(outside),
+            error: cast(error),
+            sums: cast([first_sums, sums]),
+            squares: cast([first_squares, squares]),
         }
     }
 
@@ -180,7 +286,17 @@ mod x86 {
             cast(a)
         }
         #[inline(always)]
-        fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: &[i32; LANES]) -> __m512i {
+        fn take_in(
+            self,
+            frame: Frame<'_>,
+            per_half_step: f32,
+            point: &[f32; AXES_MAX],
+            steps: &mut [i8; AXES_MAX],
+        ) -> TakenIn {
+            take_in(*self, frame, per_half_step, point, steps)
+        }
+        #[inline(always)]
+        fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: __m512i) -> __m512i {
             let ones = self.avx512f._mm512_set1_epi32(0x0001_0001);
             let mut sum = self.avx512f._mm512_setzero_si512();
             for (codes, query) in codes.iter().zip(query) {
@@ -189,7 +305,15 @@ mod x86 {
                 let pairs = self.avx512bw._mm512_maddubs_epi16(cast(*codes), query);
                 sum = self.avx512f._mm512_add_epi32(sum, self.avx512bw._mm512_madd_epi16(pairs, ones));
             }
-            self.avx512f._mm512_sub_epi32(cast(*squares), self.avx512f._mm512_slli_epi32::<2>(sum))
+            self.avx512f._mm512_sub_epi32(squares, self.avx512f._mm512_slli_epi32::<2>(sum))
+        }
+        #[inline(always)]
+        fn load_integers(self, integers: &[i32; LANES]) -> __m512i {
+            cast(*integers)
+        }
+        #[inline(always)]
+        fn add_integers(self, a: __m512i, b: __m512i) -> __m512i {
+            self.avx512f._mm512_add_epi32(a, b)
         }
         #[inline(always)]
         fn at_most(self, a: __m512i, limit: i32) -> u32 {
@@ -207,6 +331,11 @@ mod x86 {
         fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: __m512d) -> __m512d {
             let difference = self.avx512f._mm512_sub_pd(cast(*a), cast(*b));
             self.avx512f._mm512_add_pd(sum, self.avx512f._mm512_mul_pd(difference, difference))
+        }
+        #[inline(always)]
+        fn add_weighted_square(self, a: &[f64; 8], weight: &[f64; 8], b: &[f64; 8], sum: __m512d) -> __m512d {
+            let weighted = self.avx512f._mm512_mul_pd(cast(*a), cast(*weight));
+            self.add_square(&cast(weighted), b, sum)
         }
         #[inline(always)]
         fn sum(self, a: __m512d) -> f64 {
@@ -255,7 +384,17 @@ mod x86 {
             cast(a)
         }
         #[inline(always)]
-        fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: &[i32; LANES]) -> Self::Integers {
+        fn take_in(
+            self,
+            frame: Frame<'_>,
+            per_half_step: f32,
+            point: &[f32; AXES_MAX],
+            steps: &mut [i8; AXES_MAX],
+        ) -> TakenIn {
+            take_in(self, frame, per_half_step, point, steps)
+        }
+        #[inline(always)]
+        fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: Self::Integers) -> Self::Integers {
             let ones = self.avx._mm256_set1_epi16(1);
             let mut sums = [self.avx._mm256_setzero_si256(); 2];
             for (codes, query) in codes.iter().zip(query) {
@@ -267,9 +406,16 @@ mod x86 {
                     *sum = self.avx2._mm256_add_epi32(*sum, self.avx2._mm256_madd_epi16(pairs, ones));
                 }
             }
-            let squares: [__m256i; 2] = cast(*squares);
             let less = |square, sum| self.avx2._mm256_sub_epi32(square, self.avx2._mm256_slli_epi32::<2>(sum));
             [less(squares[0], sums[0]), less(squares[1], sums[1])]
+        }
+        #[inline(always)]
+        fn load_integers(self, integers: &[i32; LANES]) -> Self::Integers {
+            cast(*integers)
+        }
+        #[inline(always)]
+        fn add_integers(self, a: Self::Integers, b: Self::Integers) -> Self::Integers {
+            [self.avx2._mm256_add_epi32(a[0], b[0]), self.avx2._mm256_add_epi32(a[1], b[1])]
         }
         #[inline(always)]
         fn at_most(self, a: Self::Integers, limit: i32) -> u32 {
@@ -296,6 +442,18 @@ mod x86 {
                 self.avx._mm256_add_pd(sum, self.avx._mm256_mul_pd(difference, difference))
             };
             [add(a[0], b[0], sum[0]), add(a[1], b[1], sum[1])]
+        }
+        #[inline(always)]
+        fn add_weighted_square(
+            self,
+            a: &[f64; 8],
+            weight: &[f64; 8],
+            b: &[f64; 8],
+            sum: Self::Doubles,
+        ) -> Self::Doubles {
+            let (a, weight): ([__m256d; 2], [__m256d; 2]) = (cast(*a), cast(*weight));
+            let weighted = [self.avx._mm256_mul_pd(a[0], weight[0]), self.avx._mm256_mul_pd(a[1], weight[1])];
+            self.add_square(&cast(weighted), b, sum)
         }
         #[inline(always)]
         fn sum(self, a: Self::Doubles) -> f64 {
@@ -364,4 +522,57 @@ pub trait Work {
     type Done;
     /// Does it.
     fn with<L: Lanes>(self, lanes: L) -> Self::Done;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::codes::Scale;
+    use super::*;
+    use crate::noise::White;
+
+    /// A query taken into a frame, and the weighted squares of eight numbers.
+    struct Taken<'a> {
+        frame: Frame<'a>,
+        point: &'a [f32; AXES_MAX],
+        numbers: &'a [[f64; 8]; 3],
+    }
+
+    impl Work for Taken<'_> {
+        type Done = ([i8; AXES_MAX], TakenIn, f64);
+
+        fn with<L: Lanes>(self, lanes: L) -> Self::Done {
+            let mut steps = [0; AXES_MAX];
+            let taken = lanes.take_in(self.frame, 1.0 / self.frame.scale.half_step, self.point, &mut steps);
+            let [a, weight, b] = self.numbers;
+            (steps, taken, lanes.sum(lanes.add_weighted_square(a, weight, b, lanes.zeros())))
+        }
+    }
+
+    #[test]
+    fn every_machine_takes_queries_in_alike() {
+        let white = White::new(5, 6);
+        for round in 0..200 {
+            let number = |at: i64| white.at(100 * round + at);
+            let axes = [8, 16, 24, 32, 40, 48][round as usize % 6];
+            let middles: Vec<f32> = (0..axes).map(|axis| number(axis) as f32).collect();
+            let halves: Vec<f32> = (0..axes).map(|axis| (0.3 * number(axis + 50)).abs() as f32).collect();
+            let half_step = super::super::codes::half_step_for(halves.iter().copied());
+            let frame = Frame { middles: &middles, halves: &halves, scale: Scale { half_step, slack: 0.0 } };
+            let point = std::array::from_fn(|axis| number(axis as i64 + 17) as f32);
+            let numbers = [0, 8, 16].map(|from| std::array::from_fn(|i| number(from + i as i64)));
+            let found: Vec<_> = Machine::all()
+                .iter()
+                .map(|machine| machine.run(Taken { frame, point: &point, numbers: &numbers }))
+                .collect();
+            let (steps, taken, _) = found[0];
+            assert!(found.iter().all(|other| *other == found[0]), "round {round}");
+            let all: i32 = steps[..axes as usize].iter().map(|step| i32::from(*step)).sum();
+            assert_eq!(taken.sums[1].iter().sum::<i32>(), all);
+            let first: i32 = steps[..first_axes(axes as usize)].iter().map(|step| i32::from(*step)).sum();
+            if axes > 8 {
+                assert_eq!(taken.sums[0].iter().sum::<i32>(), first);
+            }
+            assert!(taken.outside.iter().any(|square| *square > 0.0), "some of it lies outside");
+        }
+    }
 }

@@ -150,13 +150,14 @@ struct Search<'a, L> {
     /// Distance beyond which a bound rules a window out.
     reach: f32,
     compared: u32,
-    compared_in_full: u32,
+    /// Of another width than what it is counted with: two counters written as one and read apart cost more than the counting.
+    compared_in_full: u64,
 }
 
 impl<'a, L: Lanes> Search<'a, L> {
     #[inline(always)]
     fn new(lanes: L, task: Task<'a>, eps: f64) -> Self {
-        let projection = task.index.axes.project(task.query);
+        let projection = task.index.axes.begin(task.query);
         let length = task.query.iter().map(|x| x * x).sum::<f64>().sqrt() as f32;
         let shells = &task.index.shells;
         let mut bounds = [f32::INFINITY; SHELLS];
@@ -214,7 +215,10 @@ impl<'a, L: Lanes> Search<'a, L> {
         // The farthest first: the latest left aside is the next to be searched.
         while self.left != 0 {
             let (mut farthest, mut shell) = (f32::NEG_INFINITY, 0);
-            for at in (0..SHELLS).filter(|at| self.left & 1 << at != 0) {
+            let mut left = self.left;
+            while left != 0 {
+                let at = left.trailing_zeros() as usize;
+                left &= left - 1;
                 if self.bounds[at] >= farthest {
                     (farthest, shell) = (self.bounds[at], at);
                 }
@@ -229,6 +233,7 @@ impl<'a, L: Lanes> Search<'a, L> {
     #[inline(always)]
     fn enter(&mut self, shell: usize) {
         self.shell = &self.task.index.shells[shell];
+        self.task.index.axes.extend(&mut self.projection, self.task.query, self.shell.axes);
         self.point = self.projection.point(self.shell.axes);
         self.rounding = LENGTH_ROUNDING * (self.projection.length + f64::from(self.shell.radius));
         self.group = NO_GROUP;
@@ -246,10 +251,15 @@ impl<'a, L: Lanes> Search<'a, L> {
     #[inline(always)]
     fn compare(&mut self, window: usize) {
         self.compared += COMPARISON_COST;
+        // The hint is met again where it lies, and leaves that are not full repeat a window.
+        if window == self.window && self.best < f64::INFINITY {
+            return;
+        }
         self.compared_in_full += 1;
         let Task { features, query, .. } = self.task;
         let distance = match features.in_place(window) {
-            Some(feature) => distance_in_any_order(self.lanes, feature, query),
+            Some(feature) if features.unweighted => distance_in_any_order(self.lanes, feature, query),
+            Some(feature) => weighted_distance_in_any_order(self.lanes, feature, features.weights, query),
             None => features.distance(window, query),
         };
         if distance > self.best * (1.0 + ORDER_ROUNDING) {
@@ -276,15 +286,27 @@ impl<'a, L: Lanes> Search<'a, L> {
         let leaf = tree.leaf(leaf);
         if leaf.group != self.group {
             self.group = leaf.group;
-            self.coded.set(tree.frame(leaf.group), &self.point);
+            self.coded.set(self.lanes, tree.frame(leaf.group), &self.point);
             self.closeness_limit = self.coded.limit(self.reach);
         }
-        let closeness = self.lanes.closeness(leaf.codes, &self.coded.steps, leaf.squares);
+        let ([codes, other_codes], [squares, other_squares]) = (leaf.codes, leaf.squares);
+        let (steps, other_steps) = self.coded.steps.split_at(codes.len());
+        let mut closeness = self.lanes.closeness(codes, steps, self.lanes.load_integers(squares));
+        if !other_codes.is_empty() {
+            if self.lanes.at_most(closeness, self.coded.first_limit(self.closeness_limit)) == 0 {
+                return;
+            }
+            let squares = self.lanes.add_integers(closeness, self.lanes.load_integers(other_squares));
+            closeness = self.lanes.closeness(other_codes, other_steps, squares);
+        }
         let mut within = self.lanes.at_most(closeness, self.closeness_limit);
         if within == 0 {
             return;
         }
         let closeness = self.lanes.integers(closeness);
+        if within & (within - 1) != 0 {
+            self.prefetch(leaf.windows, within);
+        }
         while within != 0 {
             // The nearest first: it rules out others.
             let (mut nearest, mut rest) = (within.trailing_zeros() as usize, within & (within - 1));
@@ -300,6 +322,19 @@ impl<'a, L: Lanes> Search<'a, L> {
             }
             within &= !(1 << nearest);
             self.compare(leaf.windows[nearest] as usize);
+        }
+    }
+
+    /// Asks for the samples of a leaf's windows that will be compared.
+    #[inline(always)]
+    fn prefetch(&self, windows: &[u32; LANES], mut within: u32) {
+        while within != 0 {
+            let window = windows[within.trailing_zeros() as usize] as usize;
+            within &= within - 1;
+            if let Some([causal, coarse]) = self.task.features.in_place(window) {
+                self.lanes.prefetch(causal);
+                self.lanes.prefetch(coarse);
+            }
         }
     }
 
@@ -325,7 +360,7 @@ impl<'a, L: Lanes> Search<'a, L> {
 
     #[inline(always)]
     fn answer(&self) -> Answer {
-        Answer { window: self.window, compared: self.compared, compared_in_full: self.compared_in_full }
+        Answer { window: self.window, compared: self.compared, compared_in_full: self.compared_in_full as u32 }
     }
 }
 
@@ -350,6 +385,32 @@ fn distance_in_any_order<L: Lanes>(lanes: L, [causal, coarse]: [&[f64]; 2], quer
         }
         for (x, q) in last_xs.iter().zip(last_qs) {
             rest += (x - q) * (x - q);
+        }
+    }
+    rest + lanes.sum(sums)
+}
+
+/// The same of a feature that is to be weighted.
+#[inline(always)]
+fn weighted_distance_in_any_order<L: Lanes>(
+    lanes: L,
+    [causal, coarse]: [&[f64]; 2],
+    weights: &[f64],
+    query: &[f64],
+) -> f64 {
+    let (query_causal, query_coarse) = query.split_at(causal.len());
+    let (weights_causal, weights_coarse) = weights.split_at(causal.len());
+    let mut sums = lanes.zeros();
+    let mut rest = 0.0;
+    for (xs, weights, qs) in [(causal, weights_causal, query_causal), (coarse, weights_coarse, query_coarse)] {
+        let ((xs, last_xs), (qs, last_qs)) = (xs.as_chunks::<8>(), qs.as_chunks::<8>());
+        let (weights, last_weights) = weights.as_chunks::<8>();
+        for ((x, weight), q) in xs.iter().zip(weights).zip(qs) {
+            sums = lanes.add_weighted_square(x, weight, q, sums);
+        }
+        for ((x, weight), q) in last_xs.iter().zip(last_weights).zip(last_qs) {
+            let difference = x * weight - q;
+            rest += difference * difference;
         }
     }
     rest + lanes.sum(sums)
@@ -427,9 +488,11 @@ impl Work for Bounded<'_> {
         let mut next = search.shell.tree.root;
         loop {
             let mut nearest = (f32::INFINITY, Child::NONE);
+            let tree = &search.shell.tree;
             match next.kind() {
                 Kind::Leaf(leaf) => search.visit_leaf(leaf),
                 Kind::Node(node) => search.visit_node(node, |bound, child| {
+                    tree.prefetch(lanes, child);
                     let mut farther = (bound, child);
                     if bound < nearest.0 {
                         std::mem::swap(&mut nearest, &mut farther);

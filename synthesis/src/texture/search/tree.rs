@@ -3,7 +3,7 @@
 use bitcode::{Decode, Encode};
 use rayon::prelude::*;
 
-use super::codes::{Frame, QUAD, Quad, Scale, code_of, half_step_for, middle_and_half, square};
+use super::codes::{Frame, QUAD, Quad, Scale, code_of, first_axes, half_step_for, middle_and_half, square};
 use super::lanes::Lanes;
 use super::{LANES, Step};
 use crate::Error;
@@ -62,11 +62,17 @@ pub struct Tree {
     #[bitcode(skip)]
     frames: Vec<f32>,
     scales: Vec<Scale>,
-    /// Of every leaf: a quad for every four axes.
+    /// Of every leaf: a quad for every four of the first axes, and for every four of the others, apart from them: those are
+    /// seldom looked at, and would only fill the cache.
     #[bitcode(skip)]
     codes: Vec<Quad>,
     #[bitcode(skip)]
+    other_codes: Vec<Quad>,
+    /// Of every leaf, likewise.
+    #[bitcode(skip)]
     squares: Vec<[i32; LANES]>,
+    #[bitcode(skip)]
+    other_squares: Vec<[i32; LANES]>,
     #[bitcode(skip)]
     windows: Vec<[u32; LANES]>,
     #[bitcode(skip)]
@@ -78,17 +84,17 @@ pub struct Tree {
     pub root: Child,
 }
 
-bulk_fields!(Tree: frames, codes, squares, windows, groups, faces);
+bulk_fields!(Tree: frames, codes, other_codes, squares, other_squares, windows, groups, faces);
 
 /// Up to sixteen windows; lanes not in use repeat the last.
 #[derive(Debug)]
 pub struct Leaf<'a> {
     /// The group whose frame its codes lie in.
     pub group: u32,
-    /// Its points.
-    pub codes: &'a [Quad],
-    /// Their squared lengths in half-steps.
-    pub squares: &'a [i32; LANES],
+    /// Its points, along the first axes and along the others.
+    pub codes: [&'a [Quad]; 2],
+    /// Their squared lengths in half-steps, likewise.
+    pub squares: [&'a [i32; LANES]; 2],
     /// Window numbers.
     pub windows: &'a [u32; LANES],
 }
@@ -113,7 +119,9 @@ impl Tree {
         tree.frames.shrink_to_fit();
         tree.scales.shrink_to_fit();
         tree.codes.shrink_to_fit();
+        tree.other_codes.shrink_to_fit();
         tree.squares.shrink_to_fit();
+        tree.other_squares.shrink_to_fit();
         tree.windows.shrink_to_fit();
         tree.groups.shrink_to_fit();
         tree.faces.shrink_to_fit();
@@ -127,7 +135,9 @@ impl Tree {
             frames: Vec::new(),
             scales: Vec::new(),
             codes: Vec::new(),
+            other_codes: Vec::new(),
             squares: Vec::new(),
+            other_squares: Vec::new(),
             windows: Vec::new(),
             groups: Vec::new(),
             faces: Vec::new(),
@@ -139,11 +149,12 @@ impl Tree {
     /// A leaf.
     #[inline(always)]
     pub fn leaf(&self, leaf: usize) -> Leaf<'_> {
-        let quads = self.axes / QUAD;
+        let first = first_axes(self.axes) / QUAD;
+        let others = self.axes / QUAD - first;
         Leaf {
             group: self.groups[leaf],
-            codes: &self.codes[leaf * quads..][..quads],
-            squares: &self.squares[leaf],
+            codes: [&self.codes[leaf * first..][..first], &self.other_codes[leaf * others..][..others]],
+            squares: [&self.squares[leaf], &self.other_squares[leaf]],
             windows: &self.windows[leaf],
         }
     }
@@ -166,10 +177,8 @@ impl Tree {
     pub fn prefetch<L: Lanes>(&self, lanes: L, child: Child) {
         match child.kind() {
             Kind::Leaf(leaf) => {
-                let quads = self.axes / QUAD;
-                let codes = &self.codes[leaf * quads..][..quads];
-                lanes.prefetch(codes);
-                lanes.prefetch(&codes[quads / 2..]);
+                let first = first_axes(self.axes) / QUAD;
+                lanes.prefetch(&self.codes[leaf * first..]);
             }
             Kind::Node(node) => lanes.prefetch(&self.faces[node * self.axes..]),
         }
@@ -177,8 +186,8 @@ impl Tree {
 
     /// Bytes held, about.
     pub fn bytes(&self) -> usize {
-        let of_leaf = size_of::<[u32; LANES]>() + size_of::<[i32; LANES]>() + size_of::<u32>();
-        let leaves = self.windows.len() * of_leaf + self.codes.len() * size_of::<Quad>();
+        let of_leaf = size_of::<[u32; LANES]>() + 2 * size_of::<[i32; LANES]>() + size_of::<u32>();
+        let leaves = self.windows.len() * of_leaf + (self.codes.len() + self.other_codes.len()) * size_of::<Quad>();
         let groups = self.frames.len() * size_of::<f32>() + self.scales.len() * size_of::<Scale>();
         let nodes =
             self.children.len() * size_of::<[Child; LANES]>() + self.faces.len() * size_of::<[[f32; LANES]; 2]>();
@@ -191,7 +200,9 @@ impl Tree {
         self.frames.append(&mut other.frames);
         self.scales.append(&mut other.scales);
         self.codes.append(&mut other.codes);
+        self.other_codes.append(&mut other.other_codes);
         self.squares.append(&mut other.squares);
+        self.other_squares.append(&mut other.other_squares);
         self.windows.append(&mut other.windows);
         self.groups.extend(other.groups.iter().map(|group| group + groups));
         self.faces.append(&mut other.faces);
@@ -361,18 +372,22 @@ impl Builder<'_> {
         let lanes: [u32; LANES] = std::array::from_fn(|lane| order[lane.min(order.len() - 1)]);
         let mut quads = vec![[0; QUAD * LANES]; self.axes / QUAD];
         let mut error = 0.0f64;
-        let squares = std::array::from_fn(|lane| {
+        let mut squares = [[0; LANES]; 2];
+        for (lane, point) in lanes.iter().map(|point| self.point(*point)).enumerate() {
             let mut lost = 0.0;
-            for (axis, (x, middle)) in self.point(lanes[lane]).iter().zip(middles).enumerate() {
+            for (axis, (x, middle)) in point.iter().zip(middles).enumerate() {
                 let (code, value) = code_of(*x, *middle, half_step);
                 lost += maths::square(value - f64::from(*x));
                 quads[axis / QUAD][QUAD * lane + axis % QUAD] = code;
+                squares[usize::from(axis >= first_axes(self.axes))][lane] += square(code);
             }
             error = error.max(lost.sqrt());
-            square(quads.iter().flat_map(|quad| quad[QUAD * lane..][..QUAD].iter().copied()))
-        });
-        tree.codes.extend(quads);
-        tree.squares.push(squares);
+        }
+        let (first, others) = quads.split_at(first_axes(self.axes) / QUAD);
+        tree.codes.extend(first);
+        tree.other_codes.extend(others);
+        tree.squares.push(squares[0]);
+        tree.other_squares.push(squares[1]);
         tree.windows.push(lanes.map(|i| self.windows[i as usize]));
         tree.groups.push(group);
         (Child::of_leaf(tree.windows.len() - 1), error)
