@@ -364,6 +364,8 @@ impl Drag {
     fn leave(&mut self) -> Result<(), Error> {
         if let Some(target) = self.target.take() {
             self.tell(target, self.words.XdndLeave, [0; 4])?;
+            // A connection that is closed with answers unread loses what it sent last.
+            self.connection.sync()?;
         }
         (self.told, self.is_awaited, self.is_accepted) = (None, false, false);
         Ok(())
