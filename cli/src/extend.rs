@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use pyrophone_recording::{check_finite, check_not_among, write_file};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::beta::Fit;
 use pyrophone_synthesis::extend::{Extend, reference};
@@ -93,8 +93,8 @@ fn reference_settings(args: &ExtendArgs, sample_rate_hz: f64) -> reference::Sett
     }
 }
 
-fn structure(args: &ExtendArgs) -> Structure {
-    Structure { half_width: args.half_width, fit_width_hz: args.fit_width, ..Structure::default() }
+fn structure(args: &ExtendArgs) -> EngineConfig {
+    EngineConfig { half_width: args.half_width, fit_width_hz: args.fit_width, ..EngineConfig::default() }
 }
 
 /// The streaming engine has one frequency where the published program has three: corner of the

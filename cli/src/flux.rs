@@ -16,7 +16,7 @@ pub mod upsampling;
 
 use std::path::{Path, PathBuf};
 
-use pyrophone_flame::flux::{Flux, Partial};
+use pyrophone_flame::flux::{Flux, FluxShard};
 use pyrophone_flame::import::{Series, Timing};
 use pyrophone_recording::{check_not_among, write_file};
 use rayon::prelude::*;
@@ -114,7 +114,7 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     let plan = plan.with_upsampler(upsampling::chosen(args, rate_hz)?);
     let checked = units::check(&plan.sequence, &plan.selection, &plan.indices, rate_hz, work)?;
     let kept = plan.measure(beside, work)?;
-    let part = Partial {
+    let part = FluxShard {
         settings: plan.settings.clone(),
         cache: cache::identity(&files),
         rate_hz,
@@ -145,7 +145,7 @@ fn write(
     plan: &Plan,
     rate_hz: Option<f64>,
     checked: Option<String>,
-    part: &Partial,
+    part: &FluxShard,
     work: &Work,
 ) -> Result<Done, Error> {
     let files: Vec<PathBuf> = args.partial.iter().chain(&args.speed_field).cloned().collect();

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use pyrophone_flame::flux::{Flux, Partial};
+use pyrophone_flame::flux::{Flux, FluxShard};
 use pyrophone_flame::upsample::Upsampler;
 use pyrophone_recording::check_not_among;
 
@@ -25,10 +25,10 @@ pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Done, Error> {
     let mut parts = vec![];
     for path in shards {
         let name = path.display().to_string();
-        parts.push((name.clone(), Partial::read(&text(path)?, &name)?));
+        parts.push((name.clone(), FluxShard::read(&text(path)?, &name)?));
         work.check()?;
     }
-    let merged = Partial::merge(&parts)?;
+    let merged = FluxShard::merge(&parts)?;
     let flux = Flux::from_steps(&merged.steps)?;
     sound::note_interpolated(&flux.interpolated, &merged.numbering);
     let given_hz = args.timeline.rate.map(|frames_hz| frames_hz * merged.numbering.steps_per_frame());

@@ -26,18 +26,18 @@ pub fn load_with_place(path: &Path, work: &Work) -> Result<(Recording, Option<Br
         let stage = work.stage("reading");
         let recording = stop(decode_bytes(&bytes, standard::NAME, &|done| stage.at(done)))?;
         drop(stage);
-        tell(&recording);
+        print_notes(&recording);
         return Ok((recording, Broadcast::read(&mut Cursor::new(&bytes))));
     }
     let stage = work.stage("reading");
     let recording = stop(decode(path, &|done| stage.at(done)))?;
     drop(stage);
-    tell(&recording);
+    print_notes(&recording);
     Ok((recording, Broadcast::of_file(path)))
 }
 
 /// Says what is odd about a recording. Whether channels that cancel matter depends on what the sound is for.
-fn tell(recording: &Recording) {
+fn print_notes(recording: &Recording) {
     for found in recording.notes.iter().filter(|found| **found != Note::ChannelsCancel) {
         note(&format!("{}: {found}", recording.name));
     }

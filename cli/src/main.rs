@@ -53,7 +53,7 @@ fn main() -> ExitCode {
     let code = match run(&cli, &Work::new(stop.clone(), cli.progress)) {
         Ok(done) => {
             if let Some(done) = done.filter(|_| cli.json) {
-                tell(&done, &name);
+                print_summary(&done, &name);
             }
             ExitCode::SUCCESS
         }
@@ -94,7 +94,7 @@ fn run(cli: &Cli, work: &Work) -> Result<Option<Done>, Error> {
 }
 
 /// The summary goes where the sound does not.
-fn tell(done: &Done, command: &str) {
+fn print_summary(done: &Done, command: &str) {
     let summary = done.to_json(command, &notes::take());
     if done.output.as_deref().is_some_and(output::is_standard) {
         eprint!("{summary}");

@@ -14,7 +14,7 @@ use pyrophone_settings::table::{DRIVE_MODES, DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, learn};
 use pyrophone_synthesis::controls::Fuel;
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::Distribution;
 use pyrophone_synthesis::vortex::{Simulator, SpeedField};
 use pyrophone_training::IMPULSIVE;
@@ -187,7 +187,7 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     if args.training.is_some() || args.recording_b.is_some() && uses_second || !may_sound(Id::TextureLevel) {
         return Ok(());
     }
-    if values.structure().dynamics == Dynamics::Companded {
+    if values.structure().dynamics == MatchingMode::Companded {
         if values.controls().crackle.fuel != Fuel::Off {
             return Ok(());
         }

@@ -13,7 +13,7 @@ use pyrophone_flame::{Frame, Front};
 use pyrophone_recording::write_file;
 use pyrophone_synthesis::vortex::{End, SpeedField};
 
-use self::kept::{Flow, Kept};
+use self::kept::{Flow, SimulationCheckpoint};
 use crate::args::SimulateArgs;
 use crate::error::Error;
 use crate::flux::signal::Signal;
@@ -40,7 +40,7 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
     let plan = Plan::new(args)?;
     let outputs = sound::files(&args.sound).chain(args.speed_field.as_deref()).chain(args.sound.report.as_deref());
     let Some(beside) = outputs.into_iter().next() else { return Ok(Done::default()) };
-    let mut kept = Kept::open(beside, plan.settings(), plan.regions.as_ref().map_or(0, Regions::len));
+    let mut kept = SimulationCheckpoint::open(beside, plan.settings(), plan.regions.as_ref().map_or(0, Regions::len));
     let Simulated { steps, meshes, flow } = match plan.simulate(&mut kept, work) {
         Ok(simulated) => simulated,
         Err(error) => return Err(kept.unfinished(error)),
@@ -155,7 +155,7 @@ impl Plan {
     }
 
     /// Flux and area of all steps that are kept, and the fronts to be drawn.
-    fn simulate(&self, kept: &mut Kept, work: &Work) -> Result<Simulated, Error> {
+    fn simulate(&self, kept: &mut SimulationCheckpoint, work: &Work) -> Result<Simulated, Error> {
         if let Some(folder) = &self.cache {
             make_folder(folder)?;
             self.check_cache(folder)?;

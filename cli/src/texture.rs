@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use pyrophone_recording::{Note, Recording};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::texture::offline::{Options, synthesize};
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 use crate::args::TextureArgs;
 use crate::error::Error;
@@ -16,7 +16,8 @@ use crate::{input, output};
 
 /// Writes the fire of `training` that follows `input`.
 pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
-    let shape = Shape { levels: args.levels, window: args.window, feature: args.feature, falloff: args.falloff };
+    let shape =
+        PyramidConfig { levels: args.levels, window: args.window, feature: args.feature, falloff: args.falloff };
     let options = Options { dynamic_range: !args.no_dynamic_range, scaling_alpha: args.scaling_alpha, eps: args.eps };
     check(args)?;
     output::check(&args.output, &[&args.input, &args.training])?;
@@ -38,7 +39,7 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
 }
 
 /// The dictionary of a training sound at its rate, for the published program.
-fn index(training: &Recording, path: &Path, shape: &Shape, work: &Work) -> Result<Arc<Dictionary>, Error> {
+fn index(training: &Recording, path: &Path, shape: &PyramidConfig, work: &Work) -> Result<Arc<Dictionary>, Error> {
     say_if_cancelling(training);
     let stage = work.stage("indexing");
     let channels = input::as_f64(&training.channels);
@@ -70,12 +71,12 @@ pub fn check_windows(dictionary: &Dictionary, path: &Path) -> Result<(), Error> 
 
 /// Options out of range are refused before any file is read.
 fn check(args: &TextureArgs) -> Result<(), Error> {
-    let structure = Structure {
+    let structure = EngineConfig {
         levels: args.levels,
         window: args.window,
         feature: args.feature,
         falloff: args.falloff,
-        ..Structure::default()
+        ..EngineConfig::default()
     };
     structure.validate().map_err(Error::Option)?;
     input::in_range("--scaling-alpha", args.scaling_alpha, 0.0, 1.0)?;

@@ -10,7 +10,7 @@ use pyrophone_recording::write_file;
 use pyrophone_synthesis::vortex::texture::{Row, VortexTexture};
 use rayon::prelude::*;
 
-use self::kept::Kept;
+use self::kept::TextureCheckpoint;
 use crate::args::{FlowKind, VortexTextureArgs};
 use crate::error::Error;
 use crate::output::check_file;
@@ -24,7 +24,7 @@ const SETTLING: f64 = 0.3;
 pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<Done, Error> {
     let plan = Plan::new(args)?;
     check_file(&args.output)?;
-    let mut kept = Kept::open(&args.output, plan.settings());
+    let mut kept = TextureCheckpoint::open(&args.output, plan.settings());
     kept.restore();
     let kept = Mutex::new(kept);
     let recorded = plan.record(&kept, work);
@@ -82,7 +82,7 @@ impl Plan {
     }
 
     /// All rows, as many at a time as there are cores; each is kept once it is done.
-    fn record(&self, kept: &Mutex<Kept>, work: &Work) -> Result<Vec<Row>, Error> {
+    fn record(&self, kept: &Mutex<TextureCheckpoint>, work: &Work) -> Result<Vec<Row>, Error> {
         let stage = work.stage("recording");
         let total: usize = self.speeds_m_s.iter().map(|speed| self.recipe.recorded_steps(*speed)).sum();
         let meter = Meter { stage: &stage, done: AtomicU64::new(0), total: total as f64 };
@@ -149,6 +149,6 @@ impl Meter<'_> {
     }
 }
 
-fn lock(kept: &Mutex<Kept>) -> std::sync::MutexGuard<'_, Kept> {
+fn lock(kept: &Mutex<TextureCheckpoint>) -> std::sync::MutexGuard<'_, TextureCheckpoint> {
     kept.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }

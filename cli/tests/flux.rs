@@ -6,7 +6,7 @@ use std::fs::File;
 use std::path::Path;
 
 use common::{pyrophone, read, reference, refuses, succeeds, write};
-use pyrophone_flame::flux::{Flux, Partial};
+use pyrophone_flame::flux::{Flux, FluxShard};
 use pyrophone_flame::import::npz::{DenseFrame, write_frame};
 use pyrophone_flame::import::{Selection, Sequence};
 use tempfile::TempDir;
@@ -133,7 +133,7 @@ fn an_interrupted_run_goes_on() {
     );
     assert!(!at.join("out.wav").exists() && !at.join("out.csv").exists());
     let kept = std::fs::read_to_string(at.join("out.wav.flux-progress")).unwrap();
-    let rows = Partial::read_unfinished(&kept, "kept").unwrap().steps.len();
+    let rows = FluxShard::read_unfinished(&kept, "kept").unwrap().steps.len();
     assert!(rows > 0 && error.contains(&format!("the {rows} finished frames")), "{error}");
 
     // Numbers that are kept are not measured again: changed by hand, they come out.
@@ -204,7 +204,7 @@ fn frame_lists_are_clamped_and_stepped() {
     let frames = |list: &str| {
         succeeds(at, &format!("flux --input flame --frames {list} --partial part.csv"));
         let text = std::fs::read_to_string(at.join("part.csv")).unwrap();
-        Partial::read(&text, "part").unwrap().steps.keys().copied().collect::<Vec<_>>()
+        FluxShard::read(&text, "part").unwrap().steps.keys().copied().collect::<Vec<_>>()
     };
     assert_eq!(frames("1-4"), [3, 4], "a farm's first chunk may begin before the frames do");
     assert_eq!(frames("21-50"), [21, 22], "and its last one end behind them");

@@ -9,7 +9,7 @@ use common::{read, reference};
 use pyrophone_settings::Id;
 use pyrophone_settings::Preset;
 use pyrophone_settings::table::DRIVE_MODES;
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 use tempfile::TempDir;
 
 /// The most that is allowed, in dB relative to full scale between samples.
@@ -54,7 +54,7 @@ fn burns(preset: &Preset) -> bool {
 
 /// Whether a preset has the recording's own level, as the paper's mode has.
 fn is_paper(preset: &Preset) -> bool {
-    preset.values.structure().dynamics == Dynamics::Paper
+    preset.values.structure().dynamics == MatchingMode::Paper
 }
 
 /// Whether the long tests run.

@@ -158,7 +158,7 @@ pub type Changes = BTreeMap<i64, Vec<f64>>;
 
 /// A part of a simulation's table, with what must agree before parts are put together.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Partial {
+pub struct FluxShard {
     /// Settings of the measurement, one line; empty if nothing burns in any frame, or none could be measured.
     pub settings: String,
     /// The cache it was measured from, one word; nothing where that does not matter.
@@ -173,7 +173,7 @@ pub struct Partial {
     pub changes: Changes,
 }
 
-impl Partial {
+impl FluxShard {
     /// Writes lines with the settings and the cache, then `frame,flux,area,mean_curvature` (skipped frames have empty
     /// fields), then changes, and last how many steps there are with a hash of all before, by which a file that was cut is
     /// told.

@@ -3,7 +3,7 @@
 use pyrophone_synthesis::vortex::{Asked, Simulator};
 
 use crate::error::Error;
-use crate::solver::{Domain, Emitter, Parameters, Shape, Side, Solver, Surroundings};
+use crate::solver::{Domain, Emitter, EmitterShape, Forcing, Parameters, Side, Solver};
 use crate::speed_field::{Regions, Up};
 
 /// Voxels of the box, up last, and their edge in m.
@@ -80,7 +80,7 @@ impl LiveFlow {
     pub fn step(&mut self, speed_m_s: f64) -> Result<Vec<f32>, Error> {
         let speed_m_s = if speed_m_s.is_nan() { 0.0 } else { speed_m_s.clamp(0.0, 100.0) };
         let emitter = Emitter {
-            shape: Shape::Cylinder { radius_m: RADIUS_M, half_height_m: HALF_HEIGHT_M },
+            shape: EmitterShape::Cylinder { radius_m: RADIUS_M, half_height_m: HALF_HEIGHT_M },
             centre_m: [0.0, 0.0, HALF_HEIGHT_M],
             velocity_m_s: [0.0, 0.0, speed_m_s],
             drag_hz: 0.5 / self.step_s,
@@ -91,7 +91,7 @@ impl LiveFlow {
         };
         let half_m = VOXELS.map(|voxels| 0.5 * voxels as f64 * VOXEL_M);
         let rest = Emitter {
-            shape: Shape::Box { half_m },
+            shape: EmitterShape::Box { half_m },
             centre_m: [0.0, 0.0, half_m[2]],
             velocity_m_s: [0.0; 3],
             drag_hz: REST_HZ,
@@ -101,7 +101,7 @@ impl LiveFlow {
         // Held at rest, hot gas would stay there for good.
         let blows = Some(emitter).filter(|_| speed_m_s > CALM_M_S);
         let emitters = std::iter::once(rest).chain(blows).collect();
-        let surroundings = Surroundings { emitters, ..Surroundings::default() };
+        let surroundings = Forcing { emitters, ..Forcing::default() };
         self.solver.step(self.step_s, &surroundings);
         Ok(self.regions.mean_speeds(&self.solver.frame(0)?.velocity))
     }

@@ -10,7 +10,7 @@ use import_common::Random;
 use proptest::prelude::*;
 use pyrophone_flame::grid::Grid;
 use pyrophone_flame::import::npz::{DenseFrame, Npz, write_frame};
-use pyrophone_flame::import::{Error, Fault, Selection, Sequence, Series, Source, Timing};
+use pyrophone_flame::import::{Error, FormatFault, Selection, Sequence, Series, Source, Timing};
 use pyrophone_flame::velocity::Velocity;
 
 /// A `.npy` of version `major`.
@@ -128,7 +128,7 @@ fn deflated(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
     archive.finish().unwrap().into_inner()
 }
 
-fn open(bytes: &[u8]) -> Result<Npz<Cursor<&[u8]>>, Fault> {
+fn open(bytes: &[u8]) -> Result<Npz<Cursor<&[u8]>>, FormatFault> {
     Npz::open(Cursor::new(bytes))
 }
 
@@ -182,7 +182,7 @@ fn archives_stored_and_packed() {
         let grid = npz.scalar(0).unwrap();
         assert_pattern(&grid, [2, 3, 4], "flame");
         assert_eq!(grid.transform().to_world([0.0, 0.0, 4.0]), [1.0, 2.0, 4.0]);
-        assert!(matches!(npz.scalar(1), Err(Fault::Unsupported { .. })));
+        assert!(matches!(npz.scalar(1), Err(FormatFault::Unsupported { .. })));
     }
 }
 
@@ -244,7 +244,7 @@ fn thin_arrays_do_not_unfold_beyond_their_budget() {
         let bytes = deflated(&[("flame.npy", npy(1, "|u1", false, shape, &data))]);
         let seen = allocation_counter::measure(|| {
             let read = open(&bytes).unwrap().scalar(0);
-            assert!(matches!(read, Err(Fault::TooLarge { .. })), "{shape:?}");
+            assert!(matches!(read, Err(FormatFault::TooLarge { .. })), "{shape:?}");
         });
         assert!(seen.bytes_max < (256 << 20) + 80 * bytes.len() as u64, "{} bytes", seen.bytes_max);
     };
@@ -322,7 +322,7 @@ fn a_frame_is_written_for_numpy() {
     assert_eq!(members[0].1[128..], [1f32.to_le_bytes(), 0.5f32.to_le_bytes()].concat());
     assert_eq!(members[4].1[128..], 2f64.to_le_bytes());
     for wrong in [DenseFrame { flame: &[[1.0]], ..frame }, DenseFrame { shape: [usize::MAX, 2, 1], ..frame }] {
-        assert!(matches!(write_frame(Cursor::new(vec![]), &wrong), Err(Fault::Grid(_))));
+        assert!(matches!(write_frame(Cursor::new(vec![]), &wrong), Err(FormatFault::Grid(_))));
     }
 }
 

@@ -7,7 +7,7 @@ use import_common::trees::{Written, components};
 use import_common::vdb::{ACTIVE_MASK, BLOSC, Form, Plan, VdbFile, ZIP, doubles, text, write};
 use pyrophone_flame::grid::Grid;
 use pyrophone_flame::import::vdb::Vdb;
-use pyrophone_flame::import::{Fault, PlacementChoice, Selection, Sequence, Source};
+use pyrophone_flame::import::{FormatFault, PlacementChoice, Selection, Sequence, Source};
 use pyrophone_flame::velocity::Velocity;
 
 fn assert_same<const N: usize>(found: &Grid<N>, written: &Written, what: &str) {
@@ -125,7 +125,7 @@ fn instances_share_a_tree_and_have_a_place_of_their_own() {
         assert_eq!(instance.transform().to_world([0.0; 3]), [1.0, 2.0, 3.0]);
         assert_eq!(own.transform().to_world([1.0; 3]), [0.5; 3]);
         for (index, fault) in [(2, vdb.scalar(2).err()), (3, vdb.vectors(3).err()), (4, vdb.scalar(4).err())] {
-            assert!(matches!(fault, Some(Fault::Damaged(_))), "{index}: {fault:?}");
+            assert!(matches!(fault, Some(FormatFault::Damaged(_))), "{index}: {fault:?}");
         }
     }
 }
@@ -178,7 +178,7 @@ fn a_frustum_is_passed_over_and_refused() {
         camera.map = ("NonlinearFrustumMap", [inner("TranslationMap"), doubles(&[0.0; 3])].concat());
         let VdbFile { bytes, written } = write(form, &[camera.clone(), Plan::new("box", "float")], &mut random);
         let mut vdb = Vdb::open(&bytes).unwrap();
-        assert!(matches!(vdb.scalar(0), Err(Fault::Unsupported { .. })));
+        assert!(matches!(vdb.scalar(0), Err(FormatFault::Unsupported { .. })));
         assert_same(&vdb.scalar(1).unwrap(), written[1].as_ref().unwrap(), "behind a frustum");
         camera.map.1 = [inner("NonlinearFrustumMap"), inner("TranslationMap"), doubles(&[0.0; 3])].concat();
         let VdbFile { bytes, .. } = write(form, &[camera], &mut random);
@@ -342,7 +342,7 @@ fn a_tree_larger_than_its_file_allows_is_refused() {
     let VdbFile { bytes, .. } = write(form, &[plan], &mut Random::new(12));
     let seen = allocation_counter::measure(|| {
         let mut vdb = Vdb::open(&bytes).unwrap();
-        assert!(matches!(vdb.scalar(0), Err(Fault::TooLarge { .. })));
+        assert!(matches!(vdb.scalar(0), Err(FormatFault::TooLarge { .. })));
     });
     assert!(seen.bytes_max < (256 << 20) + 64 * bytes.len() as u64, "{} bytes", seen.bytes_max);
 }

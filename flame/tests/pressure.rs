@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use pyrophone_flame::Error;
-use pyrophone_flame::flux::{Flux, Partial, Row, Steps};
+use pyrophone_flame::flux::{Flux, FluxShard, Row, Steps};
 use pyrophone_flame::pressure::{Advice, Kind, Options, derivative, render};
 
 fn row(frame: i64, flux: f64) -> Row {
@@ -42,17 +42,17 @@ proptest! {
         };
         let steps: Steps =
             (first..).zip(&values).map(|(frame, values)| (frame, values.map(|values| row(frame, values)))).collect();
-        let part = Partial {
+        let part = FluxShard {
             settings: "iso 0.5; field flame, or \"so\"".into(),
             cache: "0123abc".into(),
             rate_hz: Some(24000.0 / 1001.0),
             changes: [(first, vec![0.1, -2e-300])].into(),
             steps,
-            ..Partial::default()
+            ..FluxShard::default()
         };
         let mut text = vec![];
         part.write(&mut text).unwrap();
-        let back = Partial::read(std::str::from_utf8(&text).unwrap(), "shard").unwrap();
+        let back = FluxShard::read(std::str::from_utf8(&text).unwrap(), "shard").unwrap();
         prop_assert_eq!(&back, &part);
         match Flux::from_steps(&part.steps) {
             Ok(flux) => {
@@ -74,17 +74,17 @@ proptest! {
     ) {
         let steps: Steps =
             (10..).zip(&values).map(|(frame, flux)| (frame, flux.map(|flux| row(frame, flux)))).collect();
-        let whole = Partial { settings: "the same".into(), steps, ..Partial::default() };
+        let whole = FluxShard { settings: "the same".into(), steps, ..FluxShard::default() };
         let mut edges: Vec<i64> = cuts.iter().map(|cut| 10 + (*cut).min(values.len()) as i64).collect();
         edges.extend([10, 10 + values.len() as i64]);
         edges.sort_unstable();
-        let mut parts: Vec<(String, Partial)> = edges.windows(2).enumerate().map(|(number, edge)| {
+        let mut parts: Vec<(String, FluxShard)> = edges.windows(2).enumerate().map(|(number, edge)| {
             let steps = whole.steps.range(edge[0]..edge[1]).map(|(frame, row)| (*frame, *row)).collect();
-            (format!("shard {number}"), Partial { settings: "the same".into(), steps, ..Partial::default() })
+            (format!("shard {number}"), FluxShard { settings: "the same".into(), steps, ..FluxShard::default() })
         }).collect();
         let count = parts.len();
         parts.rotate_left(turn % count);
-        match Partial::merge(&parts) {
+        match FluxShard::merge(&parts) {
             Ok(merged) => prop_assert_eq!(merged, whole),
             Err(error) => prop_assert!(values.iter().all(Option::is_none), "{}", error),
         }
@@ -95,7 +95,7 @@ proptest! {
     fn any_text_is_read_or_refused(
         text in "(# pyrophone flux 1; a\n)?(frame,flux,area\n)?([0-9,.eE+\\-infa ]{0,30}\n){0,6}.{0,60}",
     ) {
-        let _ = Partial::read(&text, "x");
+        let _ = FluxShard::read(&text, "x");
         let _ = Flux::read_csv(&text, "x");
     }
 }
@@ -248,23 +248,23 @@ fn gaps_are_filled_linearly_and_reported() {
 
 #[test]
 fn shards_that_do_not_fit_are_refused() {
-    let part = |settings: &str, frames: std::ops::Range<i64>| Partial {
+    let part = |settings: &str, frames: std::ops::Range<i64>| FluxShard {
         settings: settings.into(),
         steps: frames.map(|frame| (frame, Some(row(frame, 1.0)))).collect(),
-        ..Partial::default()
+        ..FluxShard::default()
     };
-    let merge = |a: Partial, b: Partial| Partial::merge(&[("a.csv".into(), a), ("b.csv".into(), b)]).unwrap_err();
+    let merge = |a: FluxShard, b: FluxShard| FluxShard::merge(&[("a.csv".into(), a), ("b.csv".into(), b)]).unwrap_err();
     let error = merge(part("iso 0.5", 1..5), part("iso 0.6", 5..9));
     assert!(["a.csv", "b.csv", "iso 0.5", "iso 0.6"].iter().all(|part| error.to_string().contains(part)), "{error}");
     let error = merge(part("x", 1..5), part("x", 4..9)).to_string();
     assert!(["frame 4", "a.csv", "b.csv"].iter().all(|part| error.contains(part)), "{error}");
     assert_eq!(merge(part("x", 1..5), part("x", 7..9)), Error::Hole { frame: 5 });
-    let of_cache = |cache: &str, frames| Partial { cache: cache.into(), ..part("x", frames) };
+    let of_cache = |cache: &str, frames| FluxShard { cache: cache.into(), ..part("x", frames) };
     let error = merge(of_cache("one", 1..5), of_cache("other", 5..9)).to_string();
     assert!(["a.csv", "b.csv", "different caches"].iter().all(|part| error.contains(part)), "{error}");
     // Nothing was measured in the second one, so that nobody knows how it would have been.
-    let empty = Partial { steps: [(5, None)].into(), ..part("", 0..0) };
-    assert_eq!(Partial::merge(&[("a".into(), part("x", 1..5)), ("b".into(), empty)]).unwrap().steps.len(), 5);
+    let empty = FluxShard { steps: [(5, None)].into(), ..part("", 0..0) };
+    assert_eq!(FluxShard::merge(&[("a".into(), part("x", 1..5)), ("b".into(), empty)]).unwrap().steps.len(), 5);
     const HEAD: &str = "# pyrophone flux 2; x\n# cache c; rate 24.0; steps 1 1 0\nframe,flux,area,mean_curvature\n";
     for (text, says) in [
         ("frame,flux,area\n1,2,3\n".to_owned(), "line 1"),
@@ -274,7 +274,7 @@ fn shards_that_do_not_fit_are_refused() {
         (format!("{HEAD}1,2\n"), "line 4"),
         (format!("{HEAD}1.5,2,3,4\n"), "line 4: '1.5'"),
     ] {
-        let error = Partial::read(&text, "shard.csv").unwrap_err().to_string();
+        let error = FluxShard::read(&text, "shard.csv").unwrap_err().to_string();
         assert!(error.contains("shard.csv") && error.contains(says), "{error}");
     }
 }
@@ -283,13 +283,13 @@ fn shards_that_do_not_fit_are_refused() {
 fn a_part_that_was_cut_or_changed_is_refused() {
     let steps: Steps = (1..9).map(|frame| (frame, Some(row(frame, frame as f64)))).collect();
     let mut bytes = vec![];
-    Partial { settings: "x".into(), steps, ..Partial::default() }.write(&mut bytes).unwrap();
+    FluxShard { settings: "x".into(), steps, ..FluxShard::default() }.write(&mut bytes).unwrap();
     let text = String::from_utf8(bytes).unwrap();
-    assert!(Partial::read(&text, "a.csv").is_ok());
+    assert!(FluxShard::read(&text, "a.csv").is_ok());
     for end in (text.find("4,4.0").unwrap()..text.len()).step_by(3) {
-        let error = Partial::read(&text[..end], "a.csv").unwrap_err().to_string();
+        let error = FluxShard::read(&text[..end], "a.csv").unwrap_err().to_string();
         assert!(error.contains("a.csv"), "cut at {end}: {error}");
     }
-    let error = Partial::read(&text.replace("4,4.0", "4,4.5"), "a.csv").unwrap_err().to_string();
+    let error = FluxShard::read(&text.replace("4,4.0", "4,4.5"), "a.csv").unwrap_err().to_string();
     assert!(error.contains("cut or changed"), "{error}");
 }

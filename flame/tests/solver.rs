@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use pyrophone_flame::solver::{
-    Combustion, Cooling, Domain, Emitter, Mixing, Parameters, Poisson, Random, Shape, Side, Solver, Surroundings,
+    Combustion, Cooling, Domain, Emitter, EmitterShape, Forcing, Mixing, Parameters, Poisson, Random, Side, Solver,
 };
 use pyrophone_flame::{Frame, Front};
 
@@ -16,7 +16,7 @@ const PERIODIC: Sides = [[Side::Periodic; 2]; 3];
 
 fn burner(centre_m: [f64; 3], radius_m: f64) -> Emitter {
     Emitter {
-        shape: Shape::Ball { radius_m },
+        shape: EmitterShape::Ball { radius_m },
         centre_m,
         velocity_m_s: [0.0, 0.0, 1.0],
         drag_hz: 50.0,
@@ -80,7 +80,7 @@ fn pressure_leaves_no_divergence() {
             let mut solver = Solver::new(domain, Parameters::still(), 1).unwrap();
             let random = std::cell::RefCell::new(Random::new(7));
             solver.set_velocity(|_, _| random.borrow_mut().normal());
-            let step = solver.step(1.0 / 360.0, &Surroundings::default());
+            let step = solver.step(1.0 / 360.0, &Forcing::default());
             let left = divergence(&solver, |_| 0.0);
             let allowed = 1e-4 * fastest(&solver) / 0.05;
             assert!(left <= allowed, "{name} {shape:?}: {left} 1/s left, {allowed} allowed");
@@ -98,7 +98,7 @@ fn a_burst_is_the_divergence() {
         let mut solver = Solver::new(domain, Parameters::still(), 1).unwrap();
         let origin = solver.origin_m();
         let ball = Emitter { outflow_hz: 20.0, drag_hz: 0.0, ..burner([0.0, 0.0, 0.8], 0.3) };
-        solver.step(1.0 / 360.0, &Surroundings { emitters: vec![ball], ..Surroundings::default() });
+        solver.step(1.0 / 360.0, &Forcing { emitters: vec![ball], ..Forcing::default() });
         let source = |place: [usize; 3]| {
             let place = std::array::from_fn(|axis| origin[axis] + place[axis] as f64 * 0.1);
             20.0 * ball.cover(place, 0.1)
@@ -151,7 +151,7 @@ fn taylor_green_vortices_decay_as_they_must() {
             let before = energy(&solver);
             let (steps, dt_s) = (n + n / 2, 64.0 * 0.02 / n as f64);
             for _ in 0..steps {
-                solver.step(dt_s, &Surroundings::default());
+                solver.step(dt_s, &Forcing::default());
             }
             // Energy goes with the square of the speed.
             let expected = (-4.0 * viscosity_m2_s * steps as f64 * dt_s).exp();
@@ -171,7 +171,7 @@ fn a_buoyant_column_stays_symmetric() {
     let mut solver = Solver::new(domain, parameters, 1).unwrap();
     let ball = Emitter { flicker: 0.0, drag_hz: 0.0, ..burner([0.0, 0.0, 0.4], 0.2) };
     for _ in 0..60 {
-        solver.step(1.0 / 120.0, &Surroundings { emitters: vec![ball], ..Surroundings::default() });
+        solver.step(1.0 / 120.0, &Forcing { emitters: vec![ball], ..Forcing::default() });
     }
     let temperatures: Vec<f32> = solver.temperatures().collect();
     let at = |i: usize, j: usize, k: usize| temperatures[(i * n + j) * 32 + k];
@@ -197,19 +197,19 @@ fn a_blue_core_shrinks_at_the_flame_speed() {
     };
     let mut solver = Solver::new(Domain::new([n; 3], h, OPEN).unwrap(), parameters, 1).unwrap();
     let ball = Emitter { drag_hz: 0.0, ..burner([0.0, 0.0, 0.32], 0.2) };
-    solver.step(1e-6, &Surroundings { emitters: vec![ball], ..Surroundings::default() });
+    solver.step(1e-6, &Forcing { emitters: vec![ball], ..Forcing::default() });
     let radius = |solver: &Solver| {
         let inside = solver.fuels().filter(|distance| *distance < 0.0).count() as f64;
         (3.0 * inside / (4.0 * PI)).cbrt() * h
     };
     let (first, steps) = (radius(&solver), 54);
     for _ in 0..steps {
-        solver.step(1.0 / 360.0, &Surroundings::default());
+        solver.step(1.0 / 360.0, &Forcing::default());
     }
     let eaten = first - radius(&solver);
     let expected = speed * f64::from(steps) / 360.0;
     for _ in 0..150 {
-        solver.step(1.0 / 360.0, &Surroundings::default());
+        solver.step(1.0 / 360.0, &Forcing::default());
     }
     assert!(radius(&solver) == 0.0, "a wisp of {} m burns for ever", radius(&solver));
     // What is listened to goes out with it.
@@ -227,11 +227,11 @@ fn a_front_is_carried_without_steps() {
     let mut solver = Solver::new(Domain::new([n; 3], h, PERIODIC).unwrap(), parameters, 1).unwrap();
     let ball = Emitter { drag_hz: 0.0, flicker: 0.0, ..burner([0.0, 0.0, 0.4], 0.15) };
     solver.set_velocity(|axis, _| [1.0, 0.7, 0.4][axis]);
-    solver.step(1.0 / 360.0, &Surroundings { emitters: vec![ball], ..Surroundings::default() });
+    solver.step(1.0 / 360.0, &Forcing { emitters: vec![ball], ..Forcing::default() });
     let front = Front::new(0.5, 2).unwrap();
     let measured: Vec<[f64; 2]> = (0..90)
         .map(|_| {
-            solver.step(1.0 / 360.0, &Surroundings::default());
+            solver.step(1.0 / 360.0, &Forcing::default());
             let frame = solver.front_frame(0).unwrap();
             // The same with whole cells that burn or do not.
             let switched = frame.field.clone().map(|[value]| [if value > 0.5 { 1.0 } else { 0.0 }]);
@@ -254,7 +254,7 @@ fn mixing_sets_the_burn_rate() {
         let parameters = Parameters { mixing: Mixing::EVEN, ..burning() };
         let mut solver = Solver::new(Domain::new([16; 3], 0.05, OPEN).unwrap(), parameters, 3).unwrap();
         let emitters = vec![Emitter { flicker: 0.0, ..burner([0.0, 0.0, 0.4], 0.2) }];
-        solver.step(1.0 / 360.0, &Surroundings { emitters, mixing_boost, ..Surroundings::default() });
+        solver.step(1.0 / 360.0, &Forcing { emitters, mixing_boost, ..Forcing::default() });
         solver.sources().map(f64::from).sum::<f64>()
     };
     let (usual, twice, none) = (released(0.0), released(1.0), released(-1.0));
@@ -269,7 +269,7 @@ fn runs_repeat_bit_for_bit() {
         let domain = Domain::new([24, 16, 24], 0.04, OPEN).unwrap();
         Solver::new(domain, burning(), 3).unwrap()
     };
-    let surroundings = Surroundings { emitters: vec![burner([0.0, 0.0, 0.2], 0.12)], ..Surroundings::default() };
+    let surroundings = Forcing { emitters: vec![burner([0.0, 0.0, 0.2], 0.12)], ..Forcing::default() };
     let run = |solver: &mut Solver, steps: usize| {
         for _ in 0..steps {
             solver.step(1.0 / 360.0, &surroundings);

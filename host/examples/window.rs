@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use pyrophone_host::editor::EditorWindow;
-use pyrophone_host::{Configuration, Format, Layout, load};
+use pyrophone_host::{BusLayout, Configuration, Format, load};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => Format::Vst3,
     };
     let mut plugin = load(&bundle, format)?;
-    let layout = Layout { input: 2, sidechain: 0, output: 2 };
+    let layout = BusLayout { input: 2, sidechain: 0, output: 2 };
     let processor =
         plugin.activate(&Configuration { sample_rate: 48_000.0, max_block: 512, layout, offline: false })?;
     let mut window = EditorWindow::open(plugin.as_mut(), "Pyrophone")?;

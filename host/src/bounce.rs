@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::Duration;
 
-use crate::{Block, Configuration, Event, HostError, Layout, Plugin, Processor, Requests, Transport};
+use crate::{Block, BusLayout, Configuration, Event, HostError, Plugin, Processor, Requests, Transport};
 
 /// Division of the signal into blocks.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -38,7 +38,7 @@ pub struct BounceOptions {
     /// Sample rate in Hz.
     pub sample_rate: f64,
     /// Channels; the input and the sidechain must have as many.
-    pub layout: Layout,
+    pub layout: BusLayout,
     /// Cutting into blocks.
     pub block: BlockSize,
     /// Zeros played before the input, in samples. They are cut off the output again.
@@ -58,7 +58,7 @@ pub struct BounceOptions {
 impl BounceOptions {
     /// Blocks of 512 frames from position 0, offline, without padding or automation.
     #[must_use]
-    pub const fn new(sample_rate: f64, layout: Layout) -> Self {
+    pub const fn new(sample_rate: f64, layout: BusLayout) -> Self {
         Self {
             sample_rate,
             layout,

@@ -1,6 +1,6 @@
 //! The memory a plugin plays from and into.
 
-use crate::{Block, HostError, Layout};
+use crate::{Block, BusLayout, HostError};
 
 /// Samples after the end of a block that the plugin must not touch.
 const GUARD_SAMPLES: usize = 16;
@@ -9,7 +9,7 @@ const UNTOUCHED: f32 = f32::from_bits(0x7fc0_dead);
 
 /// Owned channels of one instance, so that no pointer given to a plugin outlives what it points to.
 pub(crate) struct Buses {
-    layout: Layout,
+    layout: BusLayout,
     max_block: usize,
     input: Vec<Vec<f32>>,
     sidechain: Vec<Vec<f32>>,
@@ -25,7 +25,7 @@ pub(crate) struct Pointers {
 
 impl Buses {
     /// `layout` as the plugin has it: with a sidechain that the caller may leave away.
-    pub fn new(layout: Layout, max_block: usize) -> Self {
+    pub fn new(layout: BusLayout, max_block: usize) -> Self {
         let channels = |count: u32| vec![vec![0.0; max_block + GUARD_SAMPLES]; count as usize];
         Self {
             layout,
@@ -114,7 +114,7 @@ fn check_bus(
 mod tests {
     use super::*;
 
-    const LAYOUT: Layout = Layout { input: 1, sidechain: 0, output: 2 };
+    const LAYOUT: BusLayout = BusLayout { input: 1, sidechain: 0, output: 2 };
 
     fn block<'a>(input: &'a [&'a [f32]], output: &'a mut [&'a mut [f32]], events: &'a [crate::Event]) -> Block<'a> {
         Block { input, sidechain: None, output, events, transport: None, in_place: false }

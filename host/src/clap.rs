@@ -26,7 +26,7 @@ use self::handlers::{Flags, Handlers, MainThread, Shared};
 use self::processor::ClapProcessor;
 use crate::buses::Buses;
 use crate::lock::lock;
-use crate::{Configuration, Event, Format, HostError, Layout, Parameter, Plugin, Processor, Requests};
+use crate::{BusLayout, Configuration, Event, Format, HostError, Parameter, Plugin, Processor, Requests};
 
 /// Entries stay loaded, see [`load`](crate::load).
 static ENTRIES: LazyLock<Mutex<HashMap<PathBuf, PluginEntry>>> = LazyLock::new(Mutex::default);
@@ -94,10 +94,10 @@ impl ClapPlugin {
     }
 
     /// Selects the ports and gives them as the plugin then has them.
-    fn select_layout(&mut self, layout: Layout) -> Result<Layout, HostError> {
+    fn select_layout(&mut self, layout: BusLayout) -> Result<BusLayout, HostError> {
         let ports: PluginAudioPorts = self.extension("audio ports")?;
         let configurations: Option<PluginAudioPortsConfig> = self.instance.plugin_handle().get_extension();
-        let fits = |have: Layout, unconnected: bool| {
+        let fits = |have: BusLayout, unconnected: bool| {
             have.input == layout.input
                 && have.output == layout.output
                 && (have.sidechain == layout.sidechain || (unconnected && layout.sidechain == 0))

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use crate::Layout;
+use crate::BusLayout;
 
 /// Reason for which a host could not do what it was asked.
 #[derive(Debug, thiserror::Error)]
@@ -38,7 +38,7 @@ pub enum HostError {
     StateFormat(String),
     /// The plugin has no such channel layout.
     #[error("the plug-in has no layout {0}")]
-    Layout(Layout),
+    Layout(BusLayout),
     /// The plugin refused to become active, or the configuration makes no sense.
     #[error("the plug-in cannot be activated: {0}")]
     Activate(String),

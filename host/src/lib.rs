@@ -16,7 +16,7 @@ pub mod validator;
 pub use error::HostError;
 pub use id::numeric_id;
 pub use plugin::{
-    Block, Configuration, ControllerMessage, Event, Format, Layout, MENU, Parameter, Plugin, Processor, Requests,
+    Block, BusLayout, Configuration, ControllerMessage, Event, Format, MENU, Parameter, Plugin, Processor, Requests,
     SUBMENU, Tail, Transport,
 };
 

@@ -45,7 +45,7 @@ impl FromStr for Format {
 
 /// Channels of the buses. `sidechain: 0` means that none is connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Layout {
+pub struct BusLayout {
     /// Channels of the main input.
     pub input: u32,
     /// Channels of the sidechain input, 0 for none.
@@ -54,7 +54,7 @@ pub struct Layout {
     pub output: u32,
 }
 
-impl fmt::Display for Layout {
+impl fmt::Display for BusLayout {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} in, {} sidechain, {} out", self.input, self.sidechain, self.output)
     }
@@ -68,7 +68,7 @@ pub struct Configuration {
     /// Longest block that will be played, in frames; at least 1.
     pub max_block: usize,
     /// The buses.
-    pub layout: Layout,
+    pub layout: BusLayout,
     /// Whether the host renders offline (as fast as it can) or in real time.
     pub offline: bool,
 }

@@ -26,7 +26,7 @@ use self::module::Module;
 use self::processor::Vst3Processor;
 use crate::buses::Buses;
 use crate::lock::lock;
-use crate::{Configuration, Event, Format, HostError, Layout, Parameter, Plugin, Processor, Requests};
+use crate::{BusLayout, Configuration, Event, Format, HostError, Parameter, Plugin, Processor, Requests};
 
 static INSTANCES: AtomicU64 = AtomicU64::new(0);
 
@@ -106,10 +106,10 @@ impl Vst3Plugin {
     }
 
     /// Arranges the buses and gives them as the plugin then has them.
-    fn select_layout(&self, layout: Layout) -> Result<Layout, HostError> {
+    fn select_layout(&self, layout: BusLayout) -> Result<BusLayout, HostError> {
         let sidechains: &[u32] = if layout.sidechain == 0 { &[0, 2, 1] } else { &[layout.sidechain] };
         for &sidechain in sidechains {
-            let wanted = Layout { sidechain, ..layout };
+            let wanted = BusLayout { sidechain, ..layout };
             let mut inputs = vec![arrangement(layout.input)];
             if sidechain > 0 {
                 inputs.push(arrangement(sidechain));
@@ -134,7 +134,7 @@ impl Vst3Plugin {
         result == kResultOk && found == expected
     }
 
-    fn read_layout(&self) -> Layout {
+    fn read_layout(&self) -> BusLayout {
         let channels = |direction, index| {
             // SAFETY: all fields are numbers, for which zero is a value.
             let mut info: BusInfo = unsafe { std::mem::zeroed() };
@@ -145,7 +145,7 @@ impl Vst3Plugin {
             };
             if exists { u32::try_from(info.channelCount).unwrap_or(0) } else { 0 }
         };
-        Layout { input: channels(INPUT, 0), sidechain: channels(INPUT, 1), output: channels(OUTPUT, 0) }
+        BusLayout { input: channels(INPUT, 0), sidechain: channels(INPUT, 1), output: channels(OUTPUT, 0) }
     }
 }
 

@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 
 use pyrophone_settings::Values;
 use pyrophone_synthesis::chain::{Chain, Channels, Meters, Transport};
-use pyrophone_synthesis::vortex::Layout;
+use pyrophone_synthesis::vortex::SpeakerLayout;
 
 use crate::channels::MAX_CHANNELS;
 use crate::loader::link::{AudioLink, Retired, Update, fingerprint};
@@ -70,7 +70,7 @@ impl Audio {
         self.silence = vec![0.0; piece];
         self.input_channels = channels.input;
         let structure = fingerprint(&values.structure());
-        let effects = Layout::of_channels(channels.output).ok().and_then(Layout::low_frequency_effects);
+        let effects = SpeakerLayout::of_channels(channels.output).ok().and_then(SpeakerLayout::low_frequency_effects);
         self.running = chain.map(|chain| Running {
             latency_samples: chain.latency_samples() as u32,
             audition: Audition::new(chain.sample_rate_hz(), chain.latency_samples(), effects),
@@ -144,7 +144,7 @@ impl Audio {
             return pass_through(main, self.input_channels);
         };
         let mut controls = values.controls();
-        self.probe.hush(&mut controls.mix);
+        self.probe.apply_mutes(&mut controls.mix);
         let samples = main.first().map_or(0, |channel| channel.len());
         let learns =
             self.link.shared.learning.load(Ordering::Relaxed) && (transport.playing || transport.position.is_none());

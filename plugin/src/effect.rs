@@ -10,10 +10,10 @@ use pyrophone_synthesis::chain::{Chain, Channels};
 
 use crate::audio::lights::Lights;
 use crate::audio::{Audio, Tail};
+use crate::drain_barrier::Fence;
 use crate::editor::Window;
 use crate::editor::frame::PyrophoneEditor;
 use crate::entry::instance::{self, Instance};
-use crate::fence::Fence;
 use crate::frame_pace::FramePace;
 use crate::gas::Gas;
 use crate::host_clock::{HostClock, Reported};

@@ -23,7 +23,7 @@ const MOST_SOURCES: usize = 160;
 const STEPS: usize = 64;
 
 /// How often the thread looks whether something is asked for, while the flow is used and while it is not.
-const GLANCE: Duration = Duration::from_millis(1);
+const POLL_INTERVAL: Duration = Duration::from_millis(1);
 const REST: Duration = Duration::from_millis(8);
 
 /// How often an offline render looks whether its step is there.
@@ -39,7 +39,7 @@ struct Answer {
 }
 
 /// The audio thread's end.
-struct Remote {
+struct GasProxy {
     asked: HeapProd<Asked>,
     answers: HeapCons<Answer>,
     /// The newest answer that was taken.
@@ -48,7 +48,7 @@ struct Remote {
     waits: bool,
 }
 
-impl Remote {
+impl GasProxy {
     /// Takes the answer to a step, if it is there; those to earlier ones are of no use any more.
     fn poll(&mut self, run: u64, step: u64) -> Option<&Answer> {
         let is_wanted = |answer: &Answer| (answer.run, answer.step) >= (run, step);
@@ -59,7 +59,7 @@ impl Remote {
     }
 }
 
-impl Simulator for Remote {
+impl Simulator for GasProxy {
     fn ask(&mut self, asked: Asked) {
         // Answers that came too late to be of use make room.
         while self.newest.is_none_or(|answer| answer.run < asked.run) {
@@ -90,7 +90,7 @@ impl Simulator for Remote {
 }
 
 /// The thread's end of one simulation.
-struct Desk {
+struct GasWorker {
     asked: HeapCons<Asked>,
     answers: HeapProd<Answer>,
     flow: LiveFlow,
@@ -99,7 +99,7 @@ struct Desk {
     held: Option<Answer>,
 }
 
-impl Desk {
+impl GasWorker {
     /// Simulates a step that is asked for, if there is one.
     fn work(&mut self) -> bool {
         if let Some(answer) = self.held.take() {
@@ -149,8 +149,8 @@ impl Gas {
         let remotes = flows.map(|flow| {
             let (asked_in, asked_out) = HeapRb::new(STEPS).split();
             let (answers_in, answers_out) = HeapRb::new(STEPS).split();
-            desks.push(Desk { asked: asked_out, answers: answers_in, flow, run: 0, held: None });
-            Box::new(Remote { asked: asked_in, answers: answers_out, newest: None, waits }) as Box<dyn Simulator>
+            desks.push(GasWorker { asked: asked_out, answers: answers_in, flow, run: 0, held: None });
+            Box::new(GasProxy { asked: asked_in, answers: answers_out, newest: None, waits }) as Box<dyn Simulator>
         });
         chain.set_simulators(remotes, &places[..places.len().min(MOST_SOURCES)]).map_err(|error| error.to_string())?;
         let switches = Arc::new(Switches::default());
@@ -160,7 +160,7 @@ impl Gas {
                 // Both, whatever the first one finds.
                 let found = desks.iter_mut().filter_map(|desk| desk.work().then_some(())).count();
                 if found == 0 {
-                    std::thread::sleep(if theirs.used.load(Ordering::Relaxed) { GLANCE } else { REST });
+                    std::thread::sleep(if theirs.used.load(Ordering::Relaxed) { POLL_INTERVAL } else { REST });
                 }
             }
         };

@@ -26,11 +26,11 @@ pub mod analysis;
 pub mod audio;
 pub mod channels;
 pub mod controllers;
+pub mod drain_barrier;
 #[allow(clippy::disallowed_methods, reason = "it is only drawn")]
 pub mod editor;
 pub mod effect;
 pub mod entry;
-pub mod fence;
 pub mod frame_pace;
 pub mod gas;
 pub mod host_clock;

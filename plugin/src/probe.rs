@@ -4,7 +4,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use pyrophone_synthesis::chain::Trace;
+use pyrophone_synthesis::chain::Telemetry;
 use pyrophone_synthesis::controls::MixControls;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
@@ -75,7 +75,7 @@ impl Shared {
 /// The audio thread's end.
 pub struct ProbeIn {
     frames: HeapProd<Frame>,
-    traces: HeapProd<Trace>,
+    traces: HeapProd<Telemetry>,
     shared: Arc<Shared>,
 }
 
@@ -83,7 +83,7 @@ pub struct ProbeIn {
 #[derive(Clone)]
 pub struct ProbeOut {
     frames: Arc<Mutex<HeapCons<Frame>>>,
-    traces: Arc<Mutex<HeapCons<Trace>>>,
+    traces: Arc<Mutex<HeapCons<Telemetry>>>,
     shared: Arc<Shared>,
 }
 
@@ -107,7 +107,7 @@ impl ProbeIn {
     }
 
     /// Takes the layers out that the window wants silent; real-time safe.
-    pub fn hush(&self, mix: &mut MixControls) {
+    pub fn apply_mutes(&self, mix: &mut MixControls) {
         let silenced = self.shared.silenced.load(Ordering::Relaxed);
         let first = [&mut mix.low, &mut mix.extension, &mut mix.texture, &mut mix.vortex];
         let layers = first.into_iter().chain([&mut mix.crackle, &mut mix.hiss, &mut mix.body]);
@@ -147,7 +147,7 @@ impl ProbeIn {
     }
 
     /// Passes on what the engines have left to be seen; real-time safe.
-    pub fn send_trace(&mut self, trace: Trace) {
+    pub fn send_trace(&mut self, trace: Telemetry) {
         // Where there is no room, nobody looks.
         let _ = self.traces.try_push(trace);
     }
@@ -218,7 +218,7 @@ impl ProbeOut {
     }
 
     /// Hands over what the engines have left to be seen, oldest first.
-    pub fn take_traces(&self, with: impl FnMut(Trace)) {
+    pub fn take_traces(&self, with: impl FnMut(Telemetry)) {
         let mut traces = self.traces.lock().unwrap_or_else(PoisonError::into_inner);
         traces.pop_iter().take(TRACES).for_each(with);
     }
@@ -248,7 +248,7 @@ mod tests {
                 body: 0.7,
                 ..MixControls::default()
             };
-            audio.hush(&mut mix);
+            audio.apply_mutes(&mut mix);
             [mix.low, mix.extension, mix.texture, mix.vortex, mix.crackle, mix.hiss, mix.body]
         };
         assert_eq!(heard(), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);

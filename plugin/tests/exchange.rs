@@ -5,7 +5,7 @@ use std::cell::Cell;
 use loom::cell::UnsafeCell;
 use loom::sync::Arc;
 use loom::sync::atomic::{AtomicUsize, Ordering};
-use pyrophone::loader::exchange::{Giver, Pop, Push, Taker};
+use pyrophone::loader::exchange::{Pop, Push, Receiver, Sender};
 
 /// A ring for one writer and one reader, of loom's parts: stands in for the real one, whose order
 /// of writes and reads it has.
@@ -79,7 +79,7 @@ impl Engine {
     /// As `Audio::receive_updates`.
     fn process<const U: usize, const R: usize>(
         &mut self,
-        taker: &mut Taker<Reader<Option<Dictionary>, U>, Writer<Dictionary, R>>,
+        taker: &mut Receiver<Reader<Option<Dictionary>, U>, Writer<Dictionary, R>>,
     ) {
         while let Some(new) = taker.receive() {
             let old = std::mem::replace(&mut self.dictionary, new);
@@ -95,8 +95,8 @@ fn check<const UPDATES: usize, const RETIRED: usize>(sent: usize, blocks: usize)
         let freed = Arc::new(AtomicUsize::new(0));
         let (updates_in, updates_out) = ring::<Option<Dictionary>, UPDATES>();
         let (retired_in, retired_out) = ring::<Dictionary, RETIRED>();
-        let mut giver = Giver::new(updates_in, retired_out);
-        let mut taker = Taker::new(updates_out, retired_in);
+        let mut giver = Sender::new(updates_in, retired_out);
+        let mut taker = Receiver::new(updates_out, retired_in);
         let audio = loom::thread::spawn(move || {
             ON_AUDIO_THREAD.with(|here| here.set(true));
             let mut engine = Engine { dictionary: None };

@@ -3,7 +3,7 @@
 use pyrophone::gas::Gas;
 use pyrophone_flame::live::{Inline, LiveFlow};
 use pyrophone_settings::{Preset, Values};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::vortex::Simulator;
 
@@ -21,7 +21,7 @@ fn values() -> Values {
 
 fn chain() -> Chain {
     let channels = Channels { input: 1, sidechain: 0, output: 2 };
-    let structure = Structure { ..values().structure() };
+    let structure = EngineConfig { ..values().structure() };
     Chain::new(RATE_HZ, channels, &structure).unwrap()
 }
 

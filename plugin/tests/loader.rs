@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
-use pyrophone::audio::audition::Tape;
+use pyrophone::audio::audition::AuditionClip;
 use pyrophone::loader::link::{AudioLink, Update};
 use pyrophone::loader::status::View;
 use pyrophone::loader::{Engine, Loader};
@@ -15,7 +15,7 @@ use pyrophone::parameters::EffectParams;
 use pyrophone::persist;
 use pyrophone_settings::session::{Cut, FieldReference, Learned, RecordingReference};
 use pyrophone_settings::{Recent, Session, session};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::Channels;
 use pyrophone_synthesis::texture::{Dictionary, Distribution};
 use pyrophone_synthesis::vortex::{End, SpeedField};
@@ -102,7 +102,7 @@ impl Instance {
         self.last(|update| if let Update::Field(field) = update { Some(field) } else { None })
     }
 
-    fn tape(&mut self) -> Option<Option<Tape>> {
+    fn tape(&mut self) -> Option<Option<AuditionClip>> {
         self.last(|update| if let Update::Tape(tape) = update { Some(tape) } else { None })
     }
 
@@ -223,7 +223,7 @@ fn a_dictionary_is_of_the_rate_that_runs() {
         instance.activate(rate_hz);
         let dictionary = instance.dictionary().unwrap().unwrap();
         assert_eq!(dictionary.sample_rate_hz(), rate_hz);
-        assert_eq!(dictionary.shape().levels, Structure::default().levels_at(rate_hz));
+        assert_eq!(dictionary.shape().levels, EngineConfig::default().levels_at(rate_hz));
         assert!((dictionary.seconds() - 0.5).abs() < 2e-3);
     }
 }
@@ -410,7 +410,11 @@ fn many_instances_come_and_go_with_loads_under_way() {
         instance.load(&path);
         if round % 2 == 0 {
             let channels = Channels { input: 1, sidechain: 0, output: 1 };
-            instance.loader.set_engine(Engine { sample_rate_hz: RATE_HZ, structure: Structure::default(), channels });
+            instance.loader.set_engine(Engine {
+                sample_rate_hz: RATE_HZ,
+                structure: EngineConfig::default(),
+                channels,
+            });
         }
         std::thread::sleep(Duration::from_millis(round % 7));
     }

@@ -10,7 +10,7 @@ use pyrophone::parameters::{EffectParams, sanitize};
 use pyrophone::persist::SessionStore;
 use pyrophone_settings::session::plugin_state;
 use pyrophone_settings::{COUNT, Kind, PARAMETERS, Session, Values, host_order};
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 
 fn params() -> EffectParams {
     EffectParams::new(Arc::new(SessionStore::new(|| {})))
@@ -158,9 +158,9 @@ fn a_state_from_before_the_companded_mode_keeps_the_papers() {
         serde_json::from_str(r#"{"version":"0","params":{"falloff":{"f32":0.0}},"fields":{}}"#).unwrap();
     sanitize(&mut state);
     let params = params();
-    assert_eq!(params.values().structure().dynamics, Dynamics::Companded, "a fresh instance's");
+    assert_eq!(params.values().structure().dynamics, MatchingMode::Companded, "a fresh instance's");
     apply(&params, &state);
-    assert_eq!(params.values().structure().dynamics, Dynamics::Paper);
+    assert_eq!(params.values().structure().dynamics, MatchingMode::Paper);
 }
 
 #[test]

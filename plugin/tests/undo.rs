@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use nice_plug::prelude::*;
 use nice_plug_core::context::gui::{GuiContext, GuiContextInner};
-use pyrophone::editor::hand::Hand;
-use pyrophone::editor::history::{Entry, History};
+use pyrophone::editor::history::{Entry, UndoHistory};
 use pyrophone::editor::inert::Reasons;
+use pyrophone::editor::param_editor::ParamEditor;
 use pyrophone::parameters::EffectParams;
 use pyrophone::persist::SessionStore;
 use pyrophone_settings::{COUNT, Id, Preset};
@@ -32,10 +32,10 @@ impl GuiContextInner for Host {
 }
 
 /// Does something by hand.
-fn by_hand<T>(params: &EffectParams, history: &mut History, work: impl FnOnce(&mut Hand<'_>) -> T) -> T {
+fn by_hand<T>(params: &EffectParams, history: &mut UndoHistory, work: impl FnOnce(&mut ParamEditor<'_>) -> T) -> T {
     let host = GuiContext::new(Arc::new(Host));
     let (setter, inert): (_, Reasons) = (host.param_setter(), [None; COUNT]);
-    work(&mut Hand { params, setter: &setter, history, inert: &inert })
+    work(&mut ParamEditor { params, setter: &setter, history, inert: &inert })
 }
 
 fn params() -> EffectParams {
@@ -48,7 +48,7 @@ fn factory(name: &str) -> Option<Arc<Entry>> {
 
 #[test]
 fn undo_leaves_alone_what_the_host_automates() {
-    let (params, mut history) = (params(), History::default());
+    let (params, mut history) = (params(), UndoHistory::default());
     let value = |id: Id| params.value(id as usize);
     by_hand(&params, &mut history, |hand| hand.set_once(Id::Alpha as usize, 3.0));
     params.slot(Id::Cutoff as usize).set_without_host(300.0);
@@ -69,10 +69,10 @@ fn undo_leaves_alone_what_the_host_automates() {
 
 #[test]
 fn undo_of_a_preset_brings_its_name_back() {
-    let (params, mut history) = (params(), History::default());
+    let (params, mut history) = (params(), UndoHistory::default());
     by_hand(&params, &mut history, |hand| hand.choose(factory("extend")));
     by_hand(&params, &mut history, |hand| hand.choose(factory("campfire")));
-    let name = |history: &History| history.chosen.as_ref().map(|entry| entry.preset.name.clone());
+    let name = |history: &UndoHistory| history.chosen.as_ref().map(|entry| entry.preset.name.clone());
     assert_eq!(name(&history).as_deref(), Some("campfire"));
     by_hand(&params, &mut history, |hand| hand.undo());
     assert_eq!(name(&history).as_deref(), Some("extend"));
@@ -86,9 +86,9 @@ fn undo_of_a_preset_brings_its_name_back() {
 
 #[test]
 fn history_survives_a_and_b_and_the_copy_can_be_undone() {
-    let (params, mut history) = (params(), History::default());
+    let (params, mut history) = (params(), UndoHistory::default());
     let alpha = || params.value(Id::Alpha as usize);
-    let set = |history: &mut History, plain: f64| {
+    let set = |history: &mut UndoHistory, plain: f64| {
         by_hand(&params, history, |hand| hand.set_once(Id::Alpha as usize, plain));
     };
     set(&mut history, 3.0);

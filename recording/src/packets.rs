@@ -60,12 +60,14 @@ impl Decoding<'_> {
                         self.of.notes.push(Note::BreaksOff { what: "frame" });
                     }
                 }
-                Err(Fault::Decoder(DecoderError::DecodeError(reason))) if !is_lossless => self.undecodable(reason),
-                Err(Fault::Decoder(DecoderError::IoError(_))) if !is_lossless => {
+                Err(PacketFault::Decoder(DecoderError::DecodeError(reason))) if !is_lossless => {
+                    self.undecodable(reason)
+                }
+                Err(PacketFault::Decoder(DecoderError::IoError(_))) if !is_lossless => {
                     self.undecodable("a packet breaks off")
                 }
-                Err(Fault::Decoder(error)) => return Err(self.refuse(error)),
-                Err(Fault::Error(error)) => return Err(error),
+                Err(PacketFault::Decoder(error)) => return Err(self.refuse(error)),
+                Err(PacketFault::Error(error)) => return Err(error),
             }
             samples.push((self.len() - before) as u64);
             if !goes_on() {
@@ -81,14 +83,14 @@ impl Decoding<'_> {
         self.channels.first().map_or(0, Vec::len)
     }
 
-    fn packet(&mut self, decoder: &mut dyn AudioDecoder, packet: &Packet) -> Result<(), Fault> {
-        let decoded = decoder.decode(packet).map_err(Fault::Decoder)?;
+    fn packet(&mut self, decoder: &mut dyn AudioDecoder, packet: &Packet) -> Result<(), PacketFault> {
+        let decoded = decoder.decode(packet).map_err(PacketFault::Decoder)?;
         if decoded.frames() == 0 {
             return Ok(());
         }
-        self.check_layout(&decoded).map_err(Fault::Error)?;
+        self.check_layout(&decoded).map_err(PacketFault::Error)?;
         let length = (self.len() + decoded.frames()) as u64;
-        self.of.check_length(length, self.name).map_err(Fault::Error)?;
+        self.of.check_length(length, self.name).map_err(PacketFault::Error)?;
         decoded.copy_to_vecs_planar(&mut self.planes);
         for (channel, plane) in self.channels.iter_mut().zip(&self.planes) {
             channel.extend_from_slice(plane);
@@ -169,7 +171,7 @@ impl Decoding<'_> {
 }
 
 /// Reason for which a packet gave no samples.
-enum Fault {
+enum PacketFault {
     Decoder(DecoderError),
     Error(Error),
 }

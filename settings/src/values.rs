@@ -1,13 +1,13 @@
 //! A set of values for all parameters, and what the engines make of it.
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::{
     CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
     FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, RecordingControls, TextureControls, ToneControls,
     VortexControls,
 };
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::vortex::shipped::OUTPUT_PER_PA;
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::vortex::factory::OUTPUT_PER_PA;
 
 use crate::table::OF_SESSION;
 use crate::{COUNT, Error, Id, PARAMETERS, index_of, macros};
@@ -228,15 +228,15 @@ impl Values {
     }
 
     /// What decides sizes and latency.
-    pub fn structure(&self) -> Structure {
-        Structure {
+    pub fn structure(&self) -> EngineConfig {
+        EngineConfig {
             levels: self.get(Id::Levels) as usize,
             window: self.get(Id::Window) as usize,
             feature: self.get(Id::Feature) as usize,
             falloff: self.get(Id::Falloff),
             half_width: self.get(Id::HalfWidth) as usize,
             fit_width_hz: self.get(Id::FitWidth),
-            dynamics: if self.get(Id::DynamicsMode) < 0.5 { Dynamics::Paper } else { Dynamics::Companded },
+            dynamics: if self.get(Id::DynamicsMode) < 0.5 { MatchingMode::Paper } else { MatchingMode::Companded },
         }
     }
 

@@ -7,7 +7,7 @@ use pyrophone_settings::{Id, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::fft::real_forward;
 use pyrophone_synthesis::noise::White;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 const RATE_HZ: f64 = 44_100.0;
 const SAMPLES: usize = 9 * 44_100;
@@ -54,7 +54,7 @@ fn recording() -> Vec<f64> {
 }
 
 static DICTIONARY: LazyLock<Arc<Dictionary>> = LazyLock::new(|| {
-    let shape = Shape::at_rate(&Values::default().structure(), RATE_HZ);
+    let shape = PyramidConfig::at_rate(&Values::default().structure(), RATE_HZ);
     Arc::new(Dictionary::companded(&[recording()], RATE_HZ, &shape, &|_| true).expect("a dictionary"))
 });
 

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use pyrophone_settings::{COUNT, Error, Id, Kind, PARAMETERS, Parameter, Values, index_of};
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Fuel, Quality, VortexControls};
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::{Controls, Structure};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::{Controls, EngineConfig};
 
 #[test]
 fn ids_kinds_ranges_and_defaults_stay() {
@@ -159,8 +159,8 @@ fn defaults_are_those_of_the_engines() {
     same.texture.scaling_alpha = engine.texture.scaling_alpha;
     same.texture.gate = engine.texture.gate;
     assert_eq!(same, engine);
-    let structure = Structure { falloff: 0.0, dynamics: Dynamics::Paper, ..values.structure() };
-    assert_eq!(structure, Structure::default());
+    let structure = EngineConfig { falloff: 0.0, dynamics: MatchingMode::Paper, ..values.structure() };
+    assert_eq!(structure, EngineConfig::default());
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn choices_reach_the_engines() {
         values.set_text("drive_mode", text).unwrap();
         assert_eq!(values.controls().drive.mode, mode);
     }
-    for (text, dynamics) in [("paper", Dynamics::Paper), ("companded", Dynamics::Companded)] {
+    for (text, dynamics) in [("paper", MatchingMode::Paper), ("companded", MatchingMode::Companded)] {
         values.set_text("dynamics_mode", text).unwrap();
         assert_eq!(values.structure().dynamics, dynamics);
     }
@@ -239,7 +239,7 @@ fn reset_to_paper_leaves_the_mix_alone() {
         values.set_text(id, text).unwrap();
     }
     values.reset_to_paper();
-    assert_eq!(values.structure(), Structure::default());
+    assert_eq!(values.structure(), EngineConfig::default());
     let controls = values.controls();
     assert_eq!(controls.extend.alpha, 2.5);
     assert_eq!((controls.texture.quality, controls.texture.gate), (Quality::Exact, 0.0));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use pyrophone_settings::{COUNT, Error, Id, PARAMETERS, Preset, Values, preset};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::{DynamicRange, Quality};
 
 #[test]
@@ -43,7 +43,7 @@ fn texture_paper_is_the_paper_and_nothing_else() {
     assert_eq!((controls.texture.gate, controls.texture.scaling_alpha), (0.0, 1.0));
     assert_eq!(controls.texture.quality, Quality::Exact);
     assert_eq!(controls.texture.dynamic_range, DynamicRange::Learned);
-    assert_eq!(values.structure(), Structure::default());
+    assert_eq!(values.structure(), EngineConfig::default());
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn bad_values_are_named() {
 fn a_preset_of_version_1_sounds_as_it_did() {
     let text = "version = 1\nname = \"old\"\n[parameters]\nalpha = 3.0\nlow_level = -3.0\n";
     let values = Preset::from_toml(text, "old.toml").unwrap().values;
-    assert_eq!(values.structure(), Structure::default());
+    assert_eq!(values.structure(), EngineConfig::default());
     let expected =
         [("alpha", 3.0), ("low_level", -3.0), ("extension_level", -24.0), ("scaling_alpha", 0.5), ("high_pass", 30.0)];
     for (id, plain) in expected {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pyrophone_settings::Values;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::noise::White;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 const RATE_HZ: f64 = 44_100.0;
 const SAMPLES: usize = 6 * 44_100;
@@ -60,7 +60,7 @@ fn level_db(sound: &[f32]) -> f64 {
 fn takes_have_other_events_and_the_same_loudness() {
     let recording: Vec<f64> =
         noise(5, 700.0, SAMPLES).iter().zip(noise(6, 9000.0, SAMPLES)).map(|(a, b)| 0.2 * a + 0.04 * b).collect();
-    let shape = Shape::at_rate(&Values::default().structure(), RATE_HZ);
+    let shape = PyramidConfig::at_rate(&Values::default().structure(), RATE_HZ);
     let dictionary = Arc::new(Dictionary::companded(&[recording], RATE_HZ, &shape, &|_| true).unwrap());
     let set = take(&dictionary, 0, 50.0);
     assert!(take(&dictionary, 0, 100.0) == set, "take 0 has no amount");

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::Extend;
 use pyrophone_synthesis::noise::White;
@@ -24,7 +24,7 @@ fn main() {
 }
 
 fn measure(rate_hz: f64, channels: usize, moving: bool) -> Figures {
-    let mut engine = Extend::new(&Structure::default(), channels, rate_hz).expect("the paper's structure");
+    let mut engine = Extend::new(&EngineConfig::default(), channels, rate_hz).expect("the paper's structure");
     let white = White::new(1, 99);
     let mut state = 0.0;
     let mut drive = [0.0; BLOCK];

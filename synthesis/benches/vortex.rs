@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use pyrophone_synthesis::controls::{Flow, VortexControls};
 use pyrophone_synthesis::noise::White;
 use pyrophone_synthesis::vortex::texture::Row;
-use pyrophone_synthesis::vortex::{Bank, End, Layout, SpeedField, Vortex, VortexTexture};
+use pyrophone_synthesis::vortex::{Bank, End, SpeakerLayout, SpeedField, Vortex, VortexTexture};
 
 const SECONDS: usize = 5;
 const SOURCES: usize = 500;
@@ -24,7 +24,7 @@ fn main() {
         let start = Instant::now();
         let bank = Arc::new(Bank::new(&texture, rate_hz).expect("a bank"));
         println!("bank of {:.1} MB in {:.2} s", bank.bytes() as f64 / 1e6, start.elapsed().as_secs_f64());
-        for layout in [Layout::Mono, Layout::Stereo, Layout::Surround712] {
+        for layout in [SpeakerLayout::Mono, SpeakerLayout::Stereo, SpeakerLayout::Surround712] {
             for drive in [Driven::Steadily, Driven::Moving, Driven::ByField] {
                 let Figures { cpu_s, undisturbed_s, slowest } = measure(rate_hz, layout, drive, bank.clone());
                 let each = 1e6 * undisturbed_s / SOURCES as f64;
@@ -70,7 +70,7 @@ fn field() -> SpeedField {
     SpeedField::new(30.0, SOURCES, positions.collect(), speeds.collect(), End::Periodic).expect("a field")
 }
 
-fn measure(rate_hz: f64, layout: Layout, driven: Driven, bank: Arc<Bank>) -> Figures {
+fn measure(rate_hz: f64, layout: SpeakerLayout, driven: Driven, bank: Arc<Bank>) -> Figures {
     let mut engine = Vortex::new(rate_hz, layout, SOURCES).expect("a renderer");
     engine.swap_bank(Some(bank));
     engine.swap_field(Some(Arc::new(field())));

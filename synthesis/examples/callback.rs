@@ -2,10 +2,10 @@
 //!
 //! `cargo run -p pyrophone-synthesis --example callback -- campfire.wav`
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{Controls, DriveControls, DriveMode, MixControls};
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 
 const SAMPLE_RATE_HZ: u32 = 48_000;
 const BLOCK: usize = 512;
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("name the WAV file to write")?;
 
     // Before playing, and not on the audio thread: everything that allocates.
-    let structure = Structure { dynamics: Dynamics::Companded, ..Structure::default() };
+    let structure = EngineConfig { dynamics: MatchingMode::Companded, ..EngineConfig::default() };
     let channels = Channels { input: 2, sidechain: 0, output: 2 };
     let mut chain = Chain::new(f64::from(SAMPLE_RATE_HZ), channels, &structure)?;
     let controls = Controls {

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use pyrophone_synthesis::texture::offline::{Options, synthesize};
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let paths: Vec<String> = std::env::args().skip(1).collect();
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
 
     // Analysis of the recording: pyramid, feature vectors, index. It can be used for any number of flames.
-    let dictionary = Arc::new(Dictionary::new(&[fire], f64::from(fire_rate_hz), &Shape::default(), &|_| true)?);
+    let dictionary = Arc::new(Dictionary::new(&[fire], f64::from(fire_rate_hz), &PyramidConfig::default(), &|_| true)?);
     let made = synthesize(&flame, &dictionary, &Options::default(), &|_| true)?;
 
     let spec = hound::WavSpec {

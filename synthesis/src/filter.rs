@@ -8,11 +8,11 @@ const SILENCE: f64 = 1e-15;
 /// Butterworth low- and high-pass of order 2 as a state-variable filter with trapezoidal integrators
 /// (Zavalishin, "The Art of VA Filter Design", §4), which stays well-behaved while its corner moves.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Section {
+pub(crate) struct Svf {
     state: [f64; 2],
 }
 
-/// The two outputs of a [`Section`].
+/// The two outputs of a [`Svf`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bands {
     /// What lies below the corner.
@@ -26,7 +26,7 @@ pub(crate) fn section_gain(corner_hz: f64, sample_rate_hz: f64) -> f64 {
     maths::tan(PI * corner_hz / sample_rate_hz)
 }
 
-impl Section {
+impl Svf {
     /// Back to silence.
     pub fn reset(&mut self) {
         self.state = [0.0; 2];

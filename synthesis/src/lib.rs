@@ -4,6 +4,7 @@
 mod bulk;
 mod ceiling;
 pub mod chain;
+mod channels;
 pub mod companding;
 pub mod controls;
 pub mod crackle;
@@ -25,7 +26,7 @@ pub mod vortex;
 
 pub use controls::Controls;
 pub use error::Error;
-pub use structure::Structure;
+pub use structure::EngineConfig;
 
 /// A fingerprint of this build's source: what was kept by a build with another one is made again.
 pub const BUILD: &str = env!("PYROPHONE_BUILD_FINGERPRINT");

@@ -5,7 +5,7 @@ use crate::controls::MixControls;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
 use crate::tone::Tone;
-use crate::vortex::Layout;
+use crate::vortex::SpeakerLayout;
 
 /// Time constant in seconds with which levels follow their controls.
 const SMOOTHING_S: f64 = 0.005;
@@ -94,7 +94,7 @@ pub struct Mix {
 
 impl Mix {
     /// A mixer whose layers come `latency_samples` late, for the loudspeakers of `layout`.
-    pub fn new(latency_samples: usize, sample_rate_hz: f64, layout: Layout) -> Self {
+    pub fn new(latency_samples: usize, sample_rate_hz: f64, layout: SpeakerLayout) -> Self {
         let smoothed = Smoothed::new(SMOOTHING_S, sample_rate_hz);
         Self {
             latency_samples: latency_samples as u64,
@@ -279,7 +279,7 @@ mod tests {
     fn a_step_acts_on_the_sound_it_arrived_with() {
         let (low, silent, dry) = layers_of_ones(6000);
         let run = |cut: usize| {
-            let mut mix = Mix::new(1000, 48_000.0, Layout::Stereo);
+            let mut mix = Mix::new(1000, 48_000.0, SpeakerLayout::Stereo);
             let mut outputs = [vec![0.0f32; 6000], vec![0.0f32; 6000]];
             let mut start = 0;
             for (end, gain) in [(500, 1.0), (6000, 0.5)] {
@@ -317,7 +317,7 @@ mod tests {
     #[test]
     fn bypass_is_the_dry_sound_exactly() {
         let (low, silent, dry) = layers_of_ones(100);
-        let mut mix = Mix::new(10, 48_000.0, Layout::Stereo);
+        let mut mix = Mix::new(10, 48_000.0, SpeakerLayout::Stereo);
         let mut outputs = [vec![0.0f32; 100], vec![0.0f32; 100]];
         let layers = Layers {
             low: &low,

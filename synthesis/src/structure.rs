@@ -6,7 +6,7 @@ use crate::error::{Error, in_range};
 /// How texture synthesis brings a drive's loudness, which varies far more than a recording's, together
 /// with the recording's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Dynamics {
+pub enum MatchingMode {
     /// As published: windows are matched as loud as they come, or mapped one by one (Chadwick & James 2011, §5.3).
     #[default]
     Paper,
@@ -17,7 +17,7 @@ pub enum Dynamics {
 
 /// Sizes of both engines.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Structure {
+pub struct EngineConfig {
     /// Pyramid levels at 44.1 kHz, 3-8; see [`levels_at`](Self::levels_at) for other rates.
     pub levels: usize,
     /// Half-width W of a texture window, in samples of its own level, 2-16.
@@ -32,10 +32,10 @@ pub struct Structure {
     /// Width in Hz of the band in which extension fits its noise, three standard deviations, 3-120.
     pub fit_width_hz: f64,
     /// How texture follows the drive's loudness; it decides what a dictionary holds.
-    pub dynamics: Dynamics,
+    pub dynamics: MatchingMode,
 }
 
-impl Default for Structure {
+impl Default for EngineConfig {
     /// The paper's values (Chadwick & James 2011, §4-5).
     fn default() -> Self {
         Self {
@@ -45,12 +45,12 @@ impl Default for Structure {
             falloff: 0.0,
             half_width: 500,
             fit_width_hz: 30.0,
-            dynamics: Dynamics::Paper,
+            dynamics: MatchingMode::Paper,
         }
     }
 }
 
-impl Structure {
+impl EngineConfig {
     /// The rate in Hz at which the paper's sizes are stated.
     pub const REFERENCE_RATE_HZ: f64 = 44_100.0;
 

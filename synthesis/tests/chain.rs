@@ -8,13 +8,13 @@ mod signals;
 use std::sync::Arc;
 
 use effect::{Event, MODES, STEREO, any_controls, chain, channels, dictionary, play};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::controls::{
     Controls, DriveMode, DynamicRange, Flow, MixControls, Quality, TextureControls, VortexControls,
 };
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Shape, offline, shape::Padding};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{PyramidConfig, offline, shape::Padding};
 use pyrophone_synthesis::vortex::{End, SpeedField};
 use signals::Random;
 
@@ -98,7 +98,7 @@ fn a_jump_ends_in_what_a_fresh_start_there_gives() {
 fn the_counter_runs_free_while_the_host_stops_or_is_silent_about_time() {
     let input = channels(4, 2, 30_000);
     let run = |transports: &dyn Fn(usize) -> Transport| {
-        let mut chain = chain(RATE_HZ, STEREO, Dynamics::Paper);
+        let mut chain = chain(RATE_HZ, STEREO, MatchingMode::Paper);
         let mut out = input.clone();
         for start in (0..30_000).step_by(500) {
             let mut main: Vec<&mut [f32]> = out.iter_mut().map(|x| &mut x[start..start + 500]).collect();
@@ -138,7 +138,7 @@ fn reset_equals_fresh_and_two_runs_are_identical() {
 fn latency_measured_is_latency_reported() {
     for rate_hz in [44_100.0, 48_000.0, 88_200.0, 96_000.0, 192_000.0] {
         let channels = Channels { input: 1, sidechain: 0, output: 1 };
-        let mut chain = chain(rate_hz, channels, Dynamics::Paper);
+        let mut chain = chain(rate_hz, channels, MatchingMode::Paper);
         let at = 3000;
         let mut input = vec![vec![0.0f32; 40_000]];
         input[0][at] = 1.0;
@@ -148,7 +148,7 @@ fn latency_measured_is_latency_reported() {
         let largest = |x: &[f32]| (0..x.len()).max_by(|a, b| x[*a].abs().total_cmp(&x[*b].abs())).unwrap();
         let low = play(&mut chain, &input, &[], 1, &[first(controls)], 0, || 64);
         assert_eq!(largest(&low[0]) - at, chain.latency_samples(), "low at {rate_hz}");
-        let known_before = pyrophone_synthesis::chain::latency_samples(rate_hz, &Structure::default());
+        let known_before = pyrophone_synthesis::chain::latency_samples(rate_hz, &EngineConfig::default());
         assert_eq!(known_before, Ok(chain.latency_samples()), "{rate_hz}");
         chain.reset();
         controls.mix.bypass = true;
@@ -162,8 +162,8 @@ fn latency_measured_is_latency_reported() {
 #[test]
 fn texture_through_the_chain_is_the_offline_run() {
     // The reference's padding fed from reset on, gate off, distribution learned, exact search.
-    let structure = Structure::default();
-    let shape = Shape::default();
+    let structure = EngineConfig::default();
+    let shape = PyramidConfig::default();
     let input: Vec<f32> = channels(6, 1, 20_000).remove(0);
     let wide: Vec<f64> = input.iter().map(|x| f64::from(*x)).collect();
     let dictionary = dictionary(RATE_HZ, &structure, 1);
@@ -206,7 +206,7 @@ fn a_step_of_any_level_is_heard_at_its_own_sample() {
             2 => quiet.mix.output = 0.1,
             _ => quiet.mix.bypass = true,
         }
-        let mut chain = chain(RATE_HZ, channels, Dynamics::Paper);
+        let mut chain = chain(RATE_HZ, channels, MatchingMode::Paper);
         let before = play(&mut chain, &input, &[], 1, &[first(loud)], 0, || 1000);
         chain.reset();
         let events = [first(loud), Event { at: step, controls: quiet, jump: None }];
@@ -224,7 +224,7 @@ fn a_step_of_alpha_or_scaling_is_heard_within_a_window() {
     let step = 12_345usize;
     // A window of the level below the top is 64 samples to either side; windows of the next finer one, which read it up to a
     // feature's reach ahead, may be other ones too.
-    let reach = Shape::default().reach() << 4;
+    let reach = PyramidConfig::default().reach() << 4;
     for (what, window) in [("alpha", 500), ("scaling_alpha", 64 + reach)] {
         let before_step = plain();
         let mut after_step = before_step;
@@ -238,7 +238,7 @@ fn a_step_of_alpha_or_scaling_is_heard_within_a_window() {
             controls.mix.texture = 1.0 - controls.mix.extension;
             controls.mix.low = 0.0;
         }
-        let mut chain = chain(RATE_HZ, channels, Dynamics::Paper);
+        let mut chain = chain(RATE_HZ, channels, MatchingMode::Paper);
         let straight = play(&mut chain, &input, &[], 1, &[first(controls[0])], 0, || 1000);
         chain.reset();
         let events = [first(controls[0]), Event { at: step, controls: controls[1], jump: None }];
@@ -273,22 +273,22 @@ fn bad_input_stays_finite_and_is_forgotten() {
 
 #[test]
 fn bad_configurations_are_refused() {
-    let structure = Structure::default();
+    let structure = EngineConfig::default();
     let stereo = STEREO;
     assert!(Chain::new(1000.0, stereo, &structure).is_err());
     assert!(Chain::new(f64::NAN, stereo, &structure).is_err());
     assert!(Chain::new(RATE_HZ, Channels { input: 0, ..stereo }, &structure).is_err());
     assert!(Chain::new(RATE_HZ, Channels { output: 1, ..stereo }, &structure).is_err());
     assert!(Chain::new(RATE_HZ, Channels { output: 11, ..stereo }, &structure).is_err());
-    assert!(Chain::new(RATE_HZ, stereo, &Structure { levels: 9, ..structure }).is_err());
-    assert!(Chain::new(RATE_HZ, stereo, &Structure { falloff: f64::NAN, ..structure }).is_err());
+    assert!(Chain::new(RATE_HZ, stereo, &EngineConfig { levels: 9, ..structure }).is_err());
+    assert!(Chain::new(RATE_HZ, stereo, &EngineConfig { falloff: f64::NAN, ..structure }).is_err());
     assert!(learn(RATE_HZ, &structure, &Controls::default(), &[vec![0.0; 20]], &[]).is_err());
 }
 
 #[test]
 fn a_recording_of_another_rate_is_never_used() {
-    let mut chain = Chain::new(48_000.0, STEREO, &Structure::default()).unwrap();
-    let wrong = dictionary(44_100.0, &Structure::default(), 1);
+    let mut chain = Chain::new(48_000.0, STEREO, &EngineConfig::default()).unwrap();
+    let wrong = dictionary(44_100.0, &EngineConfig::default(), 1);
     assert!(Arc::ptr_eq(&chain.swap_dictionary(Some(Arc::clone(&wrong))).unwrap(), &wrong));
     assert!(chain.take_meters().no_recording);
 }
@@ -311,7 +311,7 @@ fn vortex_sound_is_as_late_as_the_rest_and_ends_with_its_tail() {
         channel[at..end].iter_mut().for_each(|x| *x = x.signum() * x.abs().max(0.1));
         channel[end..].fill(0.0);
     });
-    let mut chain = chain(RATE_HZ, STEREO, Dynamics::Companded);
+    let mut chain = chain(RATE_HZ, STEREO, MatchingMode::Companded);
     let out = play(&mut chain, &input, &[], 2, &[first(whoosh(Flow::Envelope))], 0, || 480);
     let heard =
         |range: std::ops::Range<usize>| out.iter().any(|channel| channel[range.clone()].iter().any(|x| *x != 0.0));
@@ -342,7 +342,7 @@ fn vortex_sound_follows_the_field_of_the_scene_that_burns_or_the_users_and_witho
         Some(Arc::new(field))
     };
     let run = |controls: Controls, field: Option<Arc<SpeedField>>| {
-        let mut chain = chain(RATE_HZ, STEREO, Dynamics::Companded);
+        let mut chain = chain(RATE_HZ, STEREO, MatchingMode::Companded);
         chain.swap_field(field);
         let out = play(&mut chain, &silence, &[], 2, &[first(controls)], 0, || 512);
         (out, chain.tail_samples(), chain.is_silent())
@@ -361,7 +361,7 @@ fn vortex_sound_follows_the_field_of_the_scene_that_burns_or_the_users_and_witho
     // With neither, it is the envelope's.
     let input = channels(8, 2, samples);
     let enveloped = |flow: Flow| {
-        let mut chain = chain(RATE_HZ, STEREO, Dynamics::Companded);
+        let mut chain = chain(RATE_HZ, STEREO, MatchingMode::Companded);
         play(&mut chain, &input, &[], 2, &[first(whoosh(flow))], 0, || 512)
     };
     at_campfire = enveloped(Flow::Field);
@@ -381,7 +381,7 @@ fn an_exchange_of_fields_and_textures_gives_back_what_was_there_and_does_not_cli
         Arc::new(SpeedField::new(30.0, 24, places, vec![speed; 24], End::Clamped).unwrap())
     };
     let (slow, fast) = (field(5.0), field(6.0));
-    let mut chain = chain(RATE_HZ, STEREO, Dynamics::Companded);
+    let mut chain = chain(RATE_HZ, STEREO, MatchingMode::Companded);
     assert!(chain.swap_field(Some(slow.clone())).is_none());
     let part = |chain: &mut Chain, from: usize, to: usize, texture: usize| {
         let mut controls = whoosh(Flow::Field);

@@ -12,20 +12,20 @@ use effect::{Event, channels, play};
 use pyrophone_synthesis::chain::{Chain, Channels, learn};
 use pyrophone_synthesis::companding::bands::{Power, distance_db};
 use pyrophone_synthesis::controls::{Controls, DynamicRange, MixControls};
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
-use pyrophone_synthesis::{Error, Structure};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::{EngineConfig, Error};
 
 const RATE_HZ: f64 = 44_100.0;
 const MONO: Channels = Channels { input: 1, sidechain: 0, output: 1 };
-const COMPANDED: Structure = Structure {
+const COMPANDED: EngineConfig = EngineConfig {
     levels: 6,
     window: 4,
     feature: 3,
     falloff: 0.025,
     half_width: 500,
     fit_width_hz: 30.0,
-    dynamics: Dynamics::Companded,
+    dynamics: MatchingMode::Companded,
 };
 
 fn texture_alone() -> Controls {
@@ -37,7 +37,7 @@ fn texture_alone() -> Controls {
 }
 
 fn chain_with(recording: &[f64]) -> Chain {
-    let shape = Shape::at_rate(&COMPANDED, RATE_HZ);
+    let shape = PyramidConfig::at_rate(&COMPANDED, RATE_HZ);
     let recording = [recording.to_vec()];
     let dictionary = Dictionary::companded(&recording, RATE_HZ, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(RATE_HZ, MONO, &COMPANDED).unwrap();
@@ -189,7 +189,7 @@ fn without_a_recording_extension_stands_in() {
 fn latency_is_the_papers() {
     for rate_hz in [44_100.0, 48_000.0, 96_000.0] {
         let latency =
-            |dynamics| Chain::new(rate_hz, MONO, &Structure { dynamics, ..COMPANDED }).unwrap().latency_samples();
-        assert_eq!(latency(Dynamics::Companded), latency(Dynamics::Paper));
+            |dynamics| Chain::new(rate_hz, MONO, &EngineConfig { dynamics, ..COMPANDED }).unwrap().latency_samples();
+        assert_eq!(latency(MatchingMode::Companded), latency(MatchingMode::Paper));
     }
 }

@@ -13,9 +13,9 @@ use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, CrackleControls, Fuel, MixControls};
 use pyrophone_synthesis::crackle::{Crackle, Crackles, Sources, split};
 use pyrophone_synthesis::noise::White;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
-use pyrophone_synthesis::{Error, Structure};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::{EngineConfig, Error};
 
 const RATE_HZ: f64 = 44_100.0;
 const MONO: Channels = Channels { input: 1, sidechain: 0, output: 1 };
@@ -288,12 +288,12 @@ fn bad_loudness_and_bad_controls_stay_finite_and_silence_is_silent() {
     }
 }
 
-fn companded() -> Structure {
-    Structure { falloff: 0.025, dynamics: Dynamics::Companded, ..Structure::default() }
+fn companded() -> EngineConfig {
+    EngineConfig { falloff: 0.025, dynamics: MatchingMode::Companded, ..EngineConfig::default() }
 }
 
 fn chain_with(recording: &[Vec<f64>], layout: Channels) -> Result<Chain, Error> {
-    let shape = Shape::at_rate(&companded(), RATE_HZ);
+    let shape = PyramidConfig::at_rate(&companded(), RATE_HZ);
     let dictionary = Dictionary::companded(recording, RATE_HZ, &shape, &|_| true)?;
     let mut chain = Chain::new(RATE_HZ, layout, &companded())?;
     chain.swap_dictionary(Some(Arc::new(dictionary)));
@@ -415,11 +415,11 @@ fn nothing_is_allocated_while_crackles_play() {
 
 #[test]
 fn the_papers_mode_tells_crackling_recordings_apart_and_scaling_auto_leaves_their_amplitudes() {
-    let structure = Structure { dynamics: Dynamics::Paper, ..Structure::default() };
-    let shape = Shape::at_rate(&structure, RATE_HZ);
+    let structure = EngineConfig { dynamics: MatchingMode::Paper, ..EngineConfig::default() };
+    let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
     let drive = channels(22, 1, 40_000);
     for (recording, is_impulsive) in [(clicks(200_000).0, true), (noise(6, 200_000, 0.01), false)] {
-        let made = Dictionary::for_dynamics(Dynamics::Paper, &[recording], RATE_HZ, &shape, &|_| true).unwrap();
+        let made = Dictionary::for_dynamics(MatchingMode::Paper, &[recording], RATE_HZ, &shape, &|_| true).unwrap();
         assert_eq!(made.is_impulsive(), is_impulsive);
         let mut chain = Chain::new(RATE_HZ, MONO, &structure).unwrap();
         chain.swap_dictionary(Some(Arc::new(made)));

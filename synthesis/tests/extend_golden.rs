@@ -6,7 +6,7 @@ mod extend;
 
 use common::{read_f64, read_wav, reference_dir};
 use extend::*;
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::Extend;
 use pyrophone_synthesis::extend::noise::NoiseSource;
@@ -68,7 +68,7 @@ fn with_the_goldens_noise_it_gives_the_goldens_betas_and_levels() {
         let rate_hz = f64::from(rate);
         let controls = ExtendControls { alpha: alpha.parse().expect("alpha"), ..ExtendControls::default() };
         let source = GoldenNoise::new(drive.len(), rate_hz, controls.alpha);
-        let mut engine = Extend::with_noise(&Structure::default(), 1, rate_hz, source).expect("engine");
+        let mut engine = Extend::with_noise(&EngineConfig::default(), 1, rate_hz, source).expect("engine");
         let found = run(&mut engine, 1, drive, |_| controls, std::iter::repeat(500));
 
         let golden_betas = read_f64(&folder.join(format!("extend/{name}_alpha{alpha}.betas.f64")));

@@ -5,7 +5,7 @@ mod extend;
 
 use extend::*;
 use proptest::prelude::*;
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::Extend;
 use pyrophone_synthesis::noise::White;
@@ -15,7 +15,7 @@ const RATES_HZ: [f64; 3] = [44_100.0, 48_000.0, 96_000.0];
 #[test]
 fn the_low_part_is_flat_linear_in_phase_and_as_late_as_reported() {
     for rate_hz in RATES_HZ {
-        let latency = Extend::new(&Structure::default(), 1, rate_hz).expect("engine").latency_samples();
+        let latency = Extend::new(&EngineConfig::default(), 1, rate_hz).expect("engine").latency_samples();
         let at = rate_hz as usize / 4 - 123;
         let mut impulse = vec![0.0; rate_hz as usize / 2];
         impulse[at] = 1.0;
@@ -81,7 +81,7 @@ fn a_fast_sweep_of_alpha_does_not_click() {
     let second_difference =
         |signal: &[f64]| signal.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]).abs()).fold(0.0, f64::max);
     let with = |alpha: &dyn Fn(usize) -> f64| {
-        let mut engine = Extend::new(&Structure::default(), 1, rate_hz).expect("engine");
+        let mut engine = Extend::new(&EngineConfig::default(), 1, rate_hz).expect("engine");
         let controls = |at: usize| ExtendControls { alpha: alpha(at), ..ExtendControls::default() };
         second_difference(&run(&mut engine, 1, &drive, controls, std::iter::repeat(64)).sum())
     };
@@ -155,7 +155,7 @@ fn blocks_do_not_matter() {
     let drive = busy_drive(40_000);
     for position in [0, -12_345, 1_000_003] {
         let fresh = || {
-            let mut engine = Extend::new(&Structure::default(), 2, 44_100.0).expect("engine");
+            let mut engine = Extend::new(&EngineConfig::default(), 2, 44_100.0).expect("engine");
             engine.reset(position);
             engine
         };
@@ -173,9 +173,9 @@ fn blocks_do_not_matter() {
 fn reset_is_fresh() {
     let drive = busy_drive(20_000);
     for rate_hz in RATES_HZ {
-        let mut engine = Extend::new(&Structure::default(), 2, rate_hz).expect("engine");
+        let mut engine = Extend::new(&EngineConfig::default(), 2, rate_hz).expect("engine");
         let expected = cut(&mut engine, &drive, std::iter::repeat(1000));
-        let mut used = Extend::new(&Structure::default(), 2, rate_hz).expect("engine");
+        let mut used = Extend::new(&EngineConfig::default(), 2, rate_hz).expect("engine");
         used.reset(777);
         cut(&mut used, &busy_drive(30_000)[3000..], std::iter::repeat(333));
         used.reset(0);
@@ -187,10 +187,10 @@ fn reset_is_fresh() {
 fn noise_and_windows_belong_to_the_timeline() {
     let drive = busy_drive(30_000);
     let controls = |_| ExtendControls::default();
-    let mut early = Extend::new(&Structure::default(), 1, 44_100.0).expect("engine");
+    let mut early = Extend::new(&EngineConfig::default(), 1, 44_100.0).expect("engine");
     early.reset(-5000);
     let whole = run(&mut early, 1, &drive, controls, std::iter::repeat(512));
-    let mut late = Extend::new(&Structure::default(), 1, 44_100.0).expect("engine");
+    let mut late = Extend::new(&EngineConfig::default(), 1, 44_100.0).expect("engine");
     late.reset(4321 - 5000);
     let part = run(&mut late, 1, &drive[4321..], controls, std::iter::repeat(512));
     // Once nothing from before the later start is in reach.
@@ -205,7 +205,7 @@ fn noise_and_windows_belong_to_the_timeline() {
 #[test]
 fn silence_in_gives_silence_out() {
     let rate_hz = 44_100.0;
-    let mut engine = Extend::new(&Structure::default(), 2, rate_hz).expect("engine");
+    let mut engine = Extend::new(&EngineConfig::default(), 2, rate_hz).expect("engine");
     let tail = engine.tail_samples();
     let mut drive = vec![0.0; 60_000];
     drive[10_000..20_000].copy_from_slice(&busy_drive(10_000));
@@ -224,7 +224,7 @@ fn width_keeps_the_level_and_sets_the_correlation() {
     // Every channel fits its own beta, so at half width the outputs agree less than their noises,
     // whose correlation is 1 - width^2.
     for (width, correlations) in [(0.0, 1.0 - 1e-12..1.0 + 1e-12), (0.5, 0.55..0.8), (1.0, -0.1..0.1)] {
-        let mut engine = Extend::new(&Structure::default(), 2, 44_100.0).expect("engine");
+        let mut engine = Extend::new(&EngineConfig::default(), 2, 44_100.0).expect("engine");
         let controls = ExtendControls { width, ..ExtendControls::default() };
         let found = run(&mut engine, 2, &drive, |_| controls, std::iter::repeat(512));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -238,11 +238,11 @@ fn width_keeps_the_level_and_sets_the_correlation() {
 
 #[test]
 fn refuses_what_it_cannot_do() {
-    let structure = Structure::default();
+    let structure = EngineConfig::default();
     assert!(Extend::new(&structure, 0, 44_100.0).is_err());
     assert!(Extend::new(&structure, 11, 44_100.0).is_err());
     assert!(Extend::new(&structure, 1, 7_000.0).is_err());
-    assert!(Extend::new(&Structure { half_width: 99, ..structure }, 1, 44_100.0).is_err());
+    assert!(Extend::new(&EngineConfig { half_width: 99, ..structure }, 1, 44_100.0).is_err());
 }
 
 proptest! {
@@ -259,7 +259,7 @@ proptest! {
         noise_amount in prop::sample::select(vec![0.0, 1.0, 4.0, f64::NAN]),
         position in prop::sample::select(vec![0, -1, 1 << 40, i64::MIN, i64::MAX]),
     ) {
-        let structure = Structure { half_width, fit_width_hz, ..Structure::default() };
+        let structure = EngineConfig { half_width, fit_width_hz, ..EngineConfig::default() };
         let mut engine = Extend::new(&structure, 1, rate_hz).expect("engine");
         engine.reset(position);
         let drive = busy_drive(4 * engine.latency_samples());

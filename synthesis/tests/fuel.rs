@@ -6,18 +6,18 @@ mod effect;
 mod signals;
 
 use effect::{Event, STEREO, channels, dictionary, play};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, Fuel, FuelControls, MixControls};
 use pyrophone_synthesis::fuel::{FuelNoise, LOUDNESS_LUFS, NoiseLevels};
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 
 const RATE_HZ: f64 = 44_100.0;
 const MONO: Channels = Channels { input: 1, sidechain: 0, output: 1 };
 const BLOCK: usize = 500;
 
-fn companded() -> Structure {
-    Structure { dynamics: Dynamics::Companded, ..Structure::default() }
+fn companded() -> EngineConfig {
+    EngineConfig { dynamics: MatchingMode::Companded, ..EngineConfig::default() }
 }
 
 fn chain(layout: Channels) -> Chain {

@@ -13,9 +13,9 @@ mod signals;
 
 use effect::{MODES, STEREO, any_controls, chain, channels, dictionary};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::Distribution;
-use pyrophone_synthesis::{Controls, Structure};
+use pyrophone_synthesis::{Controls, EngineConfig};
 use signals::Random;
 use std::sync::Arc;
 
@@ -51,12 +51,12 @@ fn rounds() -> usize {
 }
 
 /// Everything that may happen on the audio thread, at every block size.
-fn everything(rate_hz: f64, layout: Channels, dynamics: Dynamics) {
+fn everything(rate_hz: f64, layout: Channels, dynamics: MatchingMode) {
     let mut random = Random::new(3);
     let mut chain = chain(rate_hz, layout, dynamics);
     let input = channels(1, layout.output, 8192);
     let sidechain = channels(2, layout.sidechain, 8192);
-    let structure = Structure { dynamics, ..Structure::default() };
+    let structure = EngineConfig { dynamics, ..EngineConfig::default() };
     for round in 0..rounds() {
         let block = [0, 1, 17, 64, 480, 1024, 4096, 8192][round % 8];
         let mut block_data: Vec<Vec<f32>> = input.iter().map(|x| x[..block].to_vec()).collect();

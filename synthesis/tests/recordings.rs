@@ -8,11 +8,11 @@ mod signals;
 use std::sync::Arc;
 
 use effect::{Event, MODES, channels, play};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, MixControls, RecordingControls};
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 const RATE_HZ: f64 = 44_100.0;
 const MONO: Channels = Channels { input: 1, sidechain: 0, output: 1 };
@@ -35,20 +35,20 @@ fn recording(is_bright: bool, level: f64) -> Vec<f64> {
     (0..120_000).map(next).collect()
 }
 
-fn dictionary(dynamics: Dynamics, is_bright: bool, level: f64) -> Arc<Dictionary> {
-    let structure = Structure { dynamics, ..Structure::default() };
-    let shape = Shape::at_rate(&structure, RATE_HZ);
+fn dictionary(dynamics: MatchingMode, is_bright: bool, level: f64) -> Arc<Dictionary> {
+    let structure = EngineConfig { dynamics, ..EngineConfig::default() };
+    let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
     let recording = [recording(is_bright, level)];
     Arc::new(Dictionary::for_dynamics(dynamics, &recording, RATE_HZ, &shape, &|_| true).expect("long enough"))
 }
 
 /// Both recordings, the bright one ten times as loud.
-fn pair(dynamics: Dynamics) -> [Arc<Dictionary>; 2] {
+fn pair(dynamics: MatchingMode) -> [Arc<Dictionary>; 2] {
     [dictionary(dynamics, false, 0.03), dictionary(dynamics, true, 0.3)]
 }
 
-fn chain(dynamics: Dynamics, [dark, bright]: &[Arc<Dictionary>; 2]) -> Chain {
-    let mut chain = Chain::new(RATE_HZ, MONO, &Structure { dynamics, ..Structure::default() }).expect("a chain");
+fn chain(dynamics: MatchingMode, [dark, bright]: &[Arc<Dictionary>; 2]) -> Chain {
+    let mut chain = Chain::new(RATE_HZ, MONO, &EngineConfig { dynamics, ..EngineConfig::default() }).expect("a chain");
     chain.swap_slot(DARK, Some(Arc::clone(dark)));
     chain.swap_slot(BRIGHT, Some(Arc::clone(bright)));
     chain
@@ -101,7 +101,8 @@ fn db(power: f64) -> f64 {
 fn a_recording_beside_others_sounds_as_it_does_alone() {
     for dynamics in MODES {
         let pair = pair(dynamics);
-        let mut alone = Chain::new(RATE_HZ, MONO, &Structure { dynamics, ..Structure::default() }).expect("a chain");
+        let mut alone =
+            Chain::new(RATE_HZ, MONO, &EngineConfig { dynamics, ..EngineConfig::default() }).expect("a chain");
         alone.swap_dictionary(Some(Arc::clone(&pair[0])));
         let expected = run(&mut alone, &[(0, only(DARK))], || 512);
         let mut both = chain(dynamics, &pair);
@@ -142,8 +143,8 @@ fn nothing_depends_on_how_blocks_are_cut() {
 #[test]
 fn one_gives_way_to_another_without_a_gap_or_a_click() {
     let at = 60_000;
-    let pair = pair(Dynamics::Companded);
-    let mut chain = chain(Dynamics::Companded, &pair);
+    let pair = pair(MatchingMode::Companded);
+    let mut chain = chain(MatchingMode::Companded, &pair);
     let [dark, bright] = [DARK, BRIGHT].map(|slot| run(&mut chain, &[(0, only(slot))], || 512));
     let changed = run(&mut chain, &[(0, only(DARK)), (at, only(BRIGHT))], || 512);
     let heard_at = at + chain.latency_samples();
@@ -194,9 +195,10 @@ fn the_share_of_a_second_recording_is_heard_in_proportion() {
 
 #[test]
 fn an_empty_slot_is_as_no_recording() {
-    let mut chain = chain(Dynamics::Companded, &pair(Dynamics::Companded));
-    let mut without = Chain::new(RATE_HZ, MONO, &Structure { dynamics: Dynamics::Companded, ..Structure::default() })
-        .expect("a chain");
+    let mut chain = chain(MatchingMode::Companded, &pair(MatchingMode::Companded));
+    let mut without =
+        Chain::new(RATE_HZ, MONO, &EngineConfig { dynamics: MatchingMode::Companded, ..EngineConfig::default() })
+            .expect("a chain");
     let found = run(&mut chain, &[(0, only(1))], || 512);
     let expected = run(&mut without, &[(0, only(1))], || 512);
     let largest = expected.iter().fold(0.0f32, |most, x| most.max(x.abs()));
@@ -209,7 +211,7 @@ fn an_empty_slot_is_as_no_recording() {
 
 #[test]
 fn a_passage_repeats_bit_for_bit() {
-    let mut chain = chain(Dynamics::Companded, &pair(Dynamics::Companded));
+    let mut chain = chain(MatchingMode::Companded, &pair(MatchingMode::Companded));
     let events = [(0, blended(0.5)), (30_000, only(BRIGHT))];
     let first = run(&mut chain, &events, || 512);
     run(&mut chain, &[(0, only(BRIGHT))], || 333);

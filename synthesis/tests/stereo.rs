@@ -9,12 +9,12 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use effect::{Event, play};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, MixControls};
 use pyrophone_synthesis::noise::White;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 const RATE_HZ: f64 = 44_100.0;
 const LAYOUT: Channels = Channels { input: 1, sidechain: 0, output: 2 };
@@ -81,8 +81,8 @@ fn mixed(parts: &[(f64, &[f64])]) -> Vec<f64> {
 
 /// What the effect makes of a recording under a steady rumble.
 fn heard(recording: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let structure = Structure { dynamics: Dynamics::Companded, ..Structure::default() };
-    let shape = Shape::at_rate(&structure, RATE_HZ);
+    let structure = EngineConfig { dynamics: MatchingMode::Companded, ..EngineConfig::default() };
+    let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
     let dictionary = Dictionary::companded(recording, RATE_HZ, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(RATE_HZ, LAYOUT, &structure).unwrap();
     chain.swap_dictionary(Some(Arc::new(dictionary)));

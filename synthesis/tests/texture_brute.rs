@@ -8,7 +8,7 @@ mod signals;
 
 use std::sync::Arc;
 
-use pyrophone_synthesis::texture::{Dictionary, Shape, offline};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig, offline};
 use rayon::prelude::*;
 use signals::{Random, signal};
 
@@ -34,7 +34,7 @@ fn check(seed: u64) {
 
     let expected = brute::synthesize(&input, &training, &settings);
     let brute::Settings { levels, window, feature, falloff, dynamic_range, scaling_alpha } = settings;
-    let shape = Shape { levels, window, feature, falloff };
+    let shape = PyramidConfig { levels, window, feature, falloff };
     let dictionary = Arc::new(Dictionary::new(&[training], 44_100.0, &shape, &|_| true).unwrap());
     let options = offline::Options { dynamic_range, scaling_alpha, eps: 0.0 };
     let output = offline::synthesize(&input, &dictionary, &options, &|_| true).unwrap();
@@ -49,17 +49,17 @@ fn random_settings_equal_brute_force() {
 
 #[test]
 fn a_search_with_eps_keeps_its_promise() {
-    use pyrophone_synthesis::texture::search::{Answer, Budget, Searcher};
+    use pyrophone_synthesis::texture::search::{Budget, SearchResult, Searcher};
     let mut random = Random::new(7);
     let training = signal(&mut random, 0, 20_000);
-    let dictionary = Dictionary::new(&[training], 44_100.0, &Shape::default(), &|_| true).unwrap();
+    let dictionary = Dictionary::new(&[training], 44_100.0, &PyramidConfig::default(), &|_| true).unwrap();
     let mut searcher = Searcher::new();
     let mut saved = 0;
     for level in 0..5 {
         let (index, features) = (dictionary.index(level).unwrap(), dictionary.features(level));
         for _ in 0..100 {
             let query: Vec<f64> = (0..46).map(|_| 0.2 * (random.unit() - 0.5)).collect();
-            let distance = |answer: &Answer| features.distance(answer.window, &query);
+            let distance = |answer: &SearchResult| features.distance(answer.window, &query);
             let exact = searcher.nearest(index, &features, &query, None, Budget::Exact { eps: 0.0 });
             for eps in [0.1, 1.0, 5.0] {
                 let found = searcher.nearest(index, &features, &query, None, Budget::Exact { eps });

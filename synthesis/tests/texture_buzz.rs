@@ -4,12 +4,12 @@ mod common;
 
 use std::sync::Arc;
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::controls::{Controls, DynamicRange, MixControls, Quality};
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::buzz::Buzz;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 const RATE_HZ: f64 = 44_100.0;
 const MONO: Channels = Channels { input: 1, sidechain: 0, output: 1 };
@@ -17,8 +17,8 @@ const MONO: Channels = Channels { input: 1, sidechain: 0, output: 1 };
 /// The output, the latency cut off, and what is left of scaling alpha along it.
 fn run(folder: &std::path::Path, name: &str, is_auto: bool) -> (Vec<f64>, Vec<f32>) {
     let read = |kind: &str| common::read_wav(&folder.join(kind).join(format!("{name}.wav"))).0.remove(0);
-    let structure = Structure { dynamics: Dynamics::Paper, ..Structure::default() };
-    let shape = Shape::at_rate(&structure, RATE_HZ);
+    let structure = EngineConfig { dynamics: MatchingMode::Paper, ..EngineConfig::default() };
+    let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
     let mut controls =
         Controls { mix: MixControls { low: 0.0, extension: 0.0, ..MixControls::default() }, ..Controls::default() };
     controls.drive.high_pass_hz = 0.0;

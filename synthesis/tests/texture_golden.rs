@@ -4,14 +4,14 @@ mod common;
 
 use std::sync::Arc;
 
-use pyrophone_synthesis::texture::{Dictionary, Shape, offline};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig, offline};
 
 struct Case {
     name: &'static str,
     pair: &'static str,
     input: Option<std::ops::Range<usize>>,
     training: Option<std::ops::Range<usize>>,
-    shape: Shape,
+    shape: PyramidConfig,
     options: offline::Options,
 }
 
@@ -21,7 +21,7 @@ fn cases() -> Vec<Case> {
         pair: name,
         input: None,
         training: None,
-        shape: Shape::default(),
+        shape: PyramidConfig::default(),
         options: offline::Options::default(),
     };
     let excerpt = |name, shape, options| Case {
@@ -37,8 +37,8 @@ fn cases() -> Vec<Case> {
         whole("burning_brick"),
         whole("dragon"),
         whole("torch"),
-        excerpt("variant_a", Shape { levels: 5, window: 6, feature: 2, falloff: 0.1 }, options(false, 1.0)),
-        excerpt("variant_b", Shape { levels: 7, window: 3, feature: 4, falloff: 0.0 }, options(true, 0.4)),
+        excerpt("variant_a", PyramidConfig { levels: 5, window: 6, feature: 2, falloff: 0.1 }, options(false, 1.0)),
+        excerpt("variant_b", PyramidConfig { levels: 7, window: 3, feature: 4, falloff: 0.0 }, options(true, 0.4)),
     ]
 }
 

@@ -10,7 +10,7 @@ mod signals;
 
 use pyrophone_synthesis::controls::Quality;
 use pyrophone_synthesis::texture::search::{Budget, Searcher};
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 use queries::Query;
 use rayon::prelude::*;
 use signals::{Random, signal};
@@ -54,7 +54,8 @@ struct Case {
 
 fn case(floors_db: &[f64], share: f64, seed: u64) -> Case {
     let training = recording(floors_db, share, seed);
-    let dictionary = Dictionary::new(std::slice::from_ref(&training), RATE_HZ, &Shape::default(), &|_| true).unwrap();
+    let dictionary =
+        Dictionary::new(std::slice::from_ref(&training), RATE_HZ, &PyramidConfig::default(), &|_| true).unwrap();
     let queries = queries::of(&drive(seed), &training, &dictionary);
     Case { name: format!("floors {floors_db:?} dB, {share} of the recording"), dictionary, queries }
 }

@@ -12,7 +12,7 @@ mod signals;
 use pyrophone_synthesis::controls::Quality;
 use pyrophone_synthesis::texture::feature::Features;
 use pyrophone_synthesis::texture::search::{Budget, Index, Searcher};
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 use rayon::prelude::*;
 use signals::{Random, signal};
 
@@ -84,7 +84,7 @@ fn check(seed: u64) {
     let mut random = Random::new(seed);
     let kind = seed as usize % KINDS;
     let falloff = if random.below(4) == 0 { 0.1 } else { 0.0 };
-    let shape = Shape { levels: 3, window: 2 + random.below(6), feature: 1 + random.below(5), falloff };
+    let shape = PyramidConfig { levels: 3, window: 2 + random.below(6), feature: 1 + random.below(5), falloff };
     let training = recording(kind, &mut random);
     let dictionary = Dictionary::new(&[training], 44_100.0, &shape, &|_| true).unwrap();
     let mut searchers = Searcher::every();
@@ -129,7 +129,7 @@ fn every_path_finds_what_a_scan_finds() {
 fn a_bounded_search_with_room_enough_is_exact() {
     let mut random = Random::new(3);
     let training = signal(&mut random, 0, 20_000);
-    let dictionary = Dictionary::new(&[training], 44_100.0, &Shape::default(), &|_| true).unwrap();
+    let dictionary = Dictionary::new(&[training], 44_100.0, &PyramidConfig::default(), &|_| true).unwrap();
     let (index, features) = (dictionary.index(2).unwrap(), dictionary.features(2));
     let mut searcher = Searcher::new();
     for i in 0..200 {
@@ -149,7 +149,8 @@ fn the_default_budget_is_close_to_exact_on_the_reference() {
     let check = |name: &str| {
         let read = |kind: &str| common::read_wav(&folder.join(kind).join(format!("{name}.wav"))).0.remove(0);
         let training = read("training");
-        let dictionary = Dictionary::new(std::slice::from_ref(&training), 44_100.0, &Shape::default(), &|_| true);
+        let dictionary =
+            Dictionary::new(std::slice::from_ref(&training), 44_100.0, &PyramidConfig::default(), &|_| true);
         let dictionary = dictionary.unwrap();
         let queries = queries::of(&read("signals"), &training, &dictionary);
         let mut searcher = Searcher::new();
@@ -186,7 +187,7 @@ fn the_index_does_not_depend_on_the_number_of_threads() {
     let build = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            Dictionary::new(std::slice::from_ref(&training), 44_100.0, &Shape::default(), &|_| true).unwrap()
+            Dictionary::new(std::slice::from_ref(&training), 44_100.0, &PyramidConfig::default(), &|_| true).unwrap()
         })
     };
     let (one, four) = (build(1), build(4));
@@ -208,7 +209,7 @@ fn the_index_does_not_depend_on_the_number_of_threads() {
 fn a_dictionary_that_was_kept_comes_back_whole() {
     // Long enough for arrays whose memory is asked for in one go.
     let samples: Vec<f64> = signal(&mut Random::new(31), 1, 560_000);
-    let shape = Shape::default();
+    let shape = PyramidConfig::default();
     let made = Dictionary::new(&[samples], 44_100.0, &shape, &|_| true).unwrap();
     let mut bytes = Vec::new();
     made.write_to(&mut bytes).unwrap();

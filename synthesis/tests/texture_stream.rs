@@ -9,18 +9,18 @@ use std::sync::Arc;
 
 use pyrophone_synthesis::controls::{DynamicRange, Quality, TextureControls};
 use pyrophone_synthesis::texture::pyramid::Pyramid;
-use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape, Texture, offline};
+use pyrophone_synthesis::texture::{Dictionary, Distribution, PyramidConfig, Texture, offline};
 use signals::{Random, signal};
 
 const RATE_HZ: f64 = 44_100.0;
 
-fn dictionary(shape: &Shape, channels: usize, samples: usize) -> Arc<Dictionary> {
+fn dictionary(shape: &PyramidConfig, channels: usize, samples: usize) -> Arc<Dictionary> {
     let mut random = Random::new(11);
     let recording: Vec<Vec<f64>> = (0..channels).map(|_| signal(&mut random, 1, samples)).collect();
     Arc::new(Dictionary::new(&recording, RATE_HZ, shape, &|_| true).unwrap())
 }
 
-fn engine(shape: &Shape, dictionary: &Arc<Dictionary>, outputs: usize) -> Texture {
+fn engine(shape: &PyramidConfig, dictionary: &Arc<Dictionary>, outputs: usize) -> Texture {
     let mut engine = Texture::new(shape, outputs, RATE_HZ).unwrap();
     engine.swap_dictionary(Some(Arc::clone(dictionary)));
     engine
@@ -64,8 +64,8 @@ const CUTS: [Cut; 8] = [
     Cut::Random(2),
 ];
 
-fn shapes() -> Vec<Shape> {
-    let shape = |levels, window, feature, falloff| Shape { levels, window, feature, falloff };
+fn shapes() -> Vec<PyramidConfig> {
+    let shape = |levels, window, feature, falloff| PyramidConfig { levels, window, feature, falloff };
     vec![shape(6, 4, 3, 0.0), shape(4, 3, 2, 0.1), shape(5, 7, 1, 0.0), shape(3, 2, 6, 0.3), shape(7, 5, 2, 0.0)]
 }
 
@@ -103,7 +103,7 @@ fn padded_stream_equals_the_whole_signal_run() {
 
 #[test]
 fn blocks_never_matter_whatever_the_controls() {
-    let shape = Shape::default();
+    let shape = PyramidConfig::default();
     let dictionary = dictionary(&shape, 2, 30_000);
     let mut drive = signal(&mut Random::new(6), 6, 30_000);
     drive.resize(40_000, 0.0);
@@ -154,7 +154,7 @@ fn output_depends_on_no_input_beyond_the_latency() {
 
 #[test]
 fn silence_is_silent_and_after_it_two_renders_agree() {
-    let shape = Shape::default();
+    let shape = PyramidConfig::default();
     let dictionary = dictionary(&shape, 1, 30_000);
     let controls = TextureControls {
         gate: 1e-4,
@@ -190,9 +190,9 @@ fn silence_is_silent_and_after_it_two_renders_agree() {
 
 #[test]
 fn a_recording_of_another_shape_is_handed_back() {
-    let wrong = dictionary(&Shape { levels: 5, ..Shape::default() }, 1, 10_000);
-    let right = dictionary(&Shape::default(), 1, 10_000);
-    let mut texture = engine(&Shape::default(), &right, 1);
+    let wrong = dictionary(&PyramidConfig { levels: 5, ..PyramidConfig::default() }, 1, 10_000);
+    let right = dictionary(&PyramidConfig::default(), 1, 10_000);
+    let mut texture = engine(&PyramidConfig::default(), &right, 1);
     let back = texture.swap_dictionary(Some(Arc::clone(&wrong))).unwrap();
     assert!(Arc::ptr_eq(&back, &wrong));
     let old = texture.swap_dictionary(None).unwrap();
@@ -201,7 +201,7 @@ fn a_recording_of_another_shape_is_handed_back() {
 
 #[test]
 fn matches_are_told_by_their_places_in_the_recording() {
-    let shape = Shape { levels: 5, window: 4, feature: 3, falloff: 0.0 };
+    let shape = PyramidConfig { levels: 5, window: 4, feature: 3, falloff: 0.0 };
     let recording = signal(&mut Random::new(11), 1, 40_000);
     let dictionary = Arc::new(Dictionary::new(std::slice::from_ref(&recording), RATE_HZ, &shape, &|_| true).unwrap());
     let mut engine = engine(&shape, &dictionary, 1);
@@ -244,7 +244,7 @@ fn matches_are_told_by_their_places_in_the_recording() {
 
 #[test]
 fn scaling_that_yields_to_a_buzz_knows_no_blocks_and_no_past() {
-    let shape = Shape::default();
+    let shape = PyramidConfig::default();
     let hop = shape.period_samples() / 2;
     // What repeats with the hops repeats so in all that is made of it.
     let tile = signal(&mut Random::new(12), 1, 3 * hop);

@@ -6,7 +6,7 @@ mod vortex;
 use std::sync::Arc;
 
 use pyrophone_synthesis::controls::{Flow, VortexControls};
-use pyrophone_synthesis::vortex::{Bank, End, Layout, SPEED_OF_SOUND_M_S, SpeedField, Vortex};
+use pyrophone_synthesis::vortex::{Bank, End, SPEED_OF_SOUND_M_S, SpeakerLayout, SpeedField, Vortex};
 use vortex::*;
 
 const RATES_HZ: [f64; 3] = [44_100.0, 48_000.0, 96_000.0];
@@ -18,7 +18,7 @@ fn pressure_falls_with_distance_and_comes_as_much_later() {
         for distance_m in [4.0, 7.5, 16.0] {
             let at = |distance_m: f64| {
                 let controls = VortexControls { distance_m, exponent, ..point() };
-                render(rate_hz, Layout::Mono, &noise_texture(3, 4096), 1, &[], &controls, 48_000).remove(0)
+                render(rate_hz, SpeakerLayout::Mono, &noise_texture(3, 4096), 1, &[], &controls, 48_000).remove(0)
             };
             let (near, far) = (at(distance_m), at(2.0 * distance_m));
             let decibels = 20.0 * (rms(&far) / rms(&near)).log10();
@@ -38,7 +38,7 @@ fn pressure_falls_with_distance_and_comes_as_much_later() {
 fn the_near_field_stays_finite() {
     let level = |distance_m: f64| {
         let controls = VortexControls { distance_m, exponent: 3.0, ..point() };
-        rms(&render(48_000.0, Layout::Mono, &noise_texture(1, 4096), 1, &[], &controls, 24_000)[0])
+        rms(&render(48_000.0, SpeakerLayout::Mono, &noise_texture(1, 4096), 1, &[], &controls, 24_000)[0])
     };
     let (at, close, far) = (level(0.0), level(0.1), level(1.0));
     // Softened by 0.25 m: (17 / 1)^1.5 = 70.1.
@@ -50,7 +50,7 @@ fn levels_over_speed_are_the_tables() {
     let texture = noise_texture(5, 8192);
     let level = |speed: f64, range: f64| {
         let controls = VortexControls { speed_m_s: speed, range, reference_m_s: 4.0, ..crowd(48) };
-        10.0 * power(&render(48_000.0, Layout::Mono, &texture, 48, &[], &controls, 96_000)[0]).log10()
+        10.0 * power(&render(48_000.0, SpeakerLayout::Mono, &texture, 48, &[], &controls, 96_000)[0]).log10()
     };
     // Rows stand at 1, 2, 4, 8, 16 m/s and rise by 30 dB each.
     let reference = level(4.0, 1.0);
@@ -71,7 +71,7 @@ fn blocks_resets_and_places_on_the_timeline_do_not_matter() {
     for rate_hz in RATES_HZ {
         for channels in [1, 2, 6, 8, 10] {
             for sources in [1, 7, 40] {
-                let layout = Layout::of_channels(channels).expect("a layout");
+                let layout = SpeakerLayout::of_channels(channels).expect("a layout");
                 let mut engine = engine(rate_hz, layout, &texture, sources);
                 let drive = bursts(12_000);
                 let start = 1_000_003;
@@ -96,7 +96,7 @@ fn a_field_is_a_function_of_the_position() {
     let texture = noise_texture(4, 2000);
     for rate_hz in RATES_HZ {
         for end in [End::Periodic, End::Clamped] {
-            let mut engine = engine(rate_hz, Layout::Stereo, &texture, 9);
+            let mut engine = engine(rate_hz, SpeakerLayout::Stereo, &texture, 9);
             engine.swap_field(Some(Arc::new(wandering(9, 40, end))));
             let controls = VortexControls { flow: Flow::Field, ..VortexControls::default() };
             let mut run = |from: i64, samples: usize| {
@@ -122,7 +122,7 @@ fn a_tone_that_moves_changes_its_pitch_and_has_no_images() {
     for frequency_hz in [250.0, 1000.0, 1750.0, 1990.0] {
         let texture = tone_texture(frequency_hz);
         for speed_m_s in [-30.0, 0.0, 30.0] {
-            let mut engine = engine(rate_hz, Layout::Mono, &texture, 1);
+            let mut engine = engine(rate_hz, SpeakerLayout::Mono, &texture, 1);
             let steps = 121;
             let position = |step: usize| [0.0, 100.0 + (speed_m_s * step as f64 / 60.0) as f32, 0.0];
             let field = SpeedField::new(60.0, 1, (0..steps).map(position).collect(), vec![1.0; steps], End::Clamped);
@@ -151,9 +151,11 @@ fn a_fold_down_does_not_comb() {
     // Before the listener, and all around.
     for (distance_m, spread_m, around) in [(3.0, 1.0, false), (2.0, 6.0, true)] {
         let controls = VortexControls { distance_m, spread_m, ..crowd(100) };
-        let sound = |layout: Layout| render(48_000.0, layout, &texture, 100, &[], &controls, samples);
-        let mono = third_octaves(&sound(Layout::Mono)[0], 48_000.0);
-        for layout in [Layout::Stereo, Layout::Surround51, Layout::Surround71, Layout::Surround712] {
+        let sound = |layout: SpeakerLayout| render(48_000.0, layout, &texture, 100, &[], &controls, samples);
+        let mono = third_octaves(&sound(SpeakerLayout::Mono)[0], 48_000.0);
+        for layout in
+            [SpeakerLayout::Stereo, SpeakerLayout::Surround51, SpeakerLayout::Surround71, SpeakerLayout::Surround712]
+        {
             let folded = sound(layout).into_iter().reduce(|mut sum, channel| {
                 sum.iter_mut().zip(channel).for_each(|(sum, x)| *sum += x);
                 sum
@@ -173,16 +175,16 @@ fn a_fold_down_does_not_comb() {
 
 #[test]
 fn sources_stand_where_they_are_put() {
-    let at = |azimuth_deg: f64, layout: Layout| {
+    let at = |azimuth_deg: f64, layout: SpeakerLayout| {
         let controls = VortexControls { azimuth_deg, ..point() };
         let sound = render(48_000.0, layout, &noise_texture(1, 4096), 1, &[], &controls, 24_000);
         sound.iter().map(|channel| power(channel)).collect::<Vec<f64>>()
     };
-    let left = at(-30.0, Layout::Stereo);
+    let left = at(-30.0, SpeakerLayout::Stereo);
     assert!(left[0] > 0.0 && left[1] < 1e-6 * left[0], "{left:?}");
-    let middle = at(0.0, Layout::Stereo);
+    let middle = at(0.0, SpeakerLayout::Stereo);
     assert!((middle[0] / middle[1] - 1.0).abs() < 1e-3, "{middle:?}");
-    let rear = at(135.0, Layout::Surround712);
+    let rear = at(135.0, SpeakerLayout::Surround712);
     assert!(rear.iter().enumerate().all(|(channel, power)| (channel == 5) == (*power > 1e-6 * rear[5])), "{rear:?}");
 }
 
@@ -191,7 +193,7 @@ fn many_sources_add_by_power_and_neither_comb_nor_repeat() {
     let texture = noise_texture(1, 16_384);
     let level = |count: usize, seed: u32| {
         let controls = VortexControls { seed, ..crowd(count) };
-        let sound = render(48_000.0, Layout::Mono, &texture, count, &[], &controls, 48_000 * 4).remove(0);
+        let sound = render(48_000.0, SpeakerLayout::Mono, &texture, count, &[], &controls, 48_000 * 4).remove(0);
         third_octaves(&sound, 48_000.0)
     };
     let mean = |count: usize| {
@@ -209,7 +211,7 @@ fn silence_comes_out_of_silence_and_after_the_tail() {
     for rate_hz in RATES_HZ {
         for threshold in [0.001, 0.1] {
             let controls = VortexControls { threshold, release_s: 0.02, count: 20, ..VortexControls::default() };
-            let mut engine = engine(rate_hz, Layout::Stereo, &noise_texture(3, 2000), 20);
+            let mut engine = engine(rate_hz, SpeakerLayout::Stereo, &noise_texture(3, 2000), 20);
             let tail = engine.tail_samples(&controls).expect("an end");
             let mut drive = vec![0.0; 30_000];
             drive[3000..6000].fill(1.0);
@@ -225,7 +227,7 @@ fn silence_comes_out_of_silence_and_after_the_tail() {
 
 #[test]
 fn no_bank_and_a_bank_of_another_rate_are_silent() {
-    let mut engine = Vortex::new(48_000.0, Layout::Stereo, 4).expect("engine");
+    let mut engine = Vortex::new(48_000.0, SpeakerLayout::Stereo, 4).expect("engine");
     let controls = VortexControls::default();
     let drive = vec![1.0; 4000];
     assert!(play(&mut engine, &drive, &|_| controls, [4000]).iter().flatten().all(|x| *x == 0.0));
@@ -263,7 +265,7 @@ fn automation_and_exchanges_do_not_click() {
     let samples = 48_000;
     let drive: Vec<f64> = (0..samples).map(|at| 0.5 + 0.2 * (at as f64 * 1e-3).sin()).collect();
     let run = |other: VortexControls, swap: bool, steady: bool| {
-        let mut engine = engine(48_000.0, Layout::Surround712, &texture, 30);
+        let mut engine = engine(48_000.0, SpeakerLayout::Surround712, &texture, 30);
         engine.swap_field(Some(Arc::new(wandering(30, 40, End::Periodic))));
         let bank = Arc::new(Bank::new(&noise_texture(4, 5000), 48_000.0).expect("a bank"));
         let mut out = vec![vec![0.0; samples]; 10];
@@ -303,8 +305,8 @@ fn automation_and_exchanges_do_not_click() {
 fn a_jump_of_distance_is_walked_and_arrives() {
     let controls = |at: usize| VortexControls { distance_m: if at < 4800 { 1.0 } else { 60.0 }, ..point() };
     let texture = noise_texture(1, 4096);
-    let jumped = render_by(48_000.0, Layout::Mono, &texture, 1, &controls, 96_000).remove(0);
-    let there = render_by(48_000.0, Layout::Mono, &texture, 1, &|_| controls(5000), 96_000).remove(0);
+    let jumped = render_by(48_000.0, SpeakerLayout::Mono, &texture, 1, &controls, 96_000).remove(0);
+    let there = render_by(48_000.0, SpeakerLayout::Mono, &texture, 1, &|_| controls(5000), 96_000).remove(0);
     assert!(rms(&jumped[4800..9600]) > 0.0);
     let off: Vec<f64> = jumped[72_000..].iter().zip(&there[72_000..]).map(|(a, b)| a - b).collect();
     assert!(rms(&off) < 1e-5 * rms(&there), "{:e}", rms(&off) / rms(&there));
@@ -315,7 +317,7 @@ fn the_microphone_has_a_largest_pressure() {
     let texture = noise_texture(5, 4096);
     let at = |max_pressure_pa: f64| {
         let controls = VortexControls { max_pressure_pa, range: 1.0, level: 0.5, ..crowd(30) };
-        render(48_000.0, Layout::Stereo, &texture, 30, &[], &controls, 48_000)
+        render(48_000.0, SpeakerLayout::Stereo, &texture, 30, &[], &controls, 48_000)
     };
     let free = at(1e9);
     let most = free.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
@@ -329,7 +331,7 @@ fn the_microphone_has_a_largest_pressure() {
 #[test]
 fn bad_input_leaves_finite_output_and_no_trace() {
     let texture = noise_texture(3, 2000);
-    let mut engine = engine(48_000.0, Layout::Surround51, &texture, 16);
+    let mut engine = engine(48_000.0, SpeakerLayout::Surround51, &texture, 16);
     engine.swap_field(Some(Arc::new(wandering(8, 10, End::Periodic))));
     let bads = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 0.0];
     for (which, bad) in bads.iter().copied().cycle().take(36).enumerate() {
@@ -373,14 +375,14 @@ fn bad_input_leaves_finite_output_and_no_trace() {
     engine.process(&[1.0; 100], &controls, &mut [&mut [0.0; 7], &mut [0.0; 300]]);
     engine.process(&[1.0; 100], &controls, &mut []);
     // A reset leaves nothing of it.
-    let mut fresh = self::engine(48_000.0, Layout::Surround51, &texture, 16);
+    let mut fresh = self::engine(48_000.0, SpeakerLayout::Surround51, &texture, 16);
     fresh.swap_field(Some(Arc::new(wandering(8, 10, End::Periodic))));
     engine.reset(5);
     fresh.reset(5);
     let drive = bursts(5000);
     assert!(play(&mut engine, &drive, &busy, [5000]) == play(&mut fresh, &drive, &busy, [5000]));
     for (rate_hz, sources) in [(f64::NAN, 1), (7999.0, 1), (48_000.0, 0), (48_000.0, 20_000)] {
-        assert!(Vortex::new(rate_hz, Layout::Mono, sources).is_err());
+        assert!(Vortex::new(rate_hz, SpeakerLayout::Mono, sources).is_err());
     }
     assert!(Bank::new(&texture, f64::INFINITY).is_err());
     assert!(Bank::new(&noise_texture(12, 1 << 18), 48_000.0).is_err(), "too large");
@@ -391,7 +393,7 @@ fn seeds_differ_and_repeat() {
     let texture = noise_texture(3, 4096);
     let run = |seed: u32| {
         let controls = VortexControls { seed, count: 5, ..VortexControls::default() };
-        render(48_000.0, Layout::Stereo, &texture, 5, &[], &controls, 24_000)
+        render(48_000.0, SpeakerLayout::Stereo, &texture, 5, &[], &controls, 24_000)
     };
     assert!(run(1) == run(1));
     let (a, b) = (run(1), run(2));
@@ -401,7 +403,7 @@ fn seeds_differ_and_repeat() {
 
 #[test]
 fn the_audio_thread_neither_allocates_nor_frees() {
-    for (rate_hz, layout) in [(44_100.0, Layout::Stereo), (96_000.0, Layout::Surround712)] {
+    for (rate_hz, layout) in [(44_100.0, SpeakerLayout::Stereo), (96_000.0, SpeakerLayout::Surround712)] {
         let mut engine = engine(rate_hz, layout, &noise_texture(5, 2000), 50);
         let drive = bursts(8192);
         let mut out = vec![vec![0.0; 8192]; layout.channels()];
@@ -438,7 +440,7 @@ fn a_crowd_is_as_loud_as_its_gain_says() {
     // Over directions and times, N sources of gain g at distance r have the mean square N (g / r)^2.
     let texture = noise_texture(3, 16_384);
     let controls = VortexControls { distance_m: 5.0, spread_m: 0.5, range: 1.0, ..crowd(240) };
-    let sound = render(48_000.0, Layout::Stereo, &texture, 240, &[], &controls, 48_000 * 4);
+    let sound = render(48_000.0, SpeakerLayout::Stereo, &texture, 240, &[], &controls, 48_000 * 4);
     // The highest row's gain is 1 Pa at 1 m.
     let expected = 240.0 / 25.0;
     let found = power(&sound[0]) + power(&sound[1]);

@@ -6,7 +6,7 @@ mod vortex;
 use std::sync::{Arc, Mutex};
 
 use pyrophone_synthesis::controls::{Flow, VortexControls};
-use pyrophone_synthesis::vortex::{Asked, Layout, Simulator, Vortex};
+use pyrophone_synthesis::vortex::{Asked, Simulator, SpeakerLayout, Vortex};
 use vortex::*;
 
 const RATE_HZ: f64 = 48_000.0;
@@ -31,7 +31,7 @@ impl Simulator for Told {
 
 /// A renderer with a simulation that tells these speeds, and what it is asked; the samples of a step.
 fn live(speed: fn(u64) -> Option<f32>) -> (Vortex, Arc<Mutex<Vec<Asked>>>, usize) {
-    let mut engine = engine(RATE_HZ, Layout::Stereo, &noise_texture(4, 4000), 8);
+    let mut engine = engine(RATE_HZ, SpeakerLayout::Stereo, &noise_texture(4, 4000), 8);
     let asked = Arc::new(Mutex::new(vec![]));
     let places: Vec<[f32; 3]> = (0..5).map(|n| [0.1 * n as f32, 0.2, 0.3]).collect();
     engine.set_simulator(Box::new(Told { asked: asked.clone(), speed }), &places).unwrap();
@@ -129,7 +129,7 @@ fn speeds_that_are_no_speeds_are_taken_as_calm_or_cut() {
 
 #[test]
 fn a_simulation_without_places_is_refused() {
-    let mut engine = engine(RATE_HZ, Layout::Mono, &noise_texture(2, 2000), 4);
+    let mut engine = engine(RATE_HZ, SpeakerLayout::Mono, &noise_texture(2, 2000), 4);
     let simulator = || Box::new(Told { asked: Arc::default(), speed: |_| None });
     assert!(engine.set_simulator(simulator(), &[]).is_err());
     assert!(engine.set_simulator(simulator(), &[[0.0, f32::NAN, 0.0]]).is_err());

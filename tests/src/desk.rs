@@ -2,11 +2,11 @@
 //!
 //! A program that uses it may hold one test only: the desk is set up in the environment, which all threads share.
 
-mod hand;
+mod drag_source;
 mod map;
-mod parcel;
 mod picture;
 mod spot;
+mod ui_driver;
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -19,10 +19,10 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{AtomEnum, PropMode};
 use x11rb::wrapper::ConnectionExt;
 
-pub use hand::{ESCAPE, Hand, RETURN};
 pub use map::Map;
 pub use picture::Picture;
 pub use spot::DropSpot;
+pub use ui_driver::{ESCAPE, RETURN, UiDriver};
 
 use crate::target_dir;
 
@@ -33,12 +33,12 @@ pub const SCREEN: (u32, u32) = (1280, 800);
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A screen, and a folder that the editors' files are in.
-pub struct Desk {
+pub struct TestDisplay {
     folder: tempfile::TempDir,
     server: Option<Child>,
 }
 
-impl Desk {
+impl TestDisplay {
     /// On the display that `DISPLAY` names, else on a server of our own; none where there is neither, but for continuous integration,
     /// where a test that is left out has failed.
     pub fn set_up() -> Option<Self> {
@@ -129,7 +129,7 @@ impl Desk {
     }
 
     /// Keeps a picture of a window among what was built.
-    pub fn photograph(window: &EditorWindow, name: &str) -> Picture {
+    pub fn screenshot(window: &EditorWindow, name: &str) -> Picture {
         let folder = target_dir().join("screenshots");
         std::fs::create_dir_all(&folder).expect("a folder");
         let picture = Picture::of(window);
@@ -177,7 +177,7 @@ fn settle() {
     }
 }
 
-impl Drop for Desk {
+impl Drop for TestDisplay {
     fn drop(&mut self) {
         if let Some(server) = &mut self.server {
             // baseview 0.4.2 does not always wait for a window's thread to end, and Xlib ends a program whose server has gone.

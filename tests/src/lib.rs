@@ -7,10 +7,10 @@ use std::process::Command;
 
 use pyrophone_host::bounce::{BounceOptions, bounce};
 use pyrophone_host::state::wrap;
-use pyrophone_host::{Configuration, Format, Layout, Plugin, numeric_id};
+use pyrophone_host::{BusLayout, Configuration, Format, Plugin, numeric_id};
 use pyrophone_settings::session::{Learned, RecordingReference, Session, plugin_state};
 use pyrophone_settings::{Preset, Values};
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 
 pub mod desk;
 pub mod live;
@@ -27,9 +27,9 @@ pub use reference::skip;
 /// Sample rate of most tests, in Hz.
 pub const RATE_HZ: f64 = 44_100.0;
 /// One channel in, one out.
-pub const MONO: Layout = Layout { input: 1, sidechain: 0, output: 1 };
+pub const MONO: BusLayout = BusLayout { input: 1, sidechain: 0, output: 1 };
 /// Two channels in, two out.
-pub const STEREO: Layout = Layout { input: 2, sidechain: 0, output: 2 };
+pub const STEREO: BusLayout = BusLayout { input: 2, sidechain: 0, output: 2 };
 
 /// The build's folder.
 pub fn target_dir() -> PathBuf {
@@ -91,13 +91,13 @@ pub fn learned(values: &Values, input: &[Vec<f32>], sample_rate_hz: f64) -> Lear
     Learned {
         sample_rate_hz,
         levels: structure.levels,
-        companded: structure.dynamics == Dynamics::Companded,
+        companded: structure.dynamics == MatchingMode::Companded,
         quantiles,
     }
 }
 
 /// Activates offline and deactivates again, which waits for the recording however long it takes.
-pub fn await_recording(plugin: &mut dyn Plugin, sample_rate: f64, layout: Layout) {
+pub fn await_recording(plugin: &mut dyn Plugin, sample_rate: f64, layout: BusLayout) {
     let configuration = Configuration { sample_rate, max_block: 512, layout, offline: true };
     let processor = plugin.activate(&configuration).unwrap_or_else(|error| panic!("{error}"));
     plugin.run_callbacks();

@@ -1,7 +1,7 @@
 //! An instance that is played block by block, while the test's own thread is the host's main thread.
 
 use pyrophone_host::bounce::AutomationPoint;
-use pyrophone_host::{Block, Configuration, ControllerMessage, Event, Layout, Plugin, Processor, Tail, Transport};
+use pyrophone_host::{Block, BusLayout, Configuration, ControllerMessage, Event, Plugin, Processor, Tail, Transport};
 
 /// Longest block, in frames.
 pub const MAX_BLOCK: usize = 8192;
@@ -42,12 +42,12 @@ pub struct Live {
 /// The half that plays; it may go to another thread.
 pub struct Player {
     processor: Box<dyn Processor>,
-    layout: Layout,
+    layout: BusLayout,
 }
 
 impl Live {
     /// Activates as for playing in real time, and starts.
-    pub fn start(mut plugin: Box<dyn Plugin>, sample_rate: f64, layout: Layout) -> Self {
+    pub fn start(mut plugin: Box<dyn Plugin>, sample_rate: f64, layout: BusLayout) -> Self {
         let configuration = Configuration { sample_rate, max_block: MAX_BLOCK, layout, offline: false };
         let mut processor = plugin.activate(&configuration).unwrap_or_else(|error| panic!("{error}"));
         plugin.run_callbacks();

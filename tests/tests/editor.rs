@@ -7,7 +7,7 @@ use pyrophone_host::state::State;
 use pyrophone_host::{Configuration, Format, Plugin};
 use pyrophone_settings::Preset;
 use pyrophone_settings::session::FIELD;
-use pyrophone_tests::desk::{Desk, ESCAPE, Hand, RETURN, SCREEN};
+use pyrophone_tests::desk::{ESCAPE, RETURN, SCREEN, TestDisplay, UiDriver};
 use pyrophone_tests::live::{Clock, Live};
 use pyrophone_tests::{
     RATE_HZ, STEREO, await_recording, flame, load_session, open, peak, preset, recording, session, wait_until,
@@ -19,7 +19,7 @@ const LARGE: (u32, u32) = (SCREEN.0 - 10, SCREEN.1 - 10);
 
 #[test]
 fn does_all_that_a_hand_can_do() {
-    let Some(desk) = Desk::set_up() else { return };
+    let Some(desk) = TestDisplay::set_up() else { return };
     let chosen = recording(desk.folder(), "embers.wav", 1, 90_000);
     std::fs::rename(chosen, desk.dialog_answer()).expect("moved");
     for format in Format::ALL {
@@ -27,7 +27,7 @@ fn does_all_that_a_hand_can_do() {
     }
 }
 
-fn try_format(desk: &Desk, format: Format) {
+fn try_format(desk: &TestDisplay, format: Format) {
     let path = recording(desk.folder(), "campfire.wav", 2, 150_000);
     let mut plugin = open(format);
     // Extension sounds, so that its parameters have an effect and can be dragged.
@@ -49,9 +49,9 @@ fn try_format(desk: &Desk, format: Format) {
     for _ in 0..20 {
         play(live.halves().1);
     }
-    let mut hand = Hand::new(desk, window, &mut live, position);
+    let mut hand = UiDriver::new(desk, window, &mut live, position);
     hand.settle();
-    hand.photograph(&format!("{format}-opened"));
+    hand.screenshot(&format!("{format}-opened"));
     try_play(&mut hand, format);
     hand.click("button.Engines");
     try_knob_and_values(&mut hand, format);
@@ -65,7 +65,7 @@ fn try_format(desk: &Desk, format: Format) {
     try_part(&mut hand, format);
     try_listening(&mut hand, desk, format);
     try_sizes(&mut hand, format);
-    let Hand { window, .. } = hand;
+    let UiDriver { window, .. } = hand;
     window.close(live.plugin());
 
     // It has the size again that it had, and all that is heard of it.
@@ -85,7 +85,7 @@ fn try_format(desk: &Desk, format: Format) {
         let scaled = (SMALL.0 * 3 / 2, SMALL.1 * 3 / 2);
         assert_eq!(window.size(), scaled, "{format}: as large on a screen with smaller pixels");
         assert_eq!(desk.map().map(|map| map.size), Some(scaled), "{format}");
-        Desk::photograph(&window, &format!("{format}-scaled"));
+        TestDisplay::screenshot(&window, &format!("{format}-scaled"));
         window.close(plugin);
         desk.scale_screen(0.0);
         for _ in 0..2 {
@@ -107,7 +107,7 @@ fn try_format(desk: &Desk, format: Format) {
 
 /// Plays until the window is drawn in this size.
 fn await_size(
-    desk: &Desk,
+    desk: &TestDisplay,
     window: &mut EditorWindow,
     plugin: &mut dyn Plugin,
     mut play: impl FnMut(),
@@ -121,7 +121,7 @@ fn await_size(
 }
 
 /// Macros, faders, the pad and takes on the first page.
-fn try_play(hand: &mut Hand<'_>, format: Format) {
+fn try_play(hand: &mut UiDriver<'_>, format: Format) {
     hand.try_often("macro_size", |hand| hand.drag("knob.macro_size", (0, -40)), |x| x != 0.0);
     hand.expect("macro_size", "dragged", |x| x > 20.0);
     hand.click("button.Undo");
@@ -130,7 +130,7 @@ fn try_play(hand: &mut Hand<'_>, format: Format) {
     hand.write("250");
     hand.press(RETURN);
     hand.expect("macro_hiss", "typed beyond its end", |x| x == 100.0);
-    hand.photograph(&format!("{format}-beyond-the-end"));
+    hand.screenshot(&format!("{format}-beyond-the-end"));
     let output = hand.value("output_level");
     hand.try_often("output_level", |hand| hand.drag("fader.output_level", (0, 30)), |x| x != output);
     hand.expect("output_level", "pulled down", |x| x < output - 3.0);
@@ -140,32 +140,32 @@ fn try_play(hand: &mut Hand<'_>, format: Format) {
     hand.click("button.New take");
     hand.expect("take", "a new one", |x| x > 0.0);
     hand.settle();
-    hand.photograph(&format!("{format}-played"));
+    hand.screenshot(&format!("{format}-played"));
     hand.click("take.0");
     hand.expect("take", "as set", |x| x == 0.0);
     hand.click("button.Built-in");
     hand.wait_until("a flame", |hand| hand.text("drive_mode") == "flame");
     (0..60).for_each(|_| hand.pass());
-    hand.photograph(&format!("{format}-built-in"));
+    hand.screenshot(&format!("{format}-built-in"));
     hand.click("button.Track");
     hand.wait_until("the track", |hand| hand.text("drive_mode") == "pressure");
 }
 
-fn type_alpha(hand: &mut Hand<'_>, text: &str) {
+fn type_alpha(hand: &mut UiDriver<'_>, text: &str) {
     hand.click_into("value.alpha");
     hand.write(text);
     hand.press(RETURN);
 }
 
-fn try_knob_and_values(hand: &mut Hand<'_>, format: Format) {
+fn try_knob_and_values(hand: &mut UiDriver<'_>, format: Format) {
     let alpha = hand.value("alpha");
     let place = hand.place("knob.alpha");
     hand.go_away();
-    let before = hand.photograph(&format!("{format}-before"));
+    let before = hand.screenshot(&format!("{format}-before"));
     hand.try_often("alpha", |hand| hand.drag("knob.alpha", (0, -60)), |x| x != alpha);
     let turned = hand.expect("alpha", "dragged", |x| x > alpha + 1.0);
     hand.go_away();
-    let after = hand.photograph(&format!("{format}-knob-dragged"));
+    let after = hand.screenshot(&format!("{format}-knob-dragged"));
     let moved = after.differing(&before, place);
     assert!(moved > 30, "{format}: the knob is drawn where it was: {moved} pixels differ");
     hand.try_often("alpha", |hand| hand.wheel_up("knob.alpha"), |x| x != turned);
@@ -179,7 +179,7 @@ fn try_knob_and_values(hand: &mut Hand<'_>, format: Format) {
 
     type_alpha(hand, "3.25");
     hand.expect("alpha", "typed", |x| x == 3.25);
-    hand.photograph(&format!("{format}-value-typed"));
+    hand.screenshot(&format!("{format}-value-typed"));
     hand.click("button.B");
     type_alpha(hand, "1.5");
     hand.expect("alpha", "B, typed", |x| x == 1.5);
@@ -191,17 +191,17 @@ fn try_knob_and_values(hand: &mut Hand<'_>, format: Format) {
     hand.expect("alpha", "double click", |x| x == 2.5);
 }
 
-fn try_handles(hand: &mut Hand<'_>, format: Format) {
+fn try_handles(hand: &mut UiDriver<'_>, format: Format) {
     let cutoff = hand.value("cutoff");
     hand.try_often("cutoff", |hand| hand.drag("handle.cutoff", (60, 0)), |x| x != cutoff);
     hand.expect("cutoff", "dragged", |x| x > 1.5 * cutoff && x < 6.0 * cutoff);
-    hand.photograph(&format!("{format}-cutoff-dragged"));
+    hand.screenshot(&format!("{format}-cutoff-dragged"));
     hand.try_often("alpha", |hand| hand.drag("handle.alpha", (0, 40)), |x| x != 2.5);
     hand.expect("alpha", "slope dragged", |x| x > 2.6);
-    hand.photograph(&format!("{format}-alpha-dragged"));
+    hand.screenshot(&format!("{format}-alpha-dragged"));
 }
 
-fn try_switches(hand: &mut Hand<'_>) {
+fn try_switches(hand: &mut UiDriver<'_>) {
     for expected in ["on", "off"] {
         hand.click("button.Bypass");
         hand.wait_until("bypass", |hand| hand.text("bypass") == expected);
@@ -209,25 +209,25 @@ fn try_switches(hand: &mut Hand<'_>) {
 }
 
 /// Searching and choosing.
-fn try_preset(hand: &mut Hand<'_>, format: Format) {
+fn try_preset(hand: &mut UiDriver<'_>, format: Format) {
     hand.click_into("button.Presets");
-    hand.photograph(&format!("{format}-presets"));
+    hand.screenshot(&format!("{format}-presets"));
     hand.write("extend");
-    hand.photograph(&format!("{format}-presets-searched"));
+    hand.screenshot(&format!("{format}-presets-searched"));
     hand.press(RETURN);
     hand.wait_until("a preset", |hand| hand.text("texture_level") == "off");
     hand.expect("alpha", "a preset", |x| x == 2.5);
     hand.press(ESCAPE);
     hand.click("button.Setup");
-    hand.photograph(&format!("{format}-setup"));
+    hand.screenshot(&format!("{format}-setup"));
     hand.click("button.Space");
-    hand.photograph(&format!("{format}-space"));
+    hand.screenshot(&format!("{format}-space"));
     hand.click("button.Engines");
     hand.place("knob.alpha");
 }
 
 /// Saving under a new name, and not replacing what is there; the folder is empty at first.
-fn try_saving(hand: &mut Hand<'_>, desk: &Desk) {
+fn try_saving(hand: &mut UiDriver<'_>, desk: &TestDisplay) {
     let folder = desk.presets();
     let files = || {
         let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
@@ -250,7 +250,7 @@ fn try_saving(hand: &mut Hand<'_>, desk: &Desk) {
     assert_eq!(saved.name, "mine");
     assert_eq!(saved.values, set);
     hand.settle();
-    hand.photograph("preset-saved");
+    hand.screenshot("preset-saved");
     // There is one of that name now: the first press only asks.
     let file = folder.join("mine.toml");
     let written = || std::fs::metadata(&file).and_then(|metadata| metadata.modified()).expect("a time");
@@ -258,39 +258,39 @@ fn try_saving(hand: &mut Hand<'_>, desk: &Desk) {
     hand.click_into("field.Preset name");
     hand.press(RETURN);
     (0..3).for_each(|_| hand.settle());
-    hand.photograph("preset-exists");
+    hand.screenshot("preset-exists");
     hand.press(ESCAPE);
     assert_eq!(files(), ["mine.toml"]);
     assert_eq!(written(), before, "nothing is replaced unasked");
 }
 
 /// The path of the recording in the session that the host would save.
-fn session_recording(hand: &mut Hand<'_>) -> String {
+fn session_recording(hand: &mut UiDriver<'_>) -> String {
     let bytes = hand.live.plugin().state().expect("a state");
     let state = State::from_bytes(hand.live.plugin().format(), &bytes).expect("a state of this plugin");
     state.fields[FIELD].clone()
 }
 
 /// A recording chosen in the system's dialog, and one that is dropped on the window.
-fn try_files(hand: &mut Hand<'_>, desk: &Desk, format: Format) {
+fn try_files(hand: &mut UiDriver<'_>, desk: &TestDisplay, format: Format) {
     assert!(session_recording(hand).contains("campfire.wav"));
     hand.click("button.Load recording");
     hand.wait_until("what the dialog told", |hand| session_recording(hand).contains("chosen in the dialog.wav"));
     hand.settle();
-    hand.photograph(&format!("{format}-file-chosen"));
+    hand.screenshot(&format!("{format}-file-chosen"));
     let dropped = recording(desk.folder(), "bonfire, 100 % dry.wav", 1, 70_000);
     hand.drop_file(&dropped, "handle.cutoff");
     hand.wait_until("what was dropped", |hand| session_recording(hand).contains("bonfire, 100 % dry.wav"));
     hand.settle();
-    hand.photograph(&format!("{format}-file-dropped"));
+    hand.screenshot(&format!("{format}-file-dropped"));
 }
 
 /// The part of the recording that is learnt from, by mouse and by numbers.
-fn try_part(hand: &mut Hand<'_>, format: Format) {
+fn try_part(hand: &mut UiDriver<'_>, format: Format) {
     hand.drag("region", (70, 0));
     hand.wait_until("a part of the recording", |hand| session_recording(hand).contains("region_s"));
     hand.settle();
-    hand.photograph(&format!("{format}-part"));
+    hand.screenshot(&format!("{format}-part"));
     hand.click_into("number.Gain");
     hand.with_control(b'a');
     hand.write("-6");
@@ -301,11 +301,11 @@ fn try_part(hand: &mut Hand<'_>, format: Format) {
 }
 
 /// Hearing one sound alone, a burst, learning from a file, and saving what was played.
-fn try_listening(hand: &mut Hand<'_>, desk: &Desk, format: Format) {
+fn try_listening(hand: &mut UiDriver<'_>, desk: &TestDisplay, format: Format) {
     hand.click("button.Hear rec.");
     hand.click("button.Burst");
     (0..20).for_each(|_| hand.pass());
-    hand.photograph(&format!("{format}-listening"));
+    hand.screenshot(&format!("{format}-listening"));
     hand.click("button.Hear output");
     hand.click("button.Learn from file");
     hand.wait_until("a learned drive", |hand| session_recording(hand).contains("quantiles"));
@@ -316,7 +316,7 @@ fn try_listening(hand: &mut Hand<'_>, desk: &Desk, format: Format) {
     (0..80).for_each(|_| hand.pass());
     hand.click("button.Record");
     hand.click("button.Save sound");
-    hand.photograph(&format!("{format}-saving"));
+    hand.screenshot(&format!("{format}-saving"));
     hand.click("button.Save output");
     let taken = || pyrophone_recording::decode(&answer, &|_| true).ok().filter(|taken| taken.channels.len() == 2);
     hand.wait_until("a file with what was played", |_| taken().is_some());
@@ -326,9 +326,9 @@ fn try_listening(hand: &mut Hand<'_>, desk: &Desk, format: Format) {
 }
 
 /// Sizes by the host's frame, down to the smallest, and by the corner that the window draws itself.
-fn try_sizes(hand: &mut Hand<'_>, format: Format) {
+fn try_sizes(hand: &mut UiDriver<'_>, format: Format) {
     hand.resize(SMALL);
-    hand.photograph(&format!("{format}-small"));
+    hand.screenshot(&format!("{format}-small"));
     hand.window.resize(hand.live.plugin(), (200, 100)).expect("as small as it goes");
     hand.wait_for_size(SMALL);
     hand.drag_corner((200, 150));
@@ -339,9 +339,9 @@ fn try_sizes(hand: &mut Hand<'_>, format: Format) {
     });
     let dragged = hand.window.size();
     hand.wait_for_size(dragged);
-    hand.photograph(&format!("{format}-corner-dragged"));
+    hand.screenshot(&format!("{format}-corner-dragged"));
     hand.resize(LARGE);
-    hand.photograph(&format!("{format}-large"));
+    hand.screenshot(&format!("{format}-large"));
     let alpha = hand.value("alpha");
     hand.try_often("alpha", |hand| hand.drag("knob.alpha", (0, -40)), |x| x != alpha);
     hand.expect("alpha", "dragged in a large window", |x| x > alpha);

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use pyrophone_host::Format;
-use pyrophone_tests::desk::Desk;
+use pyrophone_tests::desk::TestDisplay;
 use pyrophone_tests::live::{Clock, Live};
 use pyrophone_tests::{RATE_HZ, STEREO, await_recording, flame, load_session, open, preset, recording, session};
 
@@ -29,7 +29,7 @@ fn threads() -> HashMap<String, (String, Duration)> {
 #[test]
 #[ignore = "a measurement"]
 fn cost_of_drawing() {
-    let Some(desk) = Desk::set_up() else { return };
+    let Some(desk) = TestDisplay::set_up() else { return };
     let path = recording(desk.folder(), "campfire.wav", 2, 150_000);
     let mut plugin = open(Format::Clap);
     load_session(plugin.as_mut(), &preset("default", &[]), &session(Some(&path), None));

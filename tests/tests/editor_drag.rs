@@ -3,19 +3,19 @@
 use std::cell::RefCell;
 
 use pyrophone_host::Format;
-use pyrophone_tests::desk::{Desk, DropSpot, Hand};
+use pyrophone_tests::desk::{DropSpot, TestDisplay, UiDriver};
 use pyrophone_tests::live::Live;
 use pyrophone_tests::{RATE_HZ, STEREO, load_session, open, peak, preset, session};
 
 #[test]
 fn a_recorded_take_is_dropped_where_it_is_wanted() {
-    let Some(desk) = Desk::set_up() else { return };
+    let Some(desk) = TestDisplay::set_up() else { return };
     for format in Format::ALL {
         let mut plugin = open(format);
         load_session(plugin.as_mut(), &preset("extend", &[]), &session(None, None));
         let mut live = Live::start(plugin, RATE_HZ, STEREO);
         let window = desk.open_drawn(live.plugin(), || {});
-        let mut hand = Hand::new(&desk, window, &mut live, 0);
+        let mut hand = UiDriver::new(&desk, window, &mut live, 0);
         hand.resize((1000, 700));
         hand.click("button.Record");
         (0..40).for_each(|_| hand.pass());
@@ -53,8 +53,8 @@ fn a_recorded_take_is_dropped_where_it_is_wanted() {
         assert!(taken.channels.len() == 2 && taken.duration_s() > 0.3, "{format}: {} s", taken.duration_s());
         assert!(peak(&taken.channels[0]) > 1e-4, "{format}: it sounds");
         hand.settle();
-        hand.photograph(&format!("{format}-dragged-out"));
-        let Hand { window, .. } = hand;
+        hand.screenshot(&format!("{format}-dragged-out"));
+        let UiDriver { window, .. } = hand;
         window.close(live.plugin());
     }
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use pyrophone_host::editor::EditorWindow;
 use pyrophone_host::{Format, Plugin};
-use pyrophone_tests::desk::{Desk, PATIENCE, Picture};
+use pyrophone_tests::desk::{PATIENCE, Picture, TestDisplay};
 use pyrophone_tests::live::{Clock, Live, Player};
 use pyrophone_tests::{
     RATE_HZ, STEREO, await_recording, flame, in_a_process_of_its_own, load_session, open, peak, preset, recording,
@@ -30,7 +30,7 @@ fn editors_come_and_go() {
     // With a heap for every thread, what windows' threads have freed stays in so many places that nothing can be told from
     // the size of the process.
     in_a_process_of_its_own("editors_come_and_go", &[("MALLOC_ARENA_MAX", "1")], || {
-        let Some(desk) = Desk::set_up() else { return };
+        let Some(desk) = TestDisplay::set_up() else { return };
         for format in Format::ALL {
             while_it_plays(&desk, format);
             two_at_once(&desk, format);
@@ -87,7 +87,7 @@ impl Holdings {
 }
 
 /// Many windows come and go while another thread plays.
-fn while_it_plays(desk: &Desk, format: Format) {
+fn while_it_plays(desk: &TestDisplay, format: Format) {
     let cycles = rounds(CYCLES.0, CYCLES.1);
     let mut live = instance(format, desk.folder());
     let is_over = AtomicBool::new(false);
@@ -152,7 +152,7 @@ fn quiet(plugin: &mut dyn Plugin) -> Holdings {
 }
 
 /// Two instances of one bundle with their windows open, each drawn, each with its own values.
-fn two_at_once(desk: &Desk, format: Format) {
+fn two_at_once(desk: &TestDisplay, format: Format) {
     let mut lives = [instance(format, desk.folder()), instance(format, desk.folder())];
     let input = flame(83, 2, 1024);
     let mut position = 0;
@@ -179,7 +179,7 @@ fn two_at_once(desk: &Desk, format: Format) {
             assert!(began.elapsed() < PATIENCE, "{format}: window {shown} of two is not drawn");
         }
     }
-    Desk::photograph(&windows[0], &format!("{format}-one-of-two"));
+    TestDisplay::screenshot(&windows[0], &format!("{format}-one-of-two"));
     let values =
         lives.each_mut().map(|live| live.plugin().value(pyrophone_host::numeric_id("alpha")).expect("a value"));
     assert!(values[1] > values[0], "{format}: {values:?}");
@@ -200,7 +200,7 @@ fn two_at_once(desk: &Desk, format: Format) {
 }
 
 /// Plugin, editor and window go in any order a host can think of.
-fn gone_with_their_editors(desk: &Desk, format: Format) {
+fn gone_with_their_editors(desk: &TestDisplay, format: Format) {
     let seen = |live: &mut Live, is_drawn: bool| {
         let (plugin, player) = live.halves();
         let input = flame(84, 2, 2048);

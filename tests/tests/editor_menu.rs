@@ -1,24 +1,24 @@
 //! The host's own entries in the menu of a parameter: they are shown, and what is chosen is done by the host.
 
 use pyrophone_host::{Format, MENU, SUBMENU, numeric_id};
-use pyrophone_tests::desk::{Desk, Hand};
+use pyrophone_tests::desk::{TestDisplay, UiDriver};
 use pyrophone_tests::live::Live;
 use pyrophone_tests::{RATE_HZ, STEREO, load_session, open, preset, session};
 
 #[test]
 fn a_right_click_offers_what_the_host_has() {
-    let Some(desk) = Desk::set_up() else { return };
+    let Some(desk) = TestDisplay::set_up() else { return };
     for format in Format::ALL {
         let mut plugin = open(format);
         load_session(plugin.as_mut(), &preset("default", &[]), &session(None, None));
         let mut live = Live::start(plugin, RATE_HZ, STEREO);
         let window = desk.open_drawn(live.plugin(), || {});
-        let mut hand = Hand::new(&desk, window, &mut live, 0);
+        let mut hand = UiDriver::new(&desk, window, &mut live, 0);
         for (id, knob) in [("macro_size", "knob.macro_size"), ("output_level", "fader.output_level")] {
             hand.right_click(knob);
             let (action, words) = MENU[0];
             hand.place(&format!("menu.host.{words}"));
-            hand.photograph(&format!("{format}-host-menu-{id}"));
+            hand.screenshot(&format!("{format}-host-menu-{id}"));
             hand.click(&format!("menu.host.{words}"));
             let mut chosen = Vec::new();
             hand.wait_until("the host does it", |hand| {
@@ -39,7 +39,7 @@ fn a_right_click_offers_what_the_host_has() {
             !chosen.is_empty()
         });
         assert_eq!(chosen, [(numeric_id("macro_fury"), action)], "{format}");
-        let Hand { window, .. } = hand;
+        let UiDriver { window, .. } = hand;
         window.close(live.plugin());
     }
 }

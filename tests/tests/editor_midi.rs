@@ -2,17 +2,17 @@
 
 use pyrophone_host::state::State;
 use pyrophone_host::{ControllerMessage, Format};
-use pyrophone_tests::desk::{Desk, ESCAPE, Hand};
+use pyrophone_tests::desk::{ESCAPE, TestDisplay, UiDriver};
 use pyrophone_tests::live::Live;
 use pyrophone_tests::{RATE_HZ, STEREO, load_session, open, preset, session};
 
-fn controllers(hand: &mut Hand<'_>) -> String {
+fn controllers(hand: &mut UiDriver<'_>) -> String {
     let plugin = hand.live.plugin();
     let state = State::from_bytes(plugin.format(), &plugin.state().expect("a state")).expect("a state of this plug-in");
     state.fields["controllers"].clone()
 }
 
-fn turn(hand: &mut Hand<'_>, controller: u8, position: u8) {
+fn turn(hand: &mut UiDriver<'_>, controller: u8, position: u8) {
     hand.live.move_controllers(&[ControllerMessage { offset: 3, channel: 0, controller, position }]);
     hand.pass();
     hand.live.plugin().take_told_values();
@@ -20,7 +20,7 @@ fn turn(hand: &mut Hand<'_>, controller: u8, position: u8) {
 
 #[test]
 fn a_right_click_learns_a_controller_for_this_session_and_those_to_come() {
-    let Some(desk) = Desk::set_up() else { return };
+    let Some(desk) = TestDisplay::set_up() else { return };
     let file = desk.presets().join("midi-controllers.txt");
     for format in Format::ALL {
         // What the other format has left.
@@ -29,15 +29,15 @@ fn a_right_click_learns_a_controller_for_this_session_and_those_to_come() {
         load_session(plugin.as_mut(), &preset("default", &[]), &session(None, None));
         let mut live = Live::start(plugin, RATE_HZ, STEREO);
         let window = desk.open_drawn(live.plugin(), || {});
-        let mut hand = Hand::new(&desk, window, &mut live, 0);
+        let mut hand = UiDriver::new(&desk, window, &mut live, 0);
         turn(&mut hand, 21, 100);
         hand.expect("macro_size", "no controller moves it yet", |x| x == 0.0);
 
         hand.right_click("knob.macro_size");
-        hand.photograph(&format!("{format}-midi-menu"));
+        hand.screenshot(&format!("{format}-midi-menu"));
         hand.click("menu.Learn");
         hand.place("learning");
-        hand.photograph(&format!("{format}-midi-learning"));
+        hand.screenshot(&format!("{format}-midi-learning"));
         hand.press(ESCAPE);
         turn(&mut hand, 21, 100);
         assert_eq!(controllers(&mut hand), "{}", "{format}: called off");
@@ -52,7 +52,7 @@ fn a_right_click_learns_a_controller_for_this_session_and_those_to_come() {
         turn(&mut hand, 21, 0);
         hand.expect("macro_size", "it goes on following", |x| x == -100.0);
         hand.settle();
-        hand.photograph(&format!("{format}-midi-learnt"));
+        hand.screenshot(&format!("{format}-midi-learnt"));
         let mut fresh = open(format);
         let state = State::from_bytes(format, &fresh.state().expect("a state")).expect("a state of this plug-in");
         assert_eq!(state.fields["controllers"], r#"{"macro_size":21}"#, "{format}: a new instance has it");
@@ -63,7 +63,7 @@ fn a_right_click_learns_a_controller_for_this_session_and_those_to_come() {
         hand.wait_until("forgotten", |_| std::fs::read_to_string(&file).is_ok_and(|text| text.is_empty()));
         turn(&mut hand, 21, 64);
         hand.expect("macro_size", "it stays", |x| x == -100.0);
-        let Hand { window, .. } = hand;
+        let UiDriver { window, .. } = hand;
         window.close(live.plugin());
     }
 }

@@ -3,11 +3,11 @@
 use pyrophone_host::Format;
 use pyrophone_host::state::State;
 use pyrophone_settings::session::FIELD;
-use pyrophone_tests::desk::{Desk, Hand};
+use pyrophone_tests::desk::{TestDisplay, UiDriver};
 use pyrophone_tests::live::Live;
 use pyrophone_tests::{RATE_HZ, STEREO, await_recording, load_session, open, preset, recording, session};
 
-fn saved(hand: &mut Hand<'_>) -> String {
+fn saved(hand: &mut UiDriver<'_>) -> String {
     let plugin = hand.live.plugin();
     let state = State::from_bytes(plugin.format(), &plugin.state().expect("a state")).expect("a state of this plug-in");
     state.fields[FIELD].clone()
@@ -15,7 +15,7 @@ fn saved(hand: &mut Hand<'_>) -> String {
 
 #[test]
 fn slots_are_filled_switched_and_blended_by_hand() {
-    let Some(desk) = Desk::set_up() else { return };
+    let Some(desk) = TestDisplay::set_up() else { return };
     let (first, second) =
         (recording(desk.folder(), "campfire.wav", 2, 100_000), recording(desk.folder(), "embers.wav", 1, 80_000));
     for format in Format::ALL {
@@ -24,9 +24,9 @@ fn slots_are_filled_switched_and_blended_by_hand() {
         await_recording(plugin.as_mut(), RATE_HZ, STEREO);
         let mut live = Live::start(plugin, RATE_HZ, STEREO);
         let window = desk.open_drawn(live.plugin(), || {});
-        let mut hand = Hand::new(&desk, window, &mut live, 0);
+        let mut hand = UiDriver::new(&desk, window, &mut live, 0);
         hand.resize((1100, 790));
-        hand.photograph(&format!("{format}-slots"));
+        hand.screenshot(&format!("{format}-slots"));
 
         // Nothing to blend with yet.
         hand.drag("slider.recording_blend", (60, 0));
@@ -43,7 +43,7 @@ fn slots_are_filled_switched_and_blended_by_hand() {
         hand.try_often("recording_blend", |hand| hand.drag("slider.recording_blend", (50, 0)), |x| x > 0.0);
         hand.expect("recording_blend", "dragged", |x| x > 15.0);
         hand.settle();
-        hand.photograph(&format!("{format}-blended"));
+        hand.screenshot(&format!("{format}-blended"));
         hand.click("button.Undo");
         hand.expect("recording_blend", "undone", |x| x == 0.0);
 
@@ -55,12 +55,12 @@ fn slots_are_filled_switched_and_blended_by_hand() {
             hand.text("vortex_level").starts_with("-6")
         });
         (0..40).for_each(|_| hand.pass());
-        hand.photograph(&format!("{format}-space-sounding"));
+        hand.screenshot(&format!("{format}-space-sounding"));
         hand.try_often("vortex_azimuth", |hand| hand.drag("handle.space", (60, 0)), |x| x != 0.0);
         hand.expect("vortex_azimuth", "dragged to the right", |x| x > 5.0 && x < 90.0);
         hand.settle();
-        hand.photograph(&format!("{format}-space-dragged"));
-        let Hand { window, .. } = hand;
+        hand.screenshot(&format!("{format}-space-dragged"));
+        let UiDriver { window, .. } = hand;
         window.close(live.plugin());
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use pyrophone_host::bounce::{AutomationPoint, BlockSize, BounceOptions};
-use pyrophone_host::{Format, Layout, numeric_id};
+use pyrophone_host::{BusLayout, Format, numeric_id};
 use pyrophone_settings::{Id, Preset};
 use pyrophone_tests::{
     MONO, RATE_HZ, STEREO, await_recording, command_line, differing, flame, is_soak, learned, load_session, open, peak,
@@ -49,7 +49,7 @@ fn every_preset_in_stereo_is_the_command_lines() {
     every_preset_in_every_format_with_and_without_automation(2, STEREO);
 }
 
-fn every_preset_in_every_format_with_and_without_automation(inputs: usize, layout: Layout) {
+fn every_preset_in_every_format_with_and_without_automation(inputs: usize, layout: BusLayout) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let training = recording(folder.path(), "training.wav", 2, 60_000);
     let csv = folder.path().join("automation.csv");

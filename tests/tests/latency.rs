@@ -1,15 +1,15 @@
 //! Latency reported is latency measured, and automation acts on the sound it arrived with.
 
 use pyrophone_host::bounce::{AutomationPoint, BlockSize, BounceOptions};
-use pyrophone_host::{Block, Configuration, Format, Layout, Transport, numeric_id};
+use pyrophone_host::{Block, BusLayout, Configuration, Format, Transport, numeric_id};
 use pyrophone_settings::Session;
 use pyrophone_tests::{MONO, RATE_HZ, STEREO, flame, load_session, open, play, preset};
 
-const MONO_TO_STEREO: Layout = Layout { input: 1, sidechain: 0, output: 2 };
-const WITH_SIDECHAIN: Layout = Layout { input: 2, sidechain: 2, output: 2 };
+const MONO_TO_STEREO: BusLayout = BusLayout { input: 1, sidechain: 0, output: 2 };
+const WITH_SIDECHAIN: BusLayout = BusLayout { input: 2, sidechain: 2, output: 2 };
 
 /// Plays an impulse, not compensated; answers where the output is largest, and the latency reported.
-fn measure(format: Format, layout: Layout, sample_rate: f64, changes: &[(&str, &str)]) -> (usize, usize) {
+fn measure(format: Format, layout: BusLayout, sample_rate: f64, changes: &[(&str, &str)]) -> (usize, usize) {
     let mut plugin = open(format);
     load_session(plugin.as_mut(), &preset("extend", changes), &Session::default());
     let configuration = Configuration { sample_rate, max_block: 256, layout, offline: false };

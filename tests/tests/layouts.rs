@@ -1,18 +1,18 @@
 //! Channels, sidechain, in place or not, blocks of any size, silence, and input that is no sound.
 
 use pyrophone_host::bounce::{BlockSize, BounceOptions, bounce};
-use pyrophone_host::{Format, Layout, Plugin, Tail};
+use pyrophone_host::{BusLayout, Format, Plugin, Tail};
 use pyrophone_tests::live::{Clock, Live};
 use pyrophone_tests::{
     MONO, RATE_HZ, STEREO, assert_same, assert_sounds, await_recording, differing, flame, is_soak, load_session, open,
     part, peak, play, preset, recording, session,
 };
 
-const fn layout(input: u32, sidechain: u32, output: u32) -> Layout {
-    Layout { input, sidechain, output }
+const fn layout(input: u32, sidechain: u32, output: u32) -> BusLayout {
+    BusLayout { input, sidechain, output }
 }
 
-const LAYOUTS: [Layout; 8] = [
+const LAYOUTS: [BusLayout; 8] = [
     layout(1, 0, 1),
     layout(1, 0, 2),
     layout(2, 0, 2),
@@ -41,7 +41,7 @@ impl Studio {
         studio
     }
 
-    fn instance(&self, format: Format, name: &str, changes: &[(&str, &str)], layout: Layout) -> Box<dyn Plugin> {
+    fn instance(&self, format: Format, name: &str, changes: &[(&str, &str)], layout: BusLayout) -> Box<dyn Plugin> {
         let mut plugin = open(format);
         let session = session(Some(&self.folder.path().join("fire.wav")), None);
         load_session(plugin.as_mut(), &preset(name, changes), &session);

@@ -1,9 +1,9 @@
 //! From a part of a recording to its dictionary.
 
 use pyrophone_recording::{Cut, Recording, resample};
-use pyrophone_synthesis::Structure;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::EngineConfig;
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 /// Stage of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,17 +54,17 @@ pub fn build(
     recording: &Recording,
     cut: &Cut,
     sample_rate_hz: f64,
-    structure: &Structure,
+    structure: &EngineConfig,
     progress: &(dyn Fn(Stage, f32) -> bool + Sync),
 ) -> Result<Dictionary, Error> {
     let part = match structure.dynamics {
-        Dynamics::Paper => cut.as_recorded(recording)?,
-        Dynamics::Companded => cut.of(recording)?,
+        MatchingMode::Paper => cut.as_recorded(recording)?,
+        MatchingMode::Companded => cut.of(recording)?,
     };
     let resampled = resample(&part, sample_rate_hz.round() as u32, &|done| progress(Stage::Resampling, done))?;
     let in_double = |channel: &Vec<f32>| channel.iter().map(|sample| f64::from(*sample)).collect();
     let channels: Vec<Vec<f64>> = resampled.channels.iter().map(in_double).collect();
-    let shape = Shape::at_rate(structure, sample_rate_hz);
+    let shape = PyramidConfig::at_rate(structure, sample_rate_hz);
     let indexing = |done: f32| progress(Stage::Indexing, done);
     let made = Dictionary::for_dynamics(structure.dynamics, &channels, sample_rate_hz, &shape, &indexing);
     made.map_err(|error| match error {

@@ -1,9 +1,9 @@
 //! Key of a dictionary: everything that it is made from.
 
 use pyrophone_recording::Cut;
-use pyrophone_synthesis::Structure;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::Shape;
+use pyrophone_synthesis::EngineConfig;
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::PyramidConfig;
 
 /// Key of a dictionary: content, part, sample rate and structure.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -14,7 +14,7 @@ pub struct DictionaryKey {
     rate_bits: u64,
     sizes: [usize; 3],
     falloff_bits: u64,
-    dynamics: Dynamics,
+    dynamics: MatchingMode,
 }
 
 impl DictionaryKey {
@@ -24,8 +24,8 @@ impl DictionaryKey {
     }
 
     /// The key of a part of a recording at a sample rate, for engines of a structure.
-    pub fn new(content_hash: &str, cut: &Cut, sample_rate_hz: f64, structure: &Structure) -> Self {
-        let shape = Shape::at_rate(structure, sample_rate_hz);
+    pub fn new(content_hash: &str, cut: &Cut, sample_rate_hz: f64, structure: &EngineConfig) -> Self {
+        let shape = PyramidConfig::at_rate(structure, sample_rate_hz);
         Self {
             dynamics: structure.dynamics,
             content_hash: content_hash.to_owned(),

@@ -186,14 +186,14 @@ fn read(file: impl Read, len: u64) -> Result<Dictionary> {
 #[cfg(test)]
 mod tests {
     use pyrophone_recording::Cut;
-    use pyrophone_synthesis::Structure;
-    use pyrophone_synthesis::structure::Dynamics;
-    use pyrophone_synthesis::texture::Shape;
+    use pyrophone_synthesis::EngineConfig;
+    use pyrophone_synthesis::structure::MatchingMode;
+    use pyrophone_synthesis::texture::PyramidConfig;
 
     use super::*;
 
     fn key(hash: &str) -> DictionaryKey {
-        DictionaryKey::new(hash, &Cut::default(), 44_100.0, &Structure::default())
+        DictionaryKey::new(hash, &Cut::default(), 44_100.0, &EngineConfig::default())
     }
 
     fn dictionary(seed: u32) -> Dictionary {
@@ -203,8 +203,8 @@ mod tests {
             f64::from(state as i32) / f64::from(i32::MAX)
         };
         let channels: Vec<Vec<f64>> = (0..2).map(|_| (0..30_000).map(|_| next()).collect()).collect();
-        let shape = Shape::at_rate(&Structure::default(), 44_100.0);
-        Dictionary::for_dynamics(Dynamics::Companded, &channels, 44_100.0, &shape, &|_| true).unwrap()
+        let shape = PyramidConfig::at_rate(&EngineConfig::default(), 44_100.0);
+        Dictionary::for_dynamics(MatchingMode::Companded, &channels, 44_100.0, &shape, &|_| true).unwrap()
     }
 
     fn bytes(dictionary: &Dictionary) -> Vec<u8> {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use pyrophone_flame::flux::{Changes, Partial, Row, Steps};
+use pyrophone_flame::flux::{Changes, FluxShard, Row, Steps};
 
 use crate::error::Error;
 
@@ -12,7 +12,7 @@ use crate::error::Error;
 const SUFFIX: &str = ".flux-progress";
 
 /// Frames done so far, in a file that goes away when the work is whole.
-pub struct Kept {
+pub struct FluxCheckpoint {
     path: PathBuf,
     settings: String,
     /// Frames done by the run before; in the end, all of them.
@@ -24,7 +24,7 @@ pub struct Kept {
     done: usize,
 }
 
-impl Kept {
+impl FluxCheckpoint {
     /// Finds what a run with the same settings, over the same files, has left beside `output`.
     pub fn open(output: &Path, settings: String) -> Self {
         let mut name = output.file_name().unwrap_or_default().to_os_string();
@@ -34,8 +34,8 @@ impl Kept {
         let text = std::fs::read_to_string(&path).unwrap_or_default();
         // The last line may have been cut off while it was written.
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
-        let found = Partial::read_unfinished(whole, "").ok().filter(|part| part.settings == settings);
-        let Partial { steps, changes, .. } = found.unwrap_or_default();
+        let found = FluxShard::read_unfinished(whole, "").ok().filter(|part| part.settings == settings);
+        let FluxShard { steps, changes, .. } = found.unwrap_or_default();
         let done = steps.values().flatten().count();
         Self { path, settings, steps, changes, file: None, done }
     }
@@ -48,8 +48,8 @@ impl Kept {
             Error::Recording(pyrophone_recording::Error::NotWritten { path: self.path.display().to_string(), reason })
         };
         for (row, change) in rows {
-            Partial::write_step(row.frame, Some(row), &mut text).map_err(failure)?;
-            change.map_or(Ok(()), |change| Partial::write_change(row.frame, change, &mut text)).map_err(failure)?;
+            FluxShard::write_step(row.frame, Some(row), &mut text).map_err(failure)?;
+            change.map_or(Ok(()), |change| FluxShard::write_change(row.frame, change, &mut text)).map_err(failure)?;
             count += 1;
         }
         if text.is_empty() {
@@ -59,13 +59,13 @@ impl Kept {
             Some(file) => file,
             none => {
                 let mut head = vec![];
-                let part = Partial { settings: self.settings.clone(), ..Partial::default() };
+                let part = FluxShard { settings: self.settings.clone(), ..FluxShard::default() };
                 part.write_head(&mut head).map_err(failure)?;
                 for (frame, row) in &self.steps {
-                    Partial::write_step(*frame, row.as_ref(), &mut head).map_err(failure)?;
+                    FluxShard::write_step(*frame, row.as_ref(), &mut head).map_err(failure)?;
                 }
                 for (frame, change) in &self.changes {
-                    Partial::write_change(*frame, change, &mut head).map_err(failure)?;
+                    FluxShard::write_change(*frame, change, &mut head).map_err(failure)?;
                 }
                 let mut file = File::create(&self.path).map_err(failure)?;
                 file.write_all(&head).map_err(failure)?;

@@ -12,7 +12,7 @@ use pyrophone_recording::write_file;
 use rayon::prelude::*;
 
 use super::cache;
-use super::kept::Kept;
+use super::kept::FluxCheckpoint;
 use super::sight::Sight;
 use crate::args::{FluxArgs, Measure, MeshKind, Placement};
 use crate::error::Error;
@@ -126,19 +126,19 @@ impl Plan {
     }
 
     /// Every frame's numbers; none for those skipped. What is done is kept beside `output` until all is.
-    pub fn measure(&self, output: &Path, work: &Work) -> Result<Kept, Error> {
+    pub fn measure(&self, output: &Path, work: &Work) -> Result<FluxCheckpoint, Error> {
         if let Some((folder, ..)) = &self.mesh {
             make_folder(folder)?;
         }
         let files = cache::files_of(&self.sequence, &self.indices);
-        let mut kept = Kept::open(output, format!("{}, files {}", self.settings, cache::identity(&files)));
-        match self.go_on(&mut kept, work) {
+        let mut kept = FluxCheckpoint::open(output, format!("{}, files {}", self.settings, cache::identity(&files)));
+        match self.resume(&mut kept, work) {
             Ok(()) => Ok(kept),
             Err(error) => Err(kept.unfinished(error)),
         }
     }
 
-    fn go_on(&self, kept: &mut Kept, work: &Work) -> Result<(), Error> {
+    fn resume(&self, kept: &mut FluxCheckpoint, work: &Work) -> Result<(), Error> {
         let stage = work.stage("measuring");
         let numbers: Vec<i64> = self.sequence.numbers().collect();
         let is_done = |index: &usize| {

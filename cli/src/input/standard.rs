@@ -13,7 +13,7 @@ use crate::progress::Work;
 pub const NAME: &str = "standard input";
 
 /// Interval at which a wait for input checks for a signal.
-const GLANCE: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// All of it, with its true length in the header where its writer did not know it.
 pub fn read(work: &Work) -> Result<Vec<u8>, Error> {
@@ -28,7 +28,7 @@ pub fn read(work: &Work) -> Result<Vec<u8>, Error> {
         sender.send(read.map(|_| bytes))
     });
     let read = loop {
-        match receiver.recv_timeout(GLANCE) {
+        match receiver.recv_timeout(POLL_INTERVAL) {
             Ok(read) => break read,
             Err(mpsc::RecvTimeoutError::Timeout) => work.check()?,
             Err(mpsc::RecvTimeoutError::Disconnected) => break Ok(vec![]),

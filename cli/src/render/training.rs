@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use pyrophone_recording::{Cut, Recording};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::texture::Dictionary;
 use pyrophone_training::{DictionaryKey, Stage, Store, build};
 
@@ -18,7 +18,7 @@ pub fn dictionary(
     path: &Path,
     cut: &Cut,
     rate_hz: f64,
-    structure: &Structure,
+    structure: &EngineConfig,
     work: &Work,
 ) -> Result<Arc<Dictionary>, Error> {
     say_if_cancelling(recording);

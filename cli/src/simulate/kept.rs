@@ -3,7 +3,7 @@
 use std::io::{BufRead, Read, Write};
 use std::path::{Path, PathBuf};
 
-use pyrophone_flame::flux::{Partial, Steps};
+use pyrophone_flame::flux::{FluxShard, Steps};
 use pyrophone_flame::scenes::Simulation;
 use pyrophone_recording::write_file;
 
@@ -17,7 +17,7 @@ const MOST_TABLE_BYTES: u64 = 1 << 30;
 pub type Flow = Vec<Vec<f32>>;
 
 /// A table of flux, speeds, and the gas as it was after the last step in it.
-pub struct Kept {
+pub struct SimulationCheckpoint {
     path: PathBuf,
     settings: String,
     /// Speeds of a step.
@@ -25,7 +25,7 @@ pub struct Kept {
     done: usize,
 }
 
-impl Kept {
+impl SimulationCheckpoint {
     /// Beside `output`; `settings` say what a run must have in common with one that goes on with it, `columns` how many
     /// speeds a step has.
     pub fn open(output: &Path, settings: String, columns: usize) -> Self {
@@ -66,7 +66,7 @@ impl Kept {
         let (rows, columns) = (number(MOST_TABLE_BYTES)?, number(1 << 16)?);
         let mut table = String::new();
         file.by_ref().take(size).read_to_string(&mut table).map_err(said)?;
-        let partial = Partial::read(&table, &self.path.display().to_string()).map_err(|error| error.to_string())?;
+        let partial = FluxShard::read(&table, &self.path.display().to_string()).map_err(|error| error.to_string())?;
         if partial.settings != self.settings {
             return Err(format!("it belongs to {}", partial.settings));
         }
@@ -88,7 +88,7 @@ impl Kept {
     /// Keeps what is done.
     pub fn keep(&mut self, simulation: &Simulation, steps: &Steps, flow: &Flow) -> Result<(), Error> {
         let mut table = vec![];
-        let partial = Partial { settings: self.settings.clone(), steps: steps.clone(), ..Partial::default() };
+        let partial = FluxShard { settings: self.settings.clone(), steps: steps.clone(), ..FluxShard::default() };
         write_file(&self.path, |file| {
             partial.write(&mut table)?;
             let mut file = std::io::BufWriter::new(file);

@@ -20,13 +20,13 @@ const MOST_BYTES: u64 = 1 << 30;
 const ROW_HEAD: usize = 20;
 
 /// The rows, in the order in which they were done.
-pub struct Kept {
+pub struct TextureCheckpoint {
     path: PathBuf,
     settings: String,
     rows: Vec<Row>,
 }
 
-impl Kept {
+impl TextureCheckpoint {
     /// Beside `output`; `settings` say what a run must have in common with one that goes on with it.
     pub fn open(output: &Path, settings: String) -> Self {
         let mut name = output.file_name().unwrap_or_default().to_os_string();

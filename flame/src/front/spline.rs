@@ -15,7 +15,7 @@ fn slopes(t: f64) -> [f64; 4] {
 }
 
 /// Second derivatives of [`weights`].
-fn bends(t: f64) -> [f64; 4] {
+fn second_derivative(t: f64) -> [f64; 4] {
     [1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t]
 }
 
@@ -43,7 +43,7 @@ impl Patch {
 
     /// Gradient and Hessian at fractions `t` (0-1 each) of the cell, per index and per index squared.
     pub fn derivatives(&self, t: [f64; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
-        let kernels = t.map(|t| [weights(t), slopes(t), bends(t)]);
+        let kernels = t.map(|t| [weights(t), slopes(t), second_derivative(t)]);
         let sum =
             |taps: &[f64], kernel: &[f64; 4]| taps.iter().zip(kernel).map(|(tap, weight)| tap * weight).sum::<f64>();
         // Orders of the derivatives along y and z that add up to at most two.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::error::{Error, Fault, shown};
+use super::error::{Error, FormatFault, shown};
 use super::model::{GridInfo, PlacementChoice, Selected, Source};
 use crate::grid::{Grid, Transform};
 use crate::velocity::{Placement, Velocity};
@@ -47,7 +47,7 @@ impl Assembly<'_> {
     fn scalar(
         &mut self,
         index: usize,
-        change: impl FnOnce(Grid<1>, bool) -> Result<Grid<1>, Fault>,
+        change: impl FnOnce(Grid<1>, bool) -> Result<Grid<1>, FormatFault>,
     ) -> Result<Grid<1>, Error> {
         let in_voxels = self.info(index).in_voxels;
         let join = if self.info(index).is_level_set() { f32::min } else { |a, b| a + b };
@@ -68,15 +68,15 @@ impl Assembly<'_> {
     fn joined<const N: usize>(
         &mut self,
         index: usize,
-        read: impl Fn(&mut dyn Source, usize) -> Result<Grid<N>, Fault>,
+        read: impl Fn(&mut dyn Source, usize) -> Result<Grid<N>, FormatFault>,
         join: fn(f32, f32) -> f32,
-    ) -> Result<Grid<N>, Fault> {
+    ) -> Result<Grid<N>, FormatFault> {
         let mut grid = read(self.source, index)?;
         for other in super::names::namesakes(self.source.grids(), index) {
             let found = format!("grids named {} that do not lie voxel on voxel", shown(&self.info(index).name));
             let advice = "export them as one, or under different names";
             let other = read(self.source, other)?;
-            grid = grid.joined(&other, join).ok_or(Fault::Unsupported { found, advice })?;
+            grid = grid.joined(&other, join).ok_or(FormatFault::Unsupported { found, advice })?;
         }
         Ok(grid)
     }
@@ -85,11 +85,11 @@ impl Assembly<'_> {
         self.source.grids().get(index).cloned().unwrap_or_default()
     }
 
-    fn finite(&self, index: usize, is_finite: bool) -> Result<(), Fault> {
-        if is_finite { Ok(()) } else { Err(Fault::NotFinite { grid: shown(&self.info(index).name) }) }
+    fn finite(&self, index: usize, is_finite: bool) -> Result<(), FormatFault> {
+        if is_finite { Ok(()) } else { Err(FormatFault::NotFinite { grid: shown(&self.info(index).name) }) }
     }
 
-    fn failure(&self, index: usize) -> impl Fn(Fault) -> Error + use<> {
+    fn failure(&self, index: usize) -> impl Fn(FormatFault) -> Error + use<> {
         Error::of_file(self.source.path_of(index).unwrap_or(self.path))
     }
 }
@@ -100,17 +100,17 @@ fn to_world(grid: Grid<3>) -> Grid<3> {
 }
 
 /// A component in voxels as one in world units, which it has of its own only where the axes are the world's.
-fn scaled(grid: Grid<1>, axis: usize) -> Result<Grid<1>, Fault> {
+fn scaled(grid: Grid<1>, axis: usize) -> Result<Grid<1>, FormatFault> {
     let step = grid.transform().turn(unit(axis));
     if (0..3).any(|other| other != axis && step[other] != 0.0) {
         let found = "a velocity in voxels, split into components, on turned axes".into();
-        return Err(Fault::Unsupported { found, advice: "export the velocity as one grid of vectors" });
+        return Err(FormatFault::Unsupported { found, advice: "export the velocity as one grid of vectors" });
     }
     Ok(grid.map(|[voxels]| [(f64::from(voxels) * step[axis]) as f32]))
 }
 
 /// The grid of a component on the voxels' lower faces: moved half a voxel down.
-fn on_lower_face(grid: Grid<1>, axis: usize) -> Result<Grid<1>, Fault> {
+fn on_lower_face(grid: Grid<1>, axis: usize) -> Result<Grid<1>, FormatFault> {
     let rows = [0, 1, 2].map(|of| grid.transform().turn(unit(of)));
     let half_down = unit(axis).map(|i| -0.5 * i);
     let moved = Transform::new(rows, grid.transform().to_world(half_down))?;

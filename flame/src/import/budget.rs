@@ -1,6 +1,6 @@
 //! Memory budget of one file.
 
-use super::error::Fault;
+use super::error::FormatFault;
 
 /// Bytes a file may unfold to whatever its size: room for fields that compress to almost nothing.
 pub const BASE_BYTES: u64 = 256 << 20;
@@ -33,12 +33,12 @@ struct Count {
 }
 
 impl Count {
-    fn spend(&mut self, amount: u64) -> Result<(), Fault> {
+    fn spend(&mut self, amount: u64) -> Result<(), FormatFault> {
         self.spent = self.spent.saturating_add(amount);
         if self.spent <= self.allowed {
             return Ok(());
         }
-        Err(Fault::TooLarge { what: self.what, found: self.spent, allowed: self.allowed })
+        Err(FormatFault::TooLarge { what: self.what, found: self.spent, allowed: self.allowed })
     }
 }
 
@@ -55,24 +55,24 @@ impl Budget {
     /// Takes memory that is about to be allocated.
     ///
     /// # Errors
-    /// [`Fault::TooLarge`] where the budget is used up.
-    pub fn keep(&mut self, bytes: usize) -> Result<(), Fault> {
+    /// [`FormatFault::TooLarge`] where the budget is used up.
+    pub fn keep(&mut self, bytes: usize) -> Result<(), FormatFault> {
         self.bytes.spend(bytes as u64)
     }
 
     /// Takes one node of a tree.
     ///
     /// # Errors
-    /// [`Fault::TooLarge`] where the budget is used up.
-    pub fn node(&mut self) -> Result<(), Fault> {
+    /// [`FormatFault::TooLarge`] where the budget is used up.
+    pub fn node(&mut self) -> Result<(), FormatFault> {
         self.nodes.spend(1)
     }
 }
 
 /// Fails where a file is larger than any that is read.
-pub(super) fn check_file_size(found: u64) -> Result<(), Fault> {
+pub(super) fn check_file_size(found: u64) -> Result<(), FormatFault> {
     if found <= MOST_FILE_BYTES {
         return Ok(());
     }
-    Err(Fault::TooLarge { what: "bytes of the file", found, allowed: MOST_FILE_BYTES })
+    Err(FormatFault::TooLarge { what: "bytes of the file", found, allowed: MOST_FILE_BYTES })
 }

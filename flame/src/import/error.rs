@@ -5,7 +5,7 @@ use std::path::Path;
 /// A fault in a file's content, without the file's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum Fault {
+pub enum FormatFault {
     /// The bytes contradict themselves or their format.
     #[error("the file is damaged ({0}); write or copy it again")]
     Damaged(String),
@@ -52,7 +52,7 @@ pub enum Fault {
     NotWritten(String),
 }
 
-impl From<crate::Error> for Fault {
+impl From<crate::Error> for FormatFault {
     fn from(error: crate::Error) -> Self {
         Self::Grid(Box::new(error))
     }
@@ -84,7 +84,7 @@ pub enum Error {
         /// The file.
         path: String,
         /// The fault found.
-        fault: Fault,
+        fault: FormatFault,
     },
     /// A file of no kind that is read.
     #[error("{path}: files of this kind are not supported; use .vdb, .npz or .npy")]
@@ -168,7 +168,7 @@ pub enum Error {
 
 impl Error {
     /// For what is wrong with the content of the file at `path`.
-    pub fn of_file(path: &Path) -> impl Fn(Fault) -> Self + use<> {
+    pub fn of_file(path: &Path) -> impl Fn(FormatFault) -> Self + use<> {
         let path = shown_path(path);
         move |fault| Self::File { path: path.clone(), fault }
     }
@@ -198,6 +198,6 @@ pub(super) fn shown_path(path: &Path) -> String {
 }
 
 /// Shorthand for what most checks find.
-pub(super) fn damaged<T>(reason: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault::Damaged(reason.into()))
+pub(super) fn damaged<T>(reason: impl Into<String>) -> Result<T, FormatFault> {
+    Err(FormatFault::Damaged(reason.into()))
 }

@@ -20,7 +20,7 @@ pub mod vdb;
 mod vocabulary;
 
 pub use description::Description;
-pub use error::{Error, Fault};
+pub use error::{Error, FormatFault};
 pub use model::{GridInfo, PlacementChoice, Selected, Selection, Source};
 pub use numbering::{Numbering, Pattern};
 pub use sequence::Sequence;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::error::{Fault, shown};
+use super::error::{FormatFault, shown};
 use super::vocabulary;
 use crate::grid::Grid;
 
@@ -108,10 +108,10 @@ pub trait Source {
     fn grids(&self) -> &[GridInfo];
 
     /// Reads a grid of single numbers. Values are as stored: not negated, not checked to be finite.
-    fn scalar(&mut self, index: usize) -> Result<Grid<1>, Fault>;
+    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault>;
 
     /// Reads a grid of vectors. Values are as stored: not checked to be finite.
-    fn vectors(&mut self, index: usize) -> Result<Grid<3>, Fault>;
+    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault>;
 
     /// When the frame takes place, in seconds, where the file says so.
     fn time_s(&self) -> Option<f64> {
@@ -126,9 +126,9 @@ pub trait Source {
 }
 
 /// Fails where there is no grid `index` of `components` numbers a voxel.
-pub(super) fn check_components(grids: &[GridInfo], index: usize, components: usize) -> Result<&GridInfo, Fault> {
+pub(super) fn check_components(grids: &[GridInfo], index: usize, components: usize) -> Result<&GridInfo, FormatFault> {
     let wanted = || format!("grid {index} of {components} numbers per voxel");
-    let fault = || Fault::NoGrid { wanted: wanted(), there: listed(grids) };
+    let fault = || FormatFault::NoGrid { wanted: wanted(), there: listed(grids) };
     grids.get(index).filter(|info| info.components == components).ok_or_else(fault)
 }
 

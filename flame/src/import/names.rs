@@ -1,6 +1,6 @@
 //! Choice of grids by name: those that simulators use for the flame and for the velocity.
 
-use super::error::{Fault, shown};
+use super::error::{FormatFault, shown};
 use super::model::{GridInfo, Selected, Selection, listed};
 use super::vocabulary::{CARRIED, DIVERGENCES, FIELDS, VELOCITIES};
 
@@ -8,7 +8,7 @@ use super::vocabulary::{CARRIED, DIVERGENCES, FIELDS, VELOCITIES};
 ///
 /// A name is matched exactly, else without regard to case. The usual names (`flame`, `velocity`) mean any of their
 /// kind; a velocity may come as three grids named after its components.
-pub(super) fn select(grids: &[GridInfo], selection: &Selection) -> Result<Selected, Fault> {
+pub(super) fn select(grids: &[GridInfo], selection: &Selection) -> Result<Selected, FormatFault> {
     let field = select_field(grids, selection)?;
     let stems = candidates(&selection.velocity, &VELOCITIES);
     let whole = stems.iter().find_map(|name| named(grids, name, 3)).map(|grid| [grid; 3]);
@@ -20,7 +20,7 @@ pub(super) fn select(grids: &[GridInfo], selection: &Selection) -> Result<Select
 }
 
 /// The scalar grid of a selection's field.
-pub(super) fn select_field(grids: &[GridInfo], selection: &Selection) -> Result<usize, Fault> {
+pub(super) fn select_field(grids: &[GridInfo], selection: &Selection) -> Result<usize, FormatFault> {
     let usual: &[&str] = if DIVERGENCES[0].eq_ignore_ascii_case(&selection.field) { &DIVERGENCES } else { &FIELDS };
     let field = candidates(&selection.field, usual).into_iter().find_map(|name| named(grids, name, 1));
     field.ok_or_else(|| absent(grids, "scalar grid", &selection.field))
@@ -67,8 +67,8 @@ fn components(grids: &[GridInfo], stem: &str) -> Option<[usize; 3]> {
     })
 }
 
-fn absent(grids: &[GridInfo], what: &str, name: &str) -> Fault {
-    Fault::NoGrid { wanted: format!("{what} \"{}\"", shown(name)), there: listed(grids) }
+fn absent(grids: &[GridInfo], what: &str, name: &str) -> FormatFault {
+    FormatFault::NoGrid { wanted: format!("{what} \"{}\"", shown(name)), there: listed(grids) }
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use zip::result::ZipError;
 
 use self::arrays::{ORIGIN, TIME, VOXEL_SIZE};
 use super::budget::{Budget, check_file_size};
-use super::error::{Fault, damaged, shown};
+use super::error::{FormatFault, damaged, shown};
 use super::model::{GridInfo, Source, check_components};
 use super::npy::{Header, components, fault_of, grid};
 use crate::grid::{Grid, Transform};
@@ -31,7 +31,7 @@ pub struct Npz<R> {
     archive: ZipArchive<R>,
     infos: Vec<GridInfo>,
     /// Index of each grid in the archive, or the reason for which it cannot be read.
-    members: Vec<Result<usize, Fault>>,
+    members: Vec<Result<usize, FormatFault>>,
     transform: Transform,
     time_s: Option<f64>,
     budget: Budget,
@@ -42,13 +42,13 @@ impl<R: Read + Seek> Npz<R> {
     ///
     /// # Errors
     /// Fails where the archive makes no sense; what is wrong with a single array only shows when that one is read.
-    pub fn open(mut reader: R) -> Result<Self, Fault> {
+    pub fn open(mut reader: R) -> Result<Self, FormatFault> {
         let file_bytes = reader.seek(std::io::SeekFrom::End(0)).map_err(|error| fault_of(&error))?;
         check_file_size(file_bytes)?;
         let mut archive = ZipArchive::new(reader).map_err(|error| fault_of_zip(&error))?;
         if archive.len() > MOST_MEMBERS {
             let (found, allowed) = (archive.len() as u64, MOST_MEMBERS as u64);
-            return Err(Fault::TooLarge { what: "arrays in the archive", found, allowed });
+            return Err(FormatFault::TooLarge { what: "arrays in the archive", found, allowed });
         }
         if archive.has_duplicate_names() {
             return damaged("two members of the archive have one name");
@@ -68,7 +68,7 @@ impl<R: Read + Seek> Npz<R> {
         Ok(npz)
     }
 
-    fn find_grids(&mut self) -> Result<(), Fault> {
+    fn find_grids(&mut self) -> Result<(), FormatFault> {
         let (mut voxel_size, mut origin) = (1.0, [0.0; 3]);
         let mut seen = BTreeSet::new();
         for index in 0..self.archive.len() {
@@ -115,7 +115,7 @@ impl<R: Read + Seek> Npz<R> {
     }
 
     /// An array's header and the reader behind it. Never hands over more than the directory says.
-    fn member(&mut self, index: usize) -> Result<(Header, impl Read), Fault> {
+    fn member(&mut self, index: usize) -> Result<(Header, impl Read), FormatFault> {
         let file = self.archive.by_index(index).map_err(|error| fault_of_zip(&error))?;
         if !matches!(file.compression(), zip::CompressionMethod::Stored | zip::CompressionMethod::Deflated) {
             return Err(unsupported(file.compression().to_string()));
@@ -129,7 +129,7 @@ impl<R: Read + Seek> Npz<R> {
     }
 
     /// A member of `N` numbers, all of them finite.
-    fn numbers<const N: usize>(&mut self, index: usize, name: &str) -> Result<[f64; N], Fault> {
+    fn numbers<const N: usize>(&mut self, index: usize, name: &str) -> Result<[f64; N], FormatFault> {
         let (header, mut reader) = self.member(index)?;
         if header.count()? != N as u64 {
             return damaged(format!("{name} is an array of shape {:?}; {N} numbers are due", header.shape));
@@ -144,9 +144,9 @@ impl<R: Read + Seek> Npz<R> {
         Ok(numbers)
     }
 
-    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, Fault> {
+    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {
         let name = check_components(&self.infos, index, N)?.name.clone();
-        let missing = || Fault::Damaged(format!("array {} is not there", shown(&name)));
+        let missing = || FormatFault::Damaged(format!("array {} is not there", shown(&name)));
         let member = self.members.get(index).cloned().ok_or_else(missing)??;
         let (transform, mut budget) = (self.transform, self.budget.clone());
         let (header, mut reader) = self.member(member)?;
@@ -162,11 +162,11 @@ impl<R: Read + Seek> Source for Npz<R> {
         &self.infos
     }
 
-    fn scalar(&mut self, index: usize) -> Result<Grid<1>, Fault> {
+    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault> {
         self.read(index)
     }
 
-    fn vectors(&mut self, index: usize) -> Result<Grid<3>, Fault> {
+    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault> {
         self.read(index)
     }
 
@@ -175,15 +175,15 @@ impl<R: Read + Seek> Source for Npz<R> {
     }
 }
 
-fn unsupported(found: String) -> Fault {
+fn unsupported(found: String) -> FormatFault {
     let advice = "write it with numpy.savez or numpy.savez_compressed";
-    Fault::Unsupported { found: format!("an archive with {}", shown(&found)), advice }
+    FormatFault::Unsupported { found: format!("an archive with {}", shown(&found)), advice }
 }
 
-fn fault_of_zip(error: &ZipError) -> Fault {
+fn fault_of_zip(error: &ZipError) -> FormatFault {
     match error {
         ZipError::Io(error) => fault_of(error),
         ZipError::UnsupportedArchive(what) => unsupported((*what).to_owned()),
-        error => Fault::Damaged(shown(&error.to_string())),
+        error => FormatFault::Damaged(shown(&error.to_string())),
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::assemble::Assembly;
 use super::budget::check_file_size;
 use super::description::Description;
-use super::error::{Error, Fault, shown_path};
+use super::error::{Error, FormatFault, shown_path};
 use super::format::Format;
 use super::listing::{self, FrameFiles, Listing};
 use super::model::{Selection, Source};
@@ -252,7 +252,7 @@ pub(super) fn open(path: &Path) -> Result<(File, u64), Error> {
 
 fn read_whole(path: &Path) -> Result<Vec<u8>, Error> {
     let (file, size) = open(path)?;
-    let too_large = |_| Error::of_file(path)(Fault::Unreadable("out of memory".into()));
+    let too_large = |_| Error::of_file(path)(FormatFault::Unreadable("out of memory".into()));
     let mut bytes = vec![];
     bytes.try_reserve_exact(usize::try_from(size).unwrap_or(usize::MAX)).map_err(too_large)?;
     // What is added meanwhile is not read.

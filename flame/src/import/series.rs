@@ -10,7 +10,7 @@ use std::path::Path;
 
 use self::table::Table;
 use self::values::MOST_ROWS;
-use super::error::{Error, Fault};
+use super::error::{Error, FormatFault};
 use super::npy::Header;
 use super::sequence::open;
 
@@ -37,24 +37,24 @@ impl Series {
     }
 }
 
-fn array(file: File, size: u64) -> Result<Series, Fault> {
+fn array(file: File, size: u64) -> Result<Series, FormatFault> {
     let mut reader = BufReader::new(file);
     let header = Header::read(&mut reader)?;
     header.check_size(size)?;
     let [length] = *header.shape.as_slice() else {
         let advice = "save a series as an array of one axis";
-        return Err(Fault::Unsupported { found: format!("an array of shape {:?}", header.shape), advice });
+        return Err(FormatFault::Unsupported { found: format!("an array of shape {:?}", header.shape), advice });
     };
     if length > MOST_ROWS {
-        return Err(Fault::TooLarge { what: "values", found: length as u64, allowed: MOST_ROWS as u64 });
+        return Err(FormatFault::TooLarge { what: "values", found: length as u64, allowed: MOST_ROWS as u64 });
     }
     let mut values = Vec::with_capacity(length);
     header.values(&mut reader, |value| values.push(value))?;
     if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-        return Err(Fault::Damaged(format!("value {index} (counting from 0) is not a finite number")));
+        return Err(FormatFault::Damaged(format!("value {index} (counting from 0) is not a finite number")));
     }
     if values.is_empty() {
-        return Err(Fault::Damaged("it holds no values".into()));
+        return Err(FormatFault::Damaged("it holds no values".into()));
     }
     Ok(Series { timing: Timing::Frames(0), values, rate_hz: None })
 }

@@ -9,7 +9,7 @@ pub use wander::Wander;
 
 use crate::error::{Error, in_range};
 use crate::frame::Frame;
-use crate::solver::{Solver, Step, Surroundings};
+use crate::solver::{Forcing, Solver, Step};
 
 /// Steps per second of sound that the paper's simulations take, and ours.
 pub const STEP_RATE_HZ: f64 = 360.0;
@@ -183,7 +183,7 @@ impl Simulation {
     }
 
     /// Forcing of the gas at the present step.
-    pub fn surroundings(&self) -> Surroundings {
+    pub fn surroundings(&self) -> Forcing {
         self.script.at(self.steps as f64 / STEP_RATE_HZ, &self.options)
     }
 

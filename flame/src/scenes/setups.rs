@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use super::{Bursts, Options, Scene, Wander};
 use crate::error::Error;
-use crate::solver::{Combustion, Cooling, Domain, Emitter, Mixing, Parameters, Shape, Side, Surroundings};
+use crate::solver::{Combustion, Cooling, Domain, Emitter, EmitterShape, Forcing, Mixing, Parameters, Side};
 
 /// Everything that a simulation needs.
 pub(super) struct Setup {
@@ -153,11 +153,11 @@ fn cells(size_m: [f64; 3], resolution: usize) -> ([usize; 3], f64) {
 
 impl Script {
     /// Forcing of the gas at a time.
-    pub fn at(&self, time_s: f64, options: &Options) -> Surroundings {
+    pub fn at(&self, time_s: f64, options: &Options) -> Forcing {
         let (power, wind) = (options.intensity, options.wind);
         let slow = |index: usize| self.slow[index].at(time_s);
         let fast = self.fast.at(time_s);
-        let burner = |shape: Shape, centre_m: [f64; 3]| Emitter {
+        let burner = |shape: EmitterShape, centre_m: [f64; 3]| Emitter {
             shape,
             centre_m,
             velocity_m_s: [0.0; 3],
@@ -169,7 +169,7 @@ impl Script {
         };
         let (emitter, gust_m_s, unrest_m_s) = match self.scene {
             Scene::Candle => {
-                let wick = burner(Shape::Cylinder { radius_m: 0.02, half_height_m: 0.012 }, [-0.08, 0.0, 0.04]);
+                let wick = burner(EmitterShape::Cylinder { radius_m: 0.02, half_height_m: 0.012 }, [-0.08, 0.0, 0.04]);
                 let blown = Emitter { velocity_m_s: [0.0, 0.0, 0.6 * power], drag_hz: 40.0, ..wick };
                 (blown, wind * (0.4 * slow(0) + 0.25 * fast), 0.35 * wind)
             }
@@ -177,7 +177,7 @@ impl Script {
                 // A swing back and forth, faster in the middle, and not always alike.
                 let angle = TAU * 0.8 * wind * time_s + 0.5 * slow(0);
                 let centre_m = [0.38 * maths::sin(angle), 0.08 * slow(1), 0.3 + 0.1 * maths::cos(2.0 * angle)];
-                let head = burner(Shape::Ball { radius_m: 0.07 }, centre_m);
+                let head = burner(EmitterShape::Ball { radius_m: 0.07 }, centre_m);
                 let flow = 1.2 * power * (1.0 + 0.25 * fast);
                 let fuel = if power > 0.0 { 1.0 } else { 0.0 };
                 (Emitter { velocity_m_s: [0.0, 0.0, flow], drag_hz: 60.0, fuel, ..head }, 0.0, 0.0)
@@ -185,7 +185,7 @@ impl Script {
             Scene::FlameJet => {
                 // 0.9 s on, 0.6 s off.
                 let on = time_s % JET_PERIOD_S < 0.9;
-                let nozzle = burner(Shape::Ball { radius_m: 0.08 }, [-0.62, 0.0, 0.5]);
+                let nozzle = burner(EmitterShape::Ball { radius_m: 0.08 }, [-0.62, 0.0, 0.5]);
                 let speed = if on { 9.0 * power * (1.0 + 0.1 * fast) } else { 0.0 };
                 let jet = Emitter {
                     velocity_m_s: [speed, 0.0, 0.0],
@@ -203,14 +203,16 @@ impl Script {
                     0.06 * maths::sin(1.7 * swing),
                     0.28 + 0.09 * maths::sin(1.3 * swing + 1.0),
                 ];
-                let brick = burner(Shape::Box { half_m: [0.09, 0.05, 0.05] }, centre_m);
+                let brick = burner(EmitterShape::Box { half_m: [0.09, 0.05, 0.05] }, centre_m);
                 (Emitter { flicker: 0.5, velocity_m_s: [0.0, 0.0, 0.5 * power], drag_hz: 30.0, ..brick }, 0.0, 0.0)
             }
             Scene::Dragon => {
                 // Breath comes in blasts, with a flutter on top.
                 let breath = (0.55 + 0.6 * slow(0)).clamp(0.0, 1.4) * (1.0 + 0.2 * wind * fast);
-                let mouth =
-                    burner(Shape::Ball { radius_m: 0.09 }, [-1.0, 0.05 * wind * slow(1), 0.6 + 0.05 * wind * slow(2)]);
+                let mouth = burner(
+                    EmitterShape::Ball { radius_m: 0.09 },
+                    [-1.0, 0.05 * wind * slow(1), 0.6 + 0.05 * wind * slow(2)],
+                );
                 let jet = Emitter {
                     velocity_m_s: [10.0 * power * breath, 0.0, -1.0],
                     drag_hz: 150.0,
@@ -220,7 +222,7 @@ impl Script {
                 (jet, 0.0, 0.0)
             }
             Scene::Campfire => {
-                let pit = burner(Shape::Cylinder { radius_m: 0.28, half_height_m: 0.06 }, [0.0, 0.0, 0.1]);
+                let pit = burner(EmitterShape::Cylinder { radius_m: 0.28, half_height_m: 0.06 }, [0.0, 0.0, 0.1]);
                 let fuel = (power * (0.7 + 0.15 * slow(0))).clamp(0.0, 1.0);
                 (
                     Emitter {
@@ -235,7 +237,7 @@ impl Script {
                 )
             }
             Scene::Flamethrower => {
-                let nozzle = burner(Shape::Ball { radius_m: 0.22 }, [0.0, -1.7, 1.0]);
+                let nozzle = burner(EmitterShape::Ball { radius_m: 0.22 }, [0.0, -1.7, 1.0]);
                 let speed = 14.0 * power * (1.0 + 0.12 * fast + 0.15 * slow(0));
                 let jet = Emitter {
                     velocity_m_s: [0.8 * wind * slow(1), speed, 1.0 + 0.5 * wind * slow(2)],
@@ -248,7 +250,7 @@ impl Script {
                 // The first after a tenth of a second.
                 let since = (time_s - 0.1).rem_euclid(BURST_PERIOD_S);
                 let bursting = time_s >= 0.1 && since < 0.25;
-                let ball = burner(Shape::Ball { radius_m: 0.35 }, [0.1 * slow(0), 0.1 * slow(1), 0.6]);
+                let ball = burner(EmitterShape::Ball { radius_m: 0.35 }, [0.1 * slow(0), 0.1 * slow(1), 0.6]);
                 let burst = Emitter {
                     fuel: if bursting { ball.fuel } else { 0.0 },
                     temperature: if bursting { 1.0 } else { 0.0 },
@@ -261,6 +263,6 @@ impl Script {
         };
         let [between, at_peak] = self.burning;
         let mixing_boost = between - 1.0 + at_peak * self.bursts.at(time_s);
-        Surroundings { emitters: vec![emitter], gust_m_s, unrest_m_s, mixing_boost }
+        Forcing { emitters: vec![emitter], gust_m_s, unrest_m_s, mixing_boost }
     }
 }

@@ -9,7 +9,7 @@ use super::parallel::{largest, planes, wide};
 
 /// Displacement of the gas at every centre, backwards and forwards, in one step; in cells.
 #[derive(Debug, Default)]
-pub(crate) struct Paths {
+pub(crate) struct Trajectories {
     velocity: Vec<[f32; 4]>,
     came: Vec<[f32; 4]>,
     goes: Vec<[f32; 4]>,
@@ -24,7 +24,7 @@ pub(crate) struct Neglect<'a> {
     pub difference: f32,
 }
 
-impl Paths {
+impl Trajectories {
     /// The longest way along any axis in cells, at least 0.
     pub fn longest(&self) -> f32 {
         largest(self.came.as_flattened()).max(largest(self.goes.as_flattened()))
@@ -81,7 +81,7 @@ fn positions(count: usize, of: impl Fn(usize) -> [f32; 3]) -> Positions {
 
 /// Position of samples relative to the cells whose trajectories they share.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Stand {
+pub(crate) enum SampleSite {
     /// At the centres.
     Centres,
     /// Between two cells along an axis.
@@ -101,15 +101,15 @@ pub(crate) struct Scratch<const N: usize> {
 pub(crate) fn advect<const N: usize>(
     field: &mut [[f32; N]],
     domain: &Domain,
-    stand: Stand,
-    paths: &Paths,
-    entering: &Entering<N>,
+    stand: SampleSite,
+    paths: &Trajectories,
+    entering: &InflowBoundary<N>,
     neglect: Neglect,
     scratch: &mut Scratch<N>,
 ) {
     let lattice = match stand {
-        Stand::Centres => Lattice::centres(domain),
-        Stand::Faces(axis) => Lattice::faces(domain, axis),
+        SampleSite::Centres => Lattice::centres(domain),
+        SampleSite::Faces(axis) => Lattice::faces(domain, axis),
     };
     let [_, ny, nz] = lattice.shape;
     let plane = ny * nz;
@@ -199,10 +199,10 @@ enum PathRow {
 
 impl PathRow {
     #[inline(always)]
-    fn new(domain: &Domain, stand: Stand, i: usize, j: usize) -> Self {
+    fn new(domain: &Domain, stand: SampleSite, i: usize, j: usize) -> Self {
         match stand {
-            Stand::Centres => Self::Centres(at(domain.shape(), i, j, 0)),
-            Stand::Faces(axis) => Self::Faces(domain.face_row(axis, i, j)),
+            SampleSite::Centres => Self::Centres(at(domain.shape(), i, j, 0)),
+            SampleSite::Faces(axis) => Self::Faces(domain.face_row(axis, i, j)),
         }
     }
 
@@ -224,14 +224,14 @@ impl PathRow {
 
 /// Inflow at the ends of the box.
 #[derive(Debug, Clone)]
-pub(crate) struct Entering<const N: usize> {
+pub(crate) struct InflowBoundary<const N: usize> {
     /// Positions in cells beyond which it comes from outside.
     low: [f32; 3],
     high: [f32; 3],
     value: [f32; N],
 }
 
-impl<const N: usize> Entering<N> {
+impl<const N: usize> InflowBoundary<N> {
     /// `value`, from beyond those sides that let it in; nothing from the others.
     pub fn from_sides(domain: &Domain, value: [f32; N], lets_in: impl Fn(Side) -> bool) -> Self {
         let sides = domain.sides();

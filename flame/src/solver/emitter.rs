@@ -2,7 +2,7 @@
 
 /// Shape of an emitter, about its centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
+pub enum EmitterShape {
     /// A ball.
     Ball {
         /// Radius in m.
@@ -22,7 +22,7 @@ pub enum Shape {
     },
 }
 
-impl Shape {
+impl EmitterShape {
     /// Distance from the surface in m, negative inside, of a place relative to the centre.
     pub fn distance_m(&self, place_m: [f64; 3]) -> f64 {
         match *self {
@@ -52,7 +52,7 @@ impl Shape {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Emitter {
     /// Its shape.
-    pub shape: Shape,
+    pub shape: EmitterShape,
     /// Its centre in m.
     pub centre_m: [f64; 3],
     /// Velocity of the gas within it, in m/s.

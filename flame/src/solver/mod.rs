@@ -35,7 +35,7 @@ use rayon::prelude::*;
 
 pub use combustion::{Combustion, Cooling};
 pub use domain::{Domain, Side};
-pub use emitter::{Emitter, Shape};
+pub use emitter::{Emitter, EmitterShape};
 pub use mixing::Mixing;
 pub use parameters::Parameters;
 pub use pressure::Poisson;
@@ -43,7 +43,7 @@ pub use random::Random;
 pub use turbulence::Turbulence;
 
 use activity::Activity;
-use advect::{Entering, Neglect, Paths, Stand, advect};
+use advect::{InflowBoundary, Neglect, SampleSite, Trajectories, advect};
 use combustion::{FUEL, Fire, TEMPERATURE};
 use domain::at;
 use faces::Faces;
@@ -76,7 +76,7 @@ const NEGLIGIBLE: f32 = 2e-3;
 
 /// Forcing of the box from outside during one step.
 #[derive(Debug, Clone, Default)]
-pub struct Surroundings {
+pub struct Forcing {
     /// The emitters.
     pub emitters: Vec<Emitter>,
     /// Speed that all inflows have beyond their mean, in m/s.
@@ -126,7 +126,7 @@ pub struct Solver {
 struct Scratch {
     centres: Vec<[f32; 4]>,
     acceleration: Vec<[f32; 4]>,
-    paths: Paths,
+    paths: Trajectories,
     scalars: advect::Scratch<4>,
     faces: advect::Scratch<1>,
     component: Vec<f32>,
@@ -229,12 +229,12 @@ impl Solver {
     }
 
     /// Lets `dt_s` (1e-6 to 1 s) pass.
-    pub fn step(&mut self, dt_s: f64, surroundings: &Surroundings) -> Step {
+    pub fn step(&mut self, dt_s: f64, surroundings: &Forcing) -> Step {
         // From within the pool, so that a part of the work does not wait for a thread to wake up.
         rayon::scope(|_| self.step_in_pool(dt_s, surroundings))
     }
 
-    fn step_in_pool(&mut self, dt_s: f64, surroundings: &Surroundings) -> Step {
+    fn step_in_pool(&mut self, dt_s: f64, surroundings: &Forcing) -> Step {
         let dt_s = if dt_s.is_finite() { dt_s.clamp(1e-6, 1.0) } else { 1e-6 };
         let cells_per_step = (dt_s / self.domain.voxel_size_m()) as f32;
         self.velocity.limit(FASTEST_CELLS / cells_per_step);
@@ -249,15 +249,15 @@ impl Solver {
     }
 
     /// Answers the largest divergence left over, in 1/s.
-    fn substep(&mut self, dt_s: f64, surroundings: &Surroundings) -> f64 {
+    fn substep(&mut self, dt_s: f64, surroundings: &Forcing) -> f64 {
         self.emit(dt_s, surroundings);
-        self.carry(dt_s);
+        self.advect(dt_s);
         self.burn(dt_s, surroundings.mixing_boost);
-        self.swell(dt_s, surroundings);
-        self.push(dt_s);
-        self.rub(dt_s);
+        self.add_expansion(dt_s, surroundings);
+        self.apply_forces(dt_s);
+        self.diffuse(dt_s);
         self.time_s += dt_s;
-        self.blow_in(surroundings);
+        self.apply_boundary_conditions(surroundings);
         self.project()
     }
 
@@ -307,7 +307,7 @@ impl Solver {
     }
 
     /// Advection of everything by the flow.
-    fn carry(&mut self, dt_s: f64) {
+    fn advect(&mut self, dt_s: f64) {
         let ambient = self.ambient();
         let Scratch { centres, paths, scalars, faces, .. } = &mut self.scratch;
         centres.resize(self.domain.cells(), [0.0; 4]);
@@ -316,17 +316,18 @@ impl Solver {
         // One cell more for what is interpolated, and one for forces that look at their neighbours.
         let reach = paths.longest().ceil() as usize + 2;
         self.activity.update(&self.domain, &self.scalars, ambient, reach);
-        let entering = Entering::from_sides(&self.domain, ambient, |side| matches!(side, Side::Open | Side::Inflow(_)));
+        let entering =
+            InflowBoundary::from_sides(&self.domain, ambient, |side| matches!(side, Side::Open | Side::Inflow(_)));
         let neglect = Neglect { activity: Some(&self.activity), difference: 0.0 };
-        advect(&mut self.scalars, &self.domain, Stand::Centres, paths, &entering, neglect, scalars);
+        advect(&mut self.scalars, &self.domain, SampleSite::Centres, paths, &entering, neglect, scalars);
         // The air outside is at rest; what an inflow brings is prescribed.
-        let still = Entering::from_sides(&self.domain, [0.0], |side| side == Side::Open);
+        let still = InflowBoundary::from_sides(&self.domain, [0.0], |side| side == Side::Open);
         let burns = self.parameters.combustion.is_some();
         let difference = if burns { NEGLIGIBLE * self.velocity.fastest() } else { 0.0 };
         let neglect = Neglect { activity: None, difference };
         for axis in 0..3 {
             let component = self.velocity.components[axis].as_chunks_mut::<1>().0;
-            advect(component, &self.domain, Stand::Faces(axis), paths, &still, neglect, faces);
+            advect(component, &self.domain, SampleSite::Faces(axis), paths, &still, neglect, faces);
         }
     }
 
@@ -351,7 +352,7 @@ impl Solver {
     }
 
     /// Forces, from the flow as it is now.
-    fn push(&mut self, dt_s: f64) {
+    fn apply_forces(&mut self, dt_s: f64) {
         let Scratch { centres, acceleration, .. } = &mut self.scratch;
         acceleration.resize(self.domain.cells(), [0.0; 4]);
         self.velocity.to_centres(&self.domain, centres);
@@ -368,7 +369,7 @@ impl Solver {
     }
 
     /// Viscosity, in as many explicit parts as it needs to be stable, up to 32; there it is held.
-    fn rub(&mut self, dt_s: f64) {
+    fn diffuse(&mut self, dt_s: f64) {
         let h = self.domain.voxel_size_m();
         let spread = self.parameters.viscosity_m2_s * dt_s / (h * h);
         let parts = (spread / 0.1).ceil().clamp(0.0, 32.0);
@@ -384,7 +385,7 @@ impl Solver {
     }
 
     /// Velocities prescribed by walls and inflows.
-    fn blow_in(&mut self, surroundings: &Surroundings) {
+    fn apply_boundary_conditions(&mut self, surroundings: &Forcing) {
         let h = self.domain.voxel_size_m();
         let eddies = self.parameters.turbulence_scale_m;
         let turnovers = (self.time_s * self.parameters.turbulence_rate_hz) as f32;

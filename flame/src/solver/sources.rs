@@ -4,7 +4,7 @@ use super::combustion::{Combustion, FUEL, TEMPERATURE};
 use super::domain::at;
 use super::emitter::Emitter;
 use super::parallel::elements;
-use super::{Solver, Surroundings};
+use super::{Forcing, Solver};
 
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ impl Solver {
     }
 
     /// Fuel, heat and gas from the emitters.
-    pub(super) fn emit(&mut self, dt_s: f64, surroundings: &Surroundings) {
+    pub(super) fn emit(&mut self, dt_s: f64, surroundings: &Forcing) {
         let (h, shape) = (self.domain.voxel_size_m(), self.domain.shape());
         let is_core = matches!(self.parameters.combustion, Some(Combustion::BlueCore { .. }));
         for emitter in &surroundings.emitters {
@@ -71,7 +71,7 @@ impl Solver {
     }
 
     /// Volume that the emitters add; no cell gains more than the grid can transport.
-    pub(super) fn swell(&mut self, dt_s: f64, surroundings: &Surroundings) {
+    pub(super) fn add_expansion(&mut self, dt_s: f64, surroundings: &Forcing) {
         for emitter in surroundings.emitters.iter().filter(|emitter| emitter.outflow_hz != 0.0) {
             for ([i, j, k], place) in self.covered(emitter) {
                 let cover = emitter.cover(place, self.domain.voxel_size_m());

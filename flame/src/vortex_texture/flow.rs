@@ -3,7 +3,7 @@
 use super::recipe::{Kind, Recipe};
 use crate::error::Error;
 use crate::scenes::Wander;
-use crate::solver::{Domain, Emitter, Parameters, Shape, Side, Solver, Step, Surroundings};
+use crate::solver::{Domain, Emitter, EmitterShape, Forcing, Parameters, Side, Solver, Step};
 
 /// Vorticity confinement, as a part of the mean speed over a voxel: it makes the smallest eddies grow by so much in each
 /// voxel that they pass, and to no end in a box that they hardly leave. And the most that the solver takes.
@@ -100,7 +100,7 @@ impl Flow {
             width_m,
         };
         let still = Emitter {
-            shape: Shape::Ball { radius_m: width_m },
+            shape: EmitterShape::Ball { radius_m: width_m },
             centre_m: [0.0; 3],
             velocity_m_s: [0.0; 3],
             drag_hz: 0.0,
@@ -110,13 +110,13 @@ impl Flow {
             outflow_hz: 0.0,
         };
         let disc = |radius: f64, voxels: f64| Emitter {
-            shape: Shape::Cylinder { radius_m: radius * width_m, half_height_m: 0.5 * voxels * voxel_size_m },
+            shape: EmitterShape::Cylinder { radius_m: radius * width_m, half_height_m: 0.5 * voxels * voxel_size_m },
             centre_m: [0.0, 0.0, 0.5 * voxels * voxel_size_m],
             ..still
         };
         let half_m = [nx as f64 * voxel_size_m, ny as f64 * voxel_size_m, 0.5 * voxel_size_m];
         let steady = Emitter {
-            shape: Shape::Box { half_m },
+            shape: EmitterShape::Box { half_m },
             centre_m: [0.0, 0.0, half_m[2]],
             velocity_m_s: [0.0, 0.0, mean_m_s],
             drag_hz: STEADYING * speed_m_s / voxel_size_m,
@@ -139,10 +139,10 @@ impl Flow {
     /// Moves on by one step.
     pub fn step(&mut self) -> Step {
         let time_s = self.solver.time_s();
-        let surroundings = Surroundings {
+        let surroundings = Forcing {
             emitters: std::iter::once(self.steady).chain(self.sources.iter().map(|source| source.at(time_s))).collect(),
             unrest_m_s: self.unrest_m_s,
-            ..Surroundings::default()
+            ..Forcing::default()
         };
         self.solver.step(self.step_s, &surroundings)
     }

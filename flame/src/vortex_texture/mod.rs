@@ -9,18 +9,18 @@
 //! lets the inflow cross the same part of a voxel at any speed, and all rates follow speed over voxel. So a slow row
 //! costs few steps, and its sound is not drowned by the noise of many.
 
+mod factory;
 mod flow;
 mod integral;
 mod recipe;
 mod series;
 mod settle;
-mod shipped;
 mod vorticity;
 
+pub use factory::Shipped;
 pub use integral::{Integral, Origin};
 pub use recipe::{Kind, Recipe};
 pub use series::{Band, COMPONENTS, Series};
-pub use shipped::Shipped;
 pub use vorticity::Vorticity;
 
 use pyrophone_synthesis::vortex::texture::Row;

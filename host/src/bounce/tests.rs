@@ -152,7 +152,7 @@ fn latency_and_padding_are_compensated_and_automation_is_exact() {
         BlockSize::Cycle(vec![0, 3, 5]),
         BlockSize::Random { seed: 1, max: 9 },
     ] {
-        let mut options = BounceOptions::new(48_000.0, Layout { input: 1, sidechain: 0, output: 1 });
+        let mut options = BounceOptions::new(48_000.0, BusLayout { input: 1, sidechain: 0, output: 1 });
         options.block = block;
         options.pad_before = 11;
         options.extra_after = 4;
@@ -174,7 +174,7 @@ fn latency_and_padding_are_compensated_and_automation_is_exact() {
 
 #[test]
 fn automation_moves_with_the_padding() {
-    let layout = Layout { input: 1, sidechain: 0, output: 1 };
+    let layout = BusLayout { input: 1, sidechain: 0, output: 1 };
     let mut options = BounceOptions::new(48_000.0, layout);
     options.pad_before = 10;
     let point = |sample, id| AutomationPoint { sample, id, value: 0.0 };

@@ -7,7 +7,7 @@ use clack_extensions::params::{ParamInfoBuffer, ParamInfoFlags, PluginParams};
 use clack_host::prelude::*;
 
 use super::handlers::Handlers;
-use crate::{Layout, Parameter};
+use crate::{BusLayout, Parameter};
 
 /// Lowest and highest value that CLAP knows for a parameter.
 #[derive(Clone, Copy)]
@@ -55,9 +55,9 @@ pub(super) fn read_parameters(instance: &mut PluginInstance<Handlers>) -> (Vec<P
     (parameters, ranges)
 }
 
-pub(super) fn read_layout(ports: &PluginAudioPorts, handle: &PluginMainThreadHandle<'_>) -> Layout {
+pub(super) fn read_layout(ports: &PluginAudioPorts, handle: &PluginMainThreadHandle<'_>) -> BusLayout {
     let channels = |index, is_input| {
         ports.get(handle, index, is_input, &mut AudioPortInfoBuffer::new()).map_or(0, |port| port.channel_count)
     };
-    Layout { input: channels(0, true), sidechain: channels(1, true), output: channels(0, false) }
+    BusLayout { input: channels(0, true), sidechain: channels(1, true), output: channels(0, false) }
 }

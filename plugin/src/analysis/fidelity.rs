@@ -299,7 +299,7 @@ pub struct Figures {
 
 /// What is wrong with the output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
+pub enum Diagnosis {
     /// Tones stand out.
     Buzzes,
     /// They are likely to: loudness is matched over a long way.
@@ -312,7 +312,7 @@ pub enum Fault {
     Dull,
 }
 
-impl Fault {
+impl Diagnosis {
     /// What to change, in plain words; `is_calm` tells that of the texture's controls none is left to turn.
     pub fn advice(self, is_calm: bool) -> &'static str {
         match self {
@@ -335,16 +335,16 @@ impl Fault {
 
 impl Figures {
     /// What is worst; nothing where all is well.
-    pub fn fault(&self) -> Option<Fault> {
+    pub fn fault(&self) -> Option<Diagnosis> {
         let beyond = |value: Option<f64>, is_bad: &dyn Fn(f64) -> bool| value.is_some_and(is_bad);
         if beyond(self.lines_db, &|lines_db| lines_db > 2.5) {
-            Some(Fault::Buzzes)
+            Some(Diagnosis::Buzzes)
         } else if beyond(self.follows, &|follows| follows < 0.6) {
-            Some(Fault::Wanders)
+            Some(Diagnosis::Wanders)
         } else if beyond(self.crackle, &|crackle| crackle > 2.5) {
-            Some(Fault::Sudden)
+            Some(Diagnosis::Sudden)
         } else if beyond(self.crackle, &|crackle| crackle < 0.4) {
-            Some(Fault::Dull)
+            Some(Diagnosis::Dull)
         } else {
             None
         }
@@ -471,7 +471,7 @@ mod tests {
         assert_eq!(Figures::default().fault(), None);
         let says = |figures: Figures| figures.fault().unwrap().advice(false);
         assert!(says(Figures { lines_db: Some(6.0), ..good }).contains("Scaling alpha"));
-        assert!(!Fault::Buzzes.advice(true).contains("Scaling alpha"), "that is down already");
+        assert!(!Diagnosis::Buzzes.advice(true).contains("Scaling alpha"), "that is down already");
         assert!(says(Figures { follows: Some(0.2), ..good }).contains("follow"));
         assert!(says(Figures { crackle: Some(4.0), ..good }).contains("sudden"));
         assert!(says(Figures { crackle: Some(0.2), ..good }).contains("less"));

@@ -11,10 +11,10 @@
 pub mod analyser;
 pub mod bands;
 pub mod fidelity;
-pub mod portrait;
 pub mod range;
+pub mod recording_overview;
 
 pub use analyser::Analyser;
 pub use bands::{BANDS, FLOOR_DB};
 pub use fidelity::{Character, Fidelity, Figures};
-pub use portrait::Portrait;
+pub use recording_overview::Portrait;

@@ -8,7 +8,7 @@ use crate::probe::Listen;
 const FADE_S: f32 = 0.01;
 
 /// A recording at the engine's rate, channel by channel.
-pub type Tape = Arc<Vec<Vec<f32>>>;
+pub type AuditionClip = Arc<Vec<Vec<f32>>>;
 
 /// The audio thread's part; nothing in it allocates but [`new`](Self::new).
 #[derive(Debug)]
@@ -16,7 +16,7 @@ pub struct Audition {
     /// The drive as far back as the latency, and where its next sample goes.
     past: Vec<f32>,
     next: usize,
-    tape: Option<Tape>,
+    tape: Option<AuditionClip>,
     /// The tape's next sample.
     at: usize,
     /// How much is heard of the drive and of the tape; the output has the rest.
@@ -40,7 +40,7 @@ impl Audition {
     }
 
     /// Exchanges the recording that can be listened to.
-    pub fn swap_tape(&mut self, tape: Option<Tape>) -> Option<Tape> {
+    pub fn swap_tape(&mut self, tape: Option<AuditionClip>) -> Option<AuditionClip> {
         self.at = 0;
         std::mem::replace(&mut self.tape, tape)
     }

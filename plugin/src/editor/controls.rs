@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use egui::{Frame, Margin, RichText, ScrollArea, Ui};
 use pyrophone_settings::{Kind, PARAMETERS};
 
-use super::hand::Hand;
+use super::param_editor::ParamEditor;
 use super::theme;
 use super::widgets::{KNOB, PICK_WIDTH, choice, knob, toggle};
 
@@ -85,7 +85,7 @@ const SPACING: f32 = 6.0;
 const MARGIN: i8 = 9;
 
 /// The groups of a page.
-pub fn show(ui: &mut Ui, page: Page, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut Ui, page: Page, hand: &mut ParamEditor<'_>) {
     ScrollArea::vertical().id_salt(page as usize).auto_shrink(false).show(ui, |ui| {
         let room = ui.available_width();
         let mut rest = page.groups();
@@ -132,7 +132,7 @@ impl Group {
         2.0 * f32::from(MARGIN) + picks + self.knobs.len() as f32 * (KNOB.x + SPACING)
     }
 
-    fn show(&self, ui: &mut Ui, width: f32, hand: &mut Hand<'_>) {
+    fn show(&self, ui: &mut Ui, width: f32, hand: &mut ParamEditor<'_>) {
         let width = width - 2.0 * f32::from(MARGIN);
         Frame::new().fill(theme::PANEL).corner_radius(theme::ROUNDING).inner_margin(Margin::symmetric(MARGIN, 6)).show(
             ui,

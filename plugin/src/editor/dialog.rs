@@ -23,7 +23,7 @@ const EXTENSIONS: &[&str] =
 const VARIABLE: &str = "PYROPHONE_DIALOG";
 
 /// How often the thread looks whether it was called off.
-const GLANCE: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// What the user is asked for.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -124,7 +124,7 @@ fn wait_for<T>(future: impl Future<Output = T>, called_off: &AtomicBool) -> Opti
         if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
             return Some(value);
         }
-        std::thread::park_timeout(GLANCE);
+        std::thread::park_timeout(POLL_INTERVAL);
     }
     None
 }

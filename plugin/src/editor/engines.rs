@@ -5,7 +5,7 @@ use pyrophone_settings::Id;
 use pyrophone_settings::table::DYNAMIC_RANGES;
 
 use super::controls::{self, Page};
-use super::hand::Hand;
+use super::param_editor::ParamEditor;
 use super::play::Parts;
 use super::{GAP, listen, meter_bridge, part, theme};
 
@@ -21,7 +21,7 @@ const ENGINES: f32 = 84.0;
 const ROOM_FOR_ENGINES: f32 = 270.0;
 
 /// A page.
-pub fn show(ui: &mut egui::Ui, rest: Rect, page: Page, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut egui::Ui, rest: Rect, page: Page, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     // Pictures take what the parameters leave, and at least two fifths.
     let split = rest.top() + (rest.height() - CONTROLS).clamp(0.4 * rest.height(), 0.62 * rest.height());
     let (upper, lower) = rest.split_top_bottom_at_y(split);
@@ -47,7 +47,7 @@ pub fn show(ui: &mut egui::Ui, rest: Rect, page: Page, parts: &mut Parts<'_>, ha
 }
 
 /// What the engines do: extension's factors, texture's levels, and how loudness is matched.
-fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &Hand<'_>) {
+fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &ParamEditor<'_>) {
     let width = (rect.width() - 2.0 * GAP) / 3.0;
     let place = |index: f32| {
         let left = rect.left() + index * (width + GAP);
@@ -71,7 +71,7 @@ fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &Hand<'_>) {
 }
 
 /// Flame, output and recording over time, and the recording's words.
-fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let view = parts.view;
     let cancels = parts.meters.input_cancels();
     let has_message = view.error.is_some() || view.notice.is_some() || cancels;

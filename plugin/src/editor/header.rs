@@ -5,7 +5,7 @@ use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::Id;
 
 use super::controls::Page;
-use super::hand::Hand;
+use super::param_editor::ParamEditor;
 use super::presets::Presets;
 use super::{map, theme};
 use crate::meters::Meters;
@@ -31,7 +31,7 @@ impl Header {
     }
 
     /// The row. `load` is the part of their time that blocks take, and the worst of the last second.
-    pub fn show(&mut self, ui: &mut Ui, hand: &mut Hand<'_>, meters: &Meters, load: (f32, f32)) {
+    pub fn show(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>, meters: &Meters, load: (f32, f32)) {
         let width = ui.available_width();
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.spacing_mut().button_padding.x = 6.0;
@@ -78,7 +78,7 @@ fn gap(ui: &mut Ui) {
     ui.add_space(5.0);
 }
 
-fn history(ui: &mut Ui, hand: &mut Hand<'_>) {
+fn history(ui: &mut Ui, hand: &mut ParamEditor<'_>) {
     let keys = |key| move |input: &mut egui::InputState| input.consume_key(egui::Modifiers::COMMAND, key);
     let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo"));
     map::note(ui, "button.Undo", undo.rect);

@@ -54,7 +54,7 @@ pub enum Step {
 
 /// The steps, and the settings that are kept beside those that sound.
 #[derive(Debug, Default)]
-pub struct History {
+pub struct UndoHistory {
     past: VecDeque<Step>,
     future: Vec<Step>,
     /// Before the gesture under way, and what it has made so far.
@@ -66,7 +66,7 @@ pub struct History {
     pub chosen: Chosen,
 }
 
-impl History {
+impl UndoHistory {
     /// Whether there is something to undo.
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()

@@ -3,7 +3,7 @@
 use pyrophone_settings::{COUNT, Id, PARAMETERS, Parameter, Values};
 use pyrophone_synthesis::Controls;
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow, Fuel, SLOTS};
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 
 /// What decides that besides the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -31,7 +31,7 @@ pub type Reasons = [Option<&'static str>; COUNT];
 pub fn reasons(values: &Values, circumstances: Circumstances) -> Reasons {
     let situation = Situation {
         controls: values.controls(),
-        is_companded: values.structure().dynamics == Dynamics::Companded,
+        is_companded: values.structure().dynamics == MatchingMode::Companded,
         has_recording: circumstances.has_recording,
         loaded: circumstances.loaded,
         values,

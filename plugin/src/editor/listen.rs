@@ -12,8 +12,8 @@ use raw_window_handle::HasWindowHandle;
 
 use super::dialog::{Ask, Dialog};
 use super::drag::{DragSource, Outcome};
-use super::hand::Hand;
 use super::monitor::Monitor;
+use super::param_editor::ParamEditor;
 use super::task::Task;
 use super::{map, theme};
 use crate::loader::LoaderHandle;
@@ -115,7 +115,14 @@ impl ListenPanel {
     }
 
     /// The panel below the meters.
-    pub fn show(&mut self, ui: &mut Ui, monitor: &mut Monitor, loader: &LoaderHandle, view: &View, hand: &Hand<'_>) {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        monitor: &mut Monitor,
+        loader: &LoaderHandle,
+        view: &View,
+        hand: &ParamEditor<'_>,
+    ) {
         ui.spacing_mut().item_spacing = Vec2::new(4.0, 3.0);
         ui.spacing_mut().button_padding = Vec2::new(5.0, 2.0);
         ui.horizontal(|ui| {
@@ -131,7 +138,7 @@ impl ListenPanel {
     }
 
     /// A button that lights a burst.
-    pub fn burst(&self, ui: &mut Ui, monitor: &Monitor, hand: &Hand<'_>) {
+    pub fn burst(&self, ui: &mut Ui, monitor: &Monitor, hand: &ParamEditor<'_>) {
         let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
         let burst = ui.add_enabled(!burns && self.rate_hz.is_some(), Button::new("Burst"));
         map::note(ui, "button.Burst", burst.rect);

@@ -19,13 +19,11 @@
 //! [`mod@drop`] takes files that are dropped, [`drag`] gives sounds to other programs, [`task`] work with files, [`map`] tells tests where things are.
 
 pub mod controls;
-pub mod cure;
 pub mod dialog;
 pub mod drag;
 pub mod drop;
 pub mod engines;
 pub mod frame;
-pub mod hand;
 pub mod header;
 pub mod history;
 pub mod inert;
@@ -35,11 +33,13 @@ pub mod map;
 pub mod meter_bridge;
 pub mod midi;
 pub mod monitor;
+pub mod param_editor;
 pub mod play;
 pub mod plots;
 pub mod presets;
 pub mod recording;
 pub mod space;
+pub mod suggestion;
 pub mod take;
 pub mod task;
 pub mod theme;
@@ -56,7 +56,7 @@ use nice_plug_egui::{Frame, NiceEguiApp, RepaintNotifier};
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use pyrophone_settings::{ControllerFile, Id};
 
-use crate::analysis::fidelity::Fault;
+use crate::analysis::fidelity::Diagnosis;
 use crate::analysis::range::{BUZZING_DB, mean_gain_db};
 use crate::loader::LoaderHandle;
 use crate::loader::status::View;
@@ -65,16 +65,16 @@ use crate::parameters::EffectParams;
 use crate::probe::ProbeOut;
 use crate::window_size::SMALLEST;
 use controls::Page;
-use hand::Hand;
 use header::Header;
-use history::History;
+use history::UndoHistory;
 use inert::{Circumstances, reasons};
 use levels::Levels;
 use listen::ListenPanel;
 use midi::MidiPanel;
 use monitor::Monitor;
+use param_editor::ParamEditor;
 use play::pad::Pad;
-use plots::spectrum::Told;
+use plots::spectrum::Advice;
 use recording::RecordingPanel;
 
 /// Between parts, in points.
@@ -91,7 +91,7 @@ pub struct Window {
     recording: RecordingPanel,
     header: Header,
     monitor: Monitor,
-    history: History,
+    history: UndoHistory,
     levels: Levels,
     listen: ListenPanel,
     pad: Pad,
@@ -117,7 +117,7 @@ impl Window {
             recording: RecordingPanel::new(notifier.clone()),
             header: Header::new(notifier.clone()),
             monitor: Monitor::new(probe),
-            history: History::default(),
+            history: UndoHistory::default(),
             levels: Levels::default(),
             listen: ListenPanel::new(notifier),
             pad: Pad::default(),
@@ -218,14 +218,14 @@ impl Window {
             loaded: std::array::from_fn(|slot| view.slots[slot].is_some()),
         };
         let inert = reasons(&self.params.values(), circumstances);
-        let mut hand = Hand { params: &self.params, setter, history: &mut self.history, inert: &inert };
+        let mut hand = ParamEditor { params: &self.params, setter, history: &mut self.history, inert: &inert };
         part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
 
         let portrait = view.portrait.as_deref();
         self.monitor.follow_traces(portrait.map(|portrait| [portrait.duration_s, portrait.start_s]), now_s);
         let figures = self.monitor.figures(portrait.map(|portrait| &portrait.character));
         let fault = figures.fault().or_else(|| foreseen(&mut self.monitor, &view, &hand, now_s));
-        let told = Told { figures, fault, scaling_alpha: self.meters.scaling_alpha() };
+        let told = Advice { figures, fault, scaling_alpha: self.meters.scaling_alpha() };
         let mut parts = play::Parts {
             monitor: &mut self.monitor,
             levels: &mut self.levels,
@@ -248,7 +248,7 @@ impl Window {
 }
 
 /// Whether matching is likely to buzz, before it is heard to.
-fn foreseen(monitor: &mut Monitor, view: &View, hand: &Hand<'_>, now_s: f64) -> Option<Fault> {
+fn foreseen(monitor: &mut Monitor, view: &View, hand: &ParamEditor<'_>, now_s: f64) -> Option<Diagnosis> {
     let range = DYNAMIC_RANGES[hand.get(Id::DynamicRange) as usize];
     if hand.get(Id::ScalingAuto) > 0.5 {
         return None;
@@ -261,7 +261,7 @@ fn foreseen(monitor: &mut Monitor, view: &View, hand: &Hand<'_>, now_s: f64) -> 
         ("running", _, Some(drive)) => mean_gain_db(&drive.0, recording, scaling_alpha),
         _ => return None,
     };
-    (gain_db > BUZZING_DB).then_some(Fault::MayBuzz)
+    (gain_db > BUZZING_DB).then_some(Diagnosis::MayBuzz)
 }
 
 /// A part of the window with a place of its own.

@@ -2,14 +2,14 @@
 
 use std::collections::VecDeque;
 
-use pyrophone_synthesis::chain::Trace;
+use pyrophone_synthesis::chain::Telemetry;
 
 use super::plots::beta::Betas;
-use super::plots::course::Course;
-use super::plots::dynamics::Dynamics;
+use super::plots::dynamics::DynamicsPlot;
 use super::plots::heat::Heat;
 use super::plots::pyramid::Levels;
 use super::plots::space::Space;
+use super::plots::spectrogram::Spectrogram;
 use super::plots::spectrum::Spectra;
 use super::plots::trace::Outline;
 use super::take::Take;
@@ -40,9 +40,9 @@ pub struct Monitor {
     /// Outline of the drive.
     pub trace: Outline,
     /// Course of the drive.
-    pub drive: Course,
+    pub drive: Spectrogram,
     /// Course of the output.
-    pub output: Course,
+    pub output: Spectrogram,
     /// Where in the recording the texture was found.
     pub heat: Heat,
     /// Noise factors of extension's windows.
@@ -50,7 +50,7 @@ pub struct Monitor {
     /// Levels of the output pyramid.
     pub levels: Levels,
     /// What dynamic-range matching maps.
-    pub dynamics: Dynamics,
+    pub dynamics: DynamicsPlot,
     /// Sources of vortex sound.
     pub space: Space,
     /// What is kept of drive and output to be saved.
@@ -84,7 +84,7 @@ impl Side {
 impl Monitor {
     /// A monitor of what comes through a probe.
     pub fn new(probe: ProbeOut) -> Self {
-        let (spectra, drive, output) = (Spectra::default(), Course::new("drive"), Course::new("output"));
+        let (spectra, drive, output) = (Spectra::default(), Spectrogram::new("drive"), Spectrogram::new("output"));
         Self {
             probe,
             engine: None,
@@ -96,7 +96,7 @@ impl Monitor {
             heat: Heat::default(),
             betas: Betas::default(),
             levels: Levels::default(),
-            dynamics: Dynamics::default(),
+            dynamics: DynamicsPlot::default(),
             space: Space::default(),
             take: Take::default(),
             worst: Worst::default(),
@@ -115,7 +115,7 @@ impl Monitor {
         self.heat = Heat::default();
         self.betas = Betas::default();
         self.levels = Levels::default();
-        self.dynamics = Dynamics::default();
+        self.dynamics = DynamicsPlot::default();
         self.space = Space::default();
         self.take = Take::default();
     }
@@ -172,11 +172,11 @@ impl Monitor {
         let (heat, dynamics, levels, betas) = (&mut self.heat, &mut self.dynamics, &mut self.levels, &mut self.betas);
         let space = &mut self.space;
         self.probe.take_traces(|trace| match trace {
-            Trace::Sources(count) => space.begin(count),
-            Trace::Source(source) => space.take(source),
-            Trace::Beta(beta) => betas.take(beta),
-            Trace::Extent(extent) => levels.take(extent),
-            Trace::Match(found) => {
+            Telemetry::Sources(count) => space.begin(count),
+            Telemetry::Source(source) => space.take(source),
+            Telemetry::Beta(beta) => betas.take(beta),
+            Telemetry::Extent(extent) => levels.take(extent),
+            Telemetry::Match(found) => {
                 if let Some([duration_s, start_s]) = recording_s {
                     heat.take(((start_s + f64::from(found.place_s)) / duration_s) as f32);
                 }

@@ -10,9 +10,9 @@ use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::library::Stored;
 use pyrophone_settings::{Error, Library, Preset, Values};
 
-use super::hand::Hand;
 use super::history::Entry;
 use super::map;
+use super::param_editor::ParamEditor;
 use super::task::Task;
 
 /// Least and largest width of the name in the head, in points.
@@ -76,7 +76,7 @@ impl Presets {
     }
 
     /// The preset's name, with a star where it was changed, which opens the list; and the ones before and after it.
-    pub fn show(&mut self, ui: &mut Ui, width: f32, hand: &mut Hand<'_>) {
+    pub fn show(&mut self, ui: &mut Ui, width: f32, hand: &mut ParamEditor<'_>) {
         self.follow(hand);
         let values = hand.values();
         if hand.history.chosen.is_none() {
@@ -117,7 +117,7 @@ impl Presets {
     }
 
     /// Chooses the next preset of the list, or the one before, round its ends.
-    fn step(&mut self, is_forth: bool, hand: &mut Hand<'_>) {
+    fn step(&mut self, is_forth: bool, hand: &mut ParamEditor<'_>) {
         let all: Vec<Arc<Entry>> = self.users.iter().chain(&self.factory).cloned().collect();
         let now = hand.history.chosen.as_ref();
         let at =
@@ -131,7 +131,7 @@ impl Presets {
     }
 
     /// Takes what a task has come to.
-    fn follow(&mut self, hand: &mut Hand<'_>) {
+    fn follow(&mut self, hand: &mut ParamEditor<'_>) {
         let Some((done, found)) = self.task.as_mut().and_then(Task::poll) else { return };
         self.task = None;
         let entry = |stored: Stored| Arc::new(Entry { preset: stored.preset, path: Some(stored.path) });

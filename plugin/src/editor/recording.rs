@@ -14,9 +14,9 @@ use raw_window_handle::HasWindowHandle;
 
 use super::dialog::{Ask, Dialog};
 use super::drop::DropTarget;
-use super::hand::Hand;
-use super::plots::course::{Still, label};
+use super::param_editor::ParamEditor;
 use super::plots::outline;
+use super::plots::spectrogram::{Still, label};
 use super::{map, theme};
 use crate::loader::LoaderHandle;
 use crate::loader::status::View;
@@ -101,11 +101,11 @@ impl RecordingPanel {
     }
 
     /// The panel, with the part that is learnt from in figures, and learning.
-    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut Hand<'_>, view: &View) {
+    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut ParamEditor<'_>, view: &View) {
         ScrollArea::vertical().id_salt("recording").auto_shrink(false).show(ui, |ui| self.rows(ui, loader, hand, view));
     }
 
-    fn rows(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut Hand<'_>, view: &View) {
+    fn rows(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut ParamEditor<'_>, view: &View) {
         // Narrow windows break the rows, and scroll.
         ui.horizontal_wrapped(|ui| self.loading(ui, loader, view));
         ui.horizontal_wrapped(|ui| self.cutting(ui, loader, view));
@@ -293,7 +293,7 @@ impl RecordingPanel {
         }
     }
 
-    fn learning(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut Hand<'_>, view: &View) {
+    fn learning(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut ParamEditor<'_>, view: &View) {
         let learning = &loader.shared.learning;
         let is_on = learning.load(Ordering::Relaxed);
         let text = if is_on { "Learning: press when it has played" } else { "Learn the flame" };

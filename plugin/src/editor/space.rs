@@ -3,7 +3,7 @@
 use egui::Rect;
 
 use super::controls::{self, Page};
-use super::hand::Hand;
+use super::param_editor::ParamEditor;
 use super::play::Parts;
 use super::{GAP, listen, meter_bridge, part, theme};
 
@@ -16,7 +16,7 @@ const ROOM_FOR_METERS: f32 = 900.0;
 const ROOM_FOR_COURSE: f32 = 60.0;
 
 /// The page.
-pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let side = rest.height().min(VIEW * rest.width());
     let (view, right) = rest.split_left_right_at_x(rest.left() + side);
     let channels = parts.monitor.channels();

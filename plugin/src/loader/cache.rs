@@ -11,7 +11,7 @@ use pyrophone_synthesis::texture::Dictionary;
 use pyrophone_training::DictionaryKey;
 
 /// How often a loader that waits for another one looks whether it was called off.
-const GLANCE: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Decoded recordings by content hash.
 pub static RECORDINGS: LazyLock<Cache<String, Recording>> = LazyLock::new(Cache::default);
@@ -78,7 +78,8 @@ impl<K: Eq + Hash + Clone, V> Cache<K, V> {
                 },
                 Some(Entry::Underway) if is_called_off() => return None,
                 Some(Entry::Underway) => {
-                    entries = self.changed.wait_timeout(entries, GLANCE).unwrap_or_else(PoisonError::into_inner).0;
+                    entries =
+                        self.changed.wait_timeout(entries, POLL_INTERVAL).unwrap_or_else(PoisonError::into_inner).0;
                 }
                 None => break,
             }

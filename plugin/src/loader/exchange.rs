@@ -21,19 +21,19 @@ pub trait Pop<T> {
 
 /// The loader's end.
 #[derive(Debug)]
-pub struct Giver<U, R> {
+pub struct Sender<U, R> {
     updates: U,
     retired: R,
 }
 
 /// The audio thread's end; real-time safe as long as its rings are.
 #[derive(Debug)]
-pub struct Taker<U, R> {
+pub struct Receiver<U, R> {
     updates: U,
     retired: R,
 }
 
-impl<U, R> Giver<U, R> {
+impl<U, R> Sender<U, R> {
     /// Sends through `updates`; what comes back through `retired` is freed here.
     pub fn new(updates: U, retired: R) -> Self {
         Self { updates, retired }
@@ -56,7 +56,7 @@ impl<U, R> Giver<U, R> {
     }
 }
 
-impl<U, R> Taker<U, R> {
+impl<U, R> Receiver<U, R> {
     /// Takes from `updates`, gives back through `retired`.
     pub fn new(updates: U, retired: R) -> Self {
         Self { updates, retired }

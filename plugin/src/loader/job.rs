@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 
 use super::mailbox::Mailbox;
 use super::status::Status;
@@ -15,7 +15,7 @@ pub struct Job {
     status: Arc<Status>,
     params: Arc<EffectParams>,
     epoch: u64,
-    wanted: Structure,
+    wanted: EngineConfig,
     /// Progress last shown, in percent.
     shown: AtomicU32,
 }
@@ -34,7 +34,7 @@ impl Job {
     }
 
     /// The structure that the parameters said when it began.
-    pub fn wanted(&self) -> &Structure {
+    pub fn wanted(&self) -> &EngineConfig {
         &self.wanted
     }
 

@@ -9,7 +9,7 @@ use pyrophone_recording::{decode, resample};
 use pyrophone_settings::Values;
 use pyrophone_settings::session::{Learned, Session};
 use pyrophone_synthesis::chain::learn;
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::Distribution;
 
 use super::engine::Engine;
@@ -125,7 +125,7 @@ impl Learner {
                 session.learned = Some(Learned {
                     sample_rate_hz: engine.sample_rate_hz,
                     levels: engine.structure.levels,
-                    companded: engine.structure.dynamics == Dynamics::Companded,
+                    companded: engine.structure.dynamics == MatchingMode::Companded,
                     quantiles: Distribution::from_magnitudes(values).quantiles().to_vec(),
                 });
                 self.is_sent = false;
@@ -145,7 +145,7 @@ impl Learner {
         }
         let (distribution, text) = match &session.learned {
             None => (None, None),
-            Some(learned) if learned.companded != (engine.structure.dynamics == Dynamics::Companded) => {
+            Some(learned) if learned.companded != (engine.structure.dynamics == MatchingMode::Companded) => {
                 (None, Some("learned in the other dynamics mode: learn again".to_owned()))
             }
             Some(learned)
@@ -185,7 +185,7 @@ fn learned_from(path: &Path, engine: &Engine, values: &Values, job: &Job) -> Res
     Ok(Learned {
         sample_rate_hz: engine.sample_rate_hz,
         levels: engine.structure.levels,
-        companded: engine.structure.dynamics == Dynamics::Companded,
+        companded: engine.structure.dynamics == MatchingMode::Companded,
         quantiles: distribution.quantiles().to_vec(),
     })
 }

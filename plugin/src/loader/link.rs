@@ -4,14 +4,14 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::texture::{Dictionary, Distribution};
 use pyrophone_synthesis::vortex::SpeedField;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
 
-use super::exchange::{Giver, Pop, Push, Taker};
-use crate::audio::audition::Tape;
+use super::exchange::{Pop, Push, Receiver, Sender};
+use crate::audio::audition::AuditionClip;
 
 /// Something new for the engines.
 pub enum Update {
@@ -22,7 +22,7 @@ pub enum Update {
     /// The speed field, or none.
     Field(Option<Arc<SpeedField>>),
     /// The recording to be listened to, or none.
-    Tape(Option<Tape>),
+    Tape(Option<AuditionClip>),
 }
 
 /// Something that the audio thread no longer needs.
@@ -34,7 +34,7 @@ pub enum Retired {
     /// A speed field.
     Field(Arc<SpeedField>),
     /// A recording.
-    Tape(Tape),
+    Tape(AuditionClip),
 }
 
 /// Updates that may be under way; a few suffice, since the loader tries again.
@@ -78,7 +78,7 @@ pub struct Shared {
 
 impl Shared {
     /// Tells that everything is ready for engines of this structure.
-    pub fn set_prepared(&self, structure: &Structure, latency_samples: u32) {
+    pub fn set_prepared(&self, structure: &EngineConfig, latency_samples: u32) {
         self.prepared_latency_samples.store(latency_samples, Ordering::Relaxed);
         self.prepared.store(fingerprint(structure), Ordering::Release);
     }
@@ -91,8 +91,8 @@ impl Shared {
 }
 
 /// A number that tells structures apart; never 0.
-pub fn fingerprint(structure: &Structure) -> u64 {
-    let Structure { levels, window, feature, falloff, half_width, fit_width_hz, dynamics } = *structure;
+pub fn fingerprint(structure: &EngineConfig) -> u64 {
+    let EngineConfig { levels, window, feature, falloff, half_width, fit_width_hz, dynamics } = *structure;
     let fields = [
         levels as u64,
         window as u64,
@@ -108,7 +108,7 @@ pub fn fingerprint(structure: &Structure) -> u64 {
 
 /// The loader's ends.
 pub struct LoaderLink {
-    exchange: Giver<HeapProd<Update>, HeapCons<Retired>>,
+    exchange: Sender<HeapProd<Update>, HeapCons<Retired>>,
     magnitudes: HeapCons<f64>,
     /// Switches.
     pub shared: Arc<Shared>,
@@ -116,7 +116,7 @@ pub struct LoaderLink {
 
 /// The audio thread's ends.
 pub struct AudioLink {
-    exchange: Taker<HeapCons<Update>, HeapProd<Retired>>,
+    exchange: Receiver<HeapCons<Update>, HeapProd<Retired>>,
     magnitudes: HeapProd<f64>,
     /// Switches.
     pub shared: Arc<Shared>,
@@ -128,8 +128,8 @@ pub fn pair() -> (LoaderLink, AudioLink) {
     let (retired_in, retired_out) = HeapRb::new(RETIRED).split();
     let (magnitudes_in, magnitudes_out) = HeapRb::new(MAGNITUDES).split();
     let shared = Arc::new(Shared::default());
-    let giver = Giver::new(updates_in, retired_out);
-    let taker = Taker::new(updates_out, retired_in);
+    let giver = Sender::new(updates_in, retired_out);
+    let taker = Receiver::new(updates_out, retired_in);
     let loader = LoaderLink { exchange: giver, magnitudes: magnitudes_out, shared: shared.clone() };
     let audio = AudioLink { exchange: taker, magnitudes: magnitudes_in, shared };
     (loader, audio)
@@ -173,21 +173,21 @@ impl AudioLink {
 
 #[cfg(test)]
 mod tests {
-    use pyrophone_synthesis::structure::Dynamics;
+    use pyrophone_synthesis::structure::MatchingMode;
 
     use super::*;
 
     #[test]
     fn fingerprints_tell_structures_apart() {
-        let base = Structure::default();
+        let base = EngineConfig::default();
         let others = [
-            Structure { levels: 5, ..base },
-            Structure { window: 5, ..base },
-            Structure { feature: 4, ..base },
-            Structure { falloff: 0.001, ..base },
-            Structure { half_width: 501, ..base },
-            Structure { fit_width_hz: 30.1, ..base },
-            Structure { dynamics: Dynamics::Companded, ..base },
+            EngineConfig { levels: 5, ..base },
+            EngineConfig { window: 5, ..base },
+            EngineConfig { feature: 4, ..base },
+            EngineConfig { falloff: 0.001, ..base },
+            EngineConfig { half_width: 501, ..base },
+            EngineConfig { fit_width_hz: 30.1, ..base },
+            EngineConfig { dynamics: MatchingMode::Companded, ..base },
         ];
         for other in others {
             assert_ne!(fingerprint(&base), fingerprint(&other), "{other:?}");

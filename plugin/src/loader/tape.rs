@@ -15,13 +15,13 @@ type Key = (String, Cut, u32);
 
 /// The tape, as long as somebody wants to listen, and whether the engine has it.
 #[derive(Default)]
-pub struct Tape {
+pub struct ClipLoader {
     is_wanted: bool,
-    made: Option<(Key, audition::Tape)>,
+    made: Option<(Key, audition::AuditionClip)>,
     is_sent: bool,
 }
 
-impl Tape {
+impl ClipLoader {
     /// Whether somebody wants to listen.
     pub fn want(&mut self, wanted: bool) {
         self.is_sent &= self.is_wanted == wanted;

@@ -12,7 +12,7 @@ use std::time::Duration;
 use pyrophone_recording::{Cut, Recording, check_not_among, write_wav_f32};
 use pyrophone_settings::session::{self, Session};
 use pyrophone_settings::{Id, Recent};
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain;
 use pyrophone_synthesis::controls::SLOTS;
 use pyrophone_synthesis::texture::Dictionary;
@@ -28,7 +28,7 @@ use super::motion::Motion;
 use super::slot::{Pending, Slot};
 use super::source::{self, Failure, Found};
 use super::status::Status;
-use super::tape::Tape;
+use super::tape::ClipLoader;
 use crate::analysis::Portrait;
 use crate::parameters::EffectParams;
 use crate::persist;
@@ -52,7 +52,7 @@ pub struct Worker {
     prepared: Option<Engine>,
     learner: Learner,
     motion: Motion,
-    tape: Tape,
+    tape: ClipLoader,
     recent: Option<Recent>,
 }
 
@@ -85,7 +85,7 @@ impl Worker {
             prepared: None,
             learner: Learner::default(),
             motion: Motion::default(),
-            tape: Tape::default(),
+            tape: ClipLoader::default(),
             recent,
         }
     }
@@ -515,7 +515,7 @@ impl Worker {
         }
     }
 
-    fn key(&self, recording: &Recording, cut: &Cut, structure: &Structure, sample_rate_hz: f64) -> DictionaryKey {
+    fn key(&self, recording: &Recording, cut: &Cut, structure: &EngineConfig, sample_rate_hz: f64) -> DictionaryKey {
         DictionaryKey::new(&recording.content_hash, cut, sample_rate_hz, structure)
     }
 

@@ -6,7 +6,7 @@ use symphonia::core::codecs::audio::AudioCodecParameters;
 use symphonia::core::codecs::audio::well_known::CODEC_ID_FLAC;
 
 use super::described::{Described, check_layout, damaged};
-use super::sound::{Ends, Link, Sound};
+use super::sound::{Link, Sound, SoundBounds};
 use super::tags;
 use crate::format::flac_frame::{Crc16, FrameHeader};
 use crate::{Error, Note};
@@ -79,7 +79,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
         links.push(Link {
             parameters: info.parameters(),
             packets,
-            ends: Ends::default(),
+            ends: SoundBounds::default(),
             declared_samples: info.samples,
         });
         at = end + tags::all_at_start(&bytes[end..]);

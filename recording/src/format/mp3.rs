@@ -10,7 +10,7 @@ use symphonia::core::codecs::audio::well_known::{CODEC_ID_MP1, CODEC_ID_MP2, COD
 
 use super::described::{Described, check_layout, damaged};
 use super::mpeg::{self, Header, Info};
-use super::sound::{Ends, Link, Sound};
+use super::sound::{Link, Sound, SoundBounds};
 use super::tags;
 use crate::{Error, Note};
 
@@ -128,6 +128,6 @@ fn link<'a>(part: Part<'a>, first: &Header, notes: &mut Vec<Note>) -> Link<'a> {
     });
     parameters.with_sample_rate(first.sample_rate_hz);
     let skip_end = if is_right { padding } else { 0 };
-    let ends = Ends { skip_start: delay, skip_end, ..Ends::default() };
+    let ends = SoundBounds { skip_start: delay, skip_end, ..SoundBounds::default() };
     Link { parameters, packets: part.frames, ends, declared_samples: None }
 }

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 
 use super::described::{Described, check_layout, damaged, unsupported};
 use super::ogg_page::{Page, pages};
-use super::sound::{Ends, Link, Sound};
+use super::sound::{Link, Sound, SoundBounds};
 use super::vorbis;
 use super::vorbis_clock::Clock;
 use crate::format::flac::StreamInfo;
@@ -147,7 +147,7 @@ impl<'a> Stream<'a> {
                 let is_frame = |packet: &Cow<[u8]>| packet.first() == Some(&0xff);
                 let packets = self.packets.into_iter().filter(is_frame).collect();
                 let (parameters, declared_samples) = (info.parameters(), info.samples);
-                let link = Link { parameters, packets, ends: Ends::default(), declared_samples };
+                let link = Link { parameters, packets, ends: SoundBounds::default(), declared_samples };
                 Ok((info.sample_rate_hz, info.channels, link))
             }
         }

@@ -23,7 +23,7 @@ pub(super) struct Page<'a> {
 }
 
 /// A page that cannot be used.
-pub(super) struct Fault {
+pub(super) struct PageFault {
     /// Its first byte.
     pub at: usize,
     /// Whether no other page follows.
@@ -32,7 +32,7 @@ pub(super) struct Fault {
 
 /// The pages of a file. Bytes between them are passed over: whatever they are, no page is lost unless its number is
 /// missing.
-pub(super) fn pages(bytes: &[u8]) -> impl Iterator<Item = Result<Page<'_>, Fault>> {
+pub(super) fn pages(bytes: &[u8]) -> impl Iterator<Item = Result<Page<'_>, PageFault>> {
     let mut from = 0;
     std::iter::from_fn(move || {
         let at = find(bytes, from)?;
@@ -43,7 +43,7 @@ pub(super) fn pages(bytes: &[u8]) -> impl Iterator<Item = Result<Page<'_>, Fault
             }
             None => {
                 from = at + MARK.len();
-                Some(Err(Fault { at, is_at_end: find(bytes, from).is_none() }))
+                Some(Err(PageFault { at, is_at_end: find(bytes, from).is_none() }))
             }
         }
     })

@@ -19,14 +19,14 @@ pub(crate) enum Sound<'a> {
 pub(crate) struct Link<'a> {
     pub parameters: AudioCodecParameters,
     pub packets: Vec<Cow<'a, [u8]>>,
-    pub ends: Ends,
+    pub ends: SoundBounds,
     /// Samples per channel that must come out, where the format counts them exactly.
     pub declared_samples: Option<u64>,
 }
 
 /// Samples of a link that are not sound.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Ends {
+pub(crate) struct SoundBounds {
     /// Samples at its start that belong to the coder.
     pub skip_start: u64,
     /// Samples at its end that belong to the coder.

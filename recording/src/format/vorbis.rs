@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use symphonia::core::codecs::audio::AudioCodecParameters;
 use symphonia::core::codecs::audio::well_known::CODEC_ID_VORBIS;
 
-use super::sound::{Ends, Link};
+use super::sound::{Link, SoundBounds};
 use super::vorbis_clock::Clock;
 
 /// Identification, comment and set-up stand before the sound.
@@ -24,6 +24,6 @@ pub(super) fn link(mut packets: Vec<Cow<'_, [u8]>>, clock: Clock) -> Option<Link
     let extra_data = [identification.as_ref(), set_up.as_ref()].concat();
     let mut parameters = AudioCodecParameters::new();
     parameters.for_codec(CODEC_ID_VORBIS).with_extra_data(extra_data.into());
-    let ends = Ends { clock: Some(clock.behind(HEADERS)), ..Ends::default() };
+    let ends = SoundBounds { clock: Some(clock.behind(HEADERS)), ..SoundBounds::default() };
     Some(Link { parameters, packets: sound, ends, declared_samples: None })
 }

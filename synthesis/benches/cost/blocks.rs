@@ -6,9 +6,9 @@ use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::Extend;
 use pyrophone_synthesis::noise::White;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
-use pyrophone_synthesis::{Controls, Structure};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::{Controls, EngineConfig};
 
 use crate::pairs::Pair;
 use crate::{Row, row, timed};
@@ -75,8 +75,8 @@ fn least(blocks: usize, work: impl Fn(&mut dyn FnMut(usize, f64))) -> Vec<f64> {
 }
 
 fn chain(pair: &Pair, rate_hz: f64, channels: usize, controls: &Controls) -> Vec<f64> {
-    let structure = Structure { dynamics: Dynamics::Companded, falloff: FALLOFF, ..Structure::default() };
-    let shape = Shape::at_rate(&structure, rate_hz);
+    let structure = EngineConfig { dynamics: MatchingMode::Companded, falloff: FALLOFF, ..EngineConfig::default() };
+    let shape = PyramidConfig::at_rate(&structure, rate_hz);
     let recording = std::slice::from_ref(&pair.training);
     let dictionary =
         Arc::new(Dictionary::for_dynamics(structure.dynamics, recording, rate_hz, &shape, &|_| true).unwrap());
@@ -103,7 +103,7 @@ fn chain(pair: &Pair, rate_hz: f64, channels: usize, controls: &Controls) -> Vec
 fn extension(rate_hz: f64) -> Vec<f64> {
     let blocks = (SECONDS * rate_hz) as usize / BLOCK;
     least(blocks, |took| {
-        let mut engine = Extend::new(&Structure::default(), 2, rate_hz).unwrap();
+        let mut engine = Extend::new(&EngineConfig::default(), 2, rate_hz).unwrap();
         let white = White::new(1, 99);
         let (mut state, mut drive, mut low, mut noise) = (0.0, [0.0; BLOCK], [0.0; BLOCK], [[0.0; BLOCK]; 2]);
         for block in 0..blocks {

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{ExtendControls, Quality, TextureControls};
 use pyrophone_synthesis::extend::Extend;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape, Texture};
-use pyrophone_synthesis::{Controls, Structure};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig, Texture};
+use pyrophone_synthesis::{Controls, EngineConfig};
 
 use crate::signals::{Random, signal};
 
@@ -45,7 +45,7 @@ fn bursts(share: f64) -> Vec<f64> {
 }
 
 fn texture(recording: &[f64], drive: &[f64], quality: Quality) {
-    let shape = Shape::default();
+    let shape = PyramidConfig::default();
     let dictionary = Dictionary::new(&[recording.to_vec()], RATE_HZ, &shape, &|_| true).unwrap();
     let mut engine = Texture::new(&shape, 1, RATE_HZ).unwrap();
     engine.swap_dictionary(Some(Arc::new(dictionary)));
@@ -59,7 +59,7 @@ fn texture(recording: &[f64], drive: &[f64], quality: Quality) {
 }
 
 fn extension(drive: &[f64]) {
-    let mut engine = Extend::new(&Structure::default(), 2, RATE_HZ).unwrap();
+    let mut engine = Extend::new(&EngineConfig::default(), 2, RATE_HZ).unwrap();
     let (mut low, mut noise) = ([0.0; BLOCK], [[0.0; BLOCK]; 2]);
     counted_second(|| {
         for (number, block) in drive.chunks_exact(BLOCK).enumerate() {
@@ -71,13 +71,13 @@ fn extension(drive: &[f64]) {
 }
 
 /// The default preset's.
-fn companded() -> Structure {
-    Structure { dynamics: Dynamics::Companded, falloff: 0.025, ..Structure::default() }
+fn companded() -> EngineConfig {
+    EngineConfig { dynamics: MatchingMode::Companded, falloff: 0.025, ..EngineConfig::default() }
 }
 
 fn default_preset(drive: &[f64]) {
     let structure = companded();
-    let shape = Shape::at_rate(&structure, RATE_HZ);
+    let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
     let dictionary = Dictionary::companded(&[bursts(0.9)], RATE_HZ, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(RATE_HZ, Channels { input: 2, sidechain: 0, output: 2 }, &structure).unwrap();
     chain.swap_dictionary(Some(Arc::new(dictionary)));
@@ -97,7 +97,7 @@ fn default_preset(drive: &[f64]) {
 /// From fourteen seconds of a recording to the default preset's dictionary.
 fn load() {
     let signal = signal(&mut Random::new(2), 1, LOADED);
-    let shape = Shape::at_rate(&companded(), RATE_HZ);
+    let shape = PyramidConfig::at_rate(&companded(), RATE_HZ);
     counted_on_one_thread(|| {
         std::hint::black_box(Dictionary::companded(std::slice::from_ref(&signal), RATE_HZ, &shape, &|_| true).unwrap());
     });

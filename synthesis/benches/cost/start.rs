@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 use crate::pairs::Pair;
 use crate::{Row, cpu_s, row};
@@ -62,13 +62,13 @@ fn looped(pair: &Pair, seconds: f64) -> Vec<f64> {
     (0..(seconds * RATE_HZ) as usize).map(|i| pair.training[i % len] * (1.0 + 1e-3 * (i / len) as f64)).collect()
 }
 
-fn structure() -> Structure {
-    Structure { dynamics: Dynamics::Companded, falloff: FALLOFF, ..Structure::default() }
+fn structure() -> EngineConfig {
+    EngineConfig { dynamics: MatchingMode::Companded, falloff: FALLOFF, ..EngineConfig::default() }
 }
 
 fn companded(recording: &[f64]) -> Dictionary {
-    let shape = Shape::at_rate(&structure(), RATE_HZ);
-    Dictionary::for_dynamics(Dynamics::Companded, &[recording.to_vec()], RATE_HZ, &shape, &|_| true).unwrap()
+    let shape = PyramidConfig::at_rate(&structure(), RATE_HZ);
+    Dictionary::for_dynamics(MatchingMode::Companded, &[recording.to_vec()], RATE_HZ, &shape, &|_| true).unwrap()
 }
 
 fn chain(dictionary: Dictionary) -> Chain {

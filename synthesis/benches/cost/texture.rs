@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pyrophone_synthesis::texture::offline::{Options, synthesize};
 use pyrophone_synthesis::texture::pyramid::Pyramid;
 use pyrophone_synthesis::texture::search::{Budget, Searcher};
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 use crate::pairs::Pair;
 use crate::signals::{Random, signal};
@@ -30,11 +30,11 @@ pub fn rows() -> Vec<Row> {
 }
 
 fn exact(input: &[f64], training: &[f64]) -> f64 {
-    let padded_s = Pyramid::of_input(input, &Shape::default()).unwrap().levels[0].len() as f64 / RATE_HZ;
+    let padded_s = Pyramid::of_input(input, &PyramidConfig::default()).unwrap().levels[0].len() as f64 / RATE_HZ;
     crate::shortest(|| {
         let begin = cpu_s();
         let training = vec![training.to_vec()];
-        let dictionary = Arc::new(Dictionary::new(&training, RATE_HZ, &Shape::default(), &|_| true).unwrap());
+        let dictionary = Arc::new(Dictionary::new(&training, RATE_HZ, &PyramidConfig::default(), &|_| true).unwrap());
         synthesize(input, &dictionary, &Options::default(), &|_| true).unwrap();
         (cpu_s() - begin) / padded_s
     })
@@ -58,7 +58,7 @@ fn quiet() -> Pair {
 
 fn in_full() -> f64 {
     let training = quiet().training;
-    let dictionary = Dictionary::new(&[training], RATE_HZ, &Shape::default(), &|_| true).unwrap();
+    let dictionary = Dictionary::new(&[training], RATE_HZ, &PyramidConfig::default(), &|_| true).unwrap();
     let (index, features) = (dictionary.index(0).unwrap(), dictionary.features(0));
     let mut searcher = Searcher::new();
     let mut random = Random::new(5);

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::controls::Quality;
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
-use pyrophone_synthesis::{Controls, Structure};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::{Controls, EngineConfig};
 
 use crate::pairs::{Pair, streaming};
 use crate::{RATE_HZ, timed};
@@ -30,7 +30,7 @@ pub fn table(pairs: &[Pair]) {
         for (rate_hz, block) in [(48_000.0, 32), (48_000.0, 64), (48_000.0, 128), (48_000.0, 1024), (96_000.0, 64)] {
             let mut shares = vec![f64::INFINITY; (SECONDS * rate_hz) as usize / block];
             for _ in 0..RUNS {
-                play(&pair.input, &pair.training, Dynamics::Paper, rate_hz, block, &mut shares);
+                play(&pair.input, &pair.training, MatchingMode::Paper, rate_hz, block, &mut shares);
             }
             println!("| {} | {rate_hz} | {block} | {} |", pair.name, summary(shares));
         }
@@ -56,7 +56,7 @@ pub fn companded_table(pairs: &[Pair]) {
     for (drive, recording) in pairs.iter().flat_map(|drive| pairs.iter().map(move |recording| (drive, recording))) {
         let mut shares = vec![f64::INFINITY; (seconds * rate_hz) as usize / block];
         for _ in 0..RUNS {
-            play(&drive.input, &recording.training, Dynamics::Companded, rate_hz, block, &mut shares);
+            play(&drive.input, &recording.training, MatchingMode::Companded, rate_hz, block, &mut shares);
         }
         println!("| {} | {} | {} |", drive.name, recording.name, summary(shares));
     }
@@ -72,17 +72,17 @@ fn summary(mut shares: Vec<f64>) -> String {
 }
 
 /// Plays a drive with a recording, as if they had been recorded at this rate; `shares` keeps the least of each block.
-fn play(drive: &[f64], recording: &Vec<f64>, dynamics: Dynamics, rate_hz: f64, block: usize, shares: &mut [f64]) {
-    let falloff = if dynamics == Dynamics::Companded { FALLOFF } else { 0.0 };
-    let structure = Structure { dynamics, falloff, ..Structure::default() };
-    let shape = Shape::at_rate(&structure, rate_hz);
+fn play(drive: &[f64], recording: &Vec<f64>, dynamics: MatchingMode, rate_hz: f64, block: usize, shares: &mut [f64]) {
+    let falloff = if dynamics == MatchingMode::Companded { FALLOFF } else { 0.0 };
+    let structure = EngineConfig { dynamics, falloff, ..EngineConfig::default() };
+    let shape = PyramidConfig::at_rate(&structure, rate_hz);
     let recording = std::slice::from_ref(recording);
     let dictionary = Dictionary::for_dynamics(dynamics, recording, rate_hz, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(rate_hz, Channels { input: 2, sidechain: 0, output: 2 }, &structure).unwrap();
     chain.swap_dictionary(Some(Arc::new(dictionary)));
     let input: Vec<f32> = drive.iter().map(|x| *x as f32).collect();
     let mut controls = Controls::default();
-    if dynamics == Dynamics::Companded {
+    if dynamics == MatchingMode::Companded {
         // As in the default preset.
         controls.mix.low = 0.0;
         controls.mix.extension = 0.0;
@@ -114,7 +114,7 @@ pub fn channels_table(pairs: &[Pair]) {
     for pair in pairs {
         let dictionaries = [1, 2, 8].map(|channels| {
             let recording = vec![pair.training.clone(); channels];
-            Arc::new(Dictionary::new(&recording, RATE_HZ, &Shape::default(), &|_| true).unwrap())
+            Arc::new(Dictionary::new(&recording, RATE_HZ, &PyramidConfig::default(), &|_| true).unwrap())
         });
         // In turns, so that a busy moment of the machine meets all alike.
         let mut costs = [f64::INFINITY; 3];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pyrophone_synthesis::controls::Quality;
-use pyrophone_synthesis::texture::{Dictionary, Shape};
+use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 use crate::pairs::{Pair, streaming};
 use crate::signals::Random;
@@ -27,7 +27,7 @@ pub fn table(pairs: &[Pair]) {
     for seconds in [10.0, 60.0, 600.0] {
         let recording = mixture(pairs, (seconds * RATE_HZ) as usize);
         let (dictionary, time) =
-            timed(|| Dictionary::new(&[recording], RATE_HZ, &Shape::default(), &|_| true).unwrap());
+            timed(|| Dictionary::new(&[recording], RATE_HZ, &PyramidConfig::default(), &|_| true).unwrap());
         let megabytes = dictionary.bytes() as f64 / 1e6;
         let dictionary = Arc::new(dictionary);
         println!(

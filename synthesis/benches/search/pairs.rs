@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pyrophone_synthesis::controls::{DynamicRange, Quality, TextureControls};
 use pyrophone_synthesis::texture::pyramid::Pyramid;
-use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape, Texture};
+use pyrophone_synthesis::texture::{Dictionary, Distribution, PyramidConfig, Texture};
 
 use crate::signals::{Random, signal};
 use crate::{RATE_HZ, shortest, timed};
@@ -19,7 +19,7 @@ pub struct Pair {
 
 impl Pair {
     pub fn dictionary(&self) -> Dictionary {
-        Dictionary::new(std::slice::from_ref(&self.training), RATE_HZ, &Shape::default(), &|_| true).unwrap()
+        Dictionary::new(std::slice::from_ref(&self.training), RATE_HZ, &PyramidConfig::default(), &|_| true).unwrap()
     }
 }
 
@@ -85,7 +85,8 @@ pub fn dictionary_table(pairs: &[Pair]) {
         let bounded = |candidates| engine(Quality::Bounded { candidates });
         let (padded, eps_one) = {
             use pyrophone_synthesis::texture::offline::{Options, synthesize};
-            let padded = Pyramid::of_input(&pair.input, &Shape::default()).unwrap().levels[0].len() as f64 / RATE_HZ;
+            let padded =
+                Pyramid::of_input(&pair.input, &PyramidConfig::default()).unwrap().levels[0].len() as f64 / RATE_HZ;
             let options = Options { eps: 1.0, ..Options::default() };
             let run = || timed(|| synthesize(&pair.input, &dictionary, &options, &|_| true).unwrap()).1;
             (padded, shortest(|| run().as_secs_f64()))

@@ -9,7 +9,7 @@
 mod bus;
 pub(crate) mod delay;
 mod meters;
-mod trace;
+mod telemetry;
 mod voice;
 mod vortex_layer;
 
@@ -21,13 +21,13 @@ use crate::error::in_range;
 use crate::extend;
 use crate::fuel;
 use crate::mix::{Layers, Mix};
-use crate::structure::Dynamics;
-use crate::texture::{Dictionary, Distribution, Shape, offline};
-use crate::vortex::{Layout, Simulator, SpeedField};
-use crate::{Controls, Error, Structure, drive::Drive};
+use crate::structure::MatchingMode;
+use crate::texture::{Dictionary, Distribution, PyramidConfig, offline};
+use crate::vortex::{Simulator, SpeakerLayout, SpeedField};
+use crate::{Controls, EngineConfig, Error, drive::Drive};
 pub use bus::{Channels, Transport};
 pub use meters::Meters;
-pub use trace::Trace;
+pub use telemetry::Telemetry;
 
 use bus::CHUNK;
 use delay::Delay;
@@ -55,8 +55,8 @@ struct Takeover {
 pub struct Chain {
     channels: Channels,
     sample_rate_hz: f64,
-    shape: Shape,
-    dynamics: Dynamics,
+    shape: PyramidConfig,
+    dynamics: MatchingMode,
     voices: [Voice; 2],
     /// The voice that is heard.
     active: usize,
@@ -93,14 +93,14 @@ const TOLD_CAPACITY: usize = 8192;
 ///
 /// # Errors
 /// [`Error::OutOfRange`] where the structure or the rate is.
-pub fn latency_samples(sample_rate_hz: f64, structure: &Structure) -> Result<usize, Error> {
+pub fn latency_samples(sample_rate_hz: f64, structure: &EngineConfig) -> Result<usize, Error> {
     let extension = extend::latency_samples(structure, sample_rate_hz)?;
-    Ok(extension.max(Shape::at_rate(structure, sample_rate_hz).latency_samples()))
+    Ok(extension.max(PyramidConfig::at_rate(structure, sample_rate_hz).latency_samples()))
 }
 
 impl Chain {
     /// Builds the effect for one sample rate (8-384 kHz) and structure; allocates all it will need.
-    pub fn new(sample_rate_hz: f64, channels: Channels, structure: &Structure) -> Result<Self, Error> {
+    pub fn new(sample_rate_hz: f64, channels: Channels, structure: &EngineConfig) -> Result<Self, Error> {
         in_range("sample rate in Hz", sample_rate_hz, 8_000.0, 384_000.0)?;
         let most = MAX_CHANNELS as f64;
         in_range("input channels", channels.input as f64, 1.0, most)?;
@@ -112,7 +112,7 @@ impl Chain {
         let latency_samples = voices[0].latency_samples();
         let block = |count: usize| vec![vec![0.0; CHUNK]; count];
         Ok(Self {
-            shape: Shape::at_rate(structure, sample_rate_hz),
+            shape: PyramidConfig::at_rate(structure, sample_rate_hz),
             dynamics: structure.dynamics,
             voices,
             active: 0,
@@ -121,7 +121,7 @@ impl Chain {
             position: None,
             crossfade_samples: (CROSSFADE_S * sample_rate_hz).round() as usize,
             dry_delays: vec![Delay::new(latency_samples); channels.input],
-            mix: Mix::new(latency_samples, sample_rate_hz, Layout::of_channels(channels.output)?),
+            mix: Mix::new(latency_samples, sample_rate_hz, SpeakerLayout::of_channels(channels.output)?),
             latency_samples,
             has_dictionary: false,
             silent_samples: 0,
@@ -155,7 +155,7 @@ impl Chain {
     }
 
     /// Shape of the dictionaries that it takes.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &PyramidConfig {
         &self.shape
     }
 
@@ -190,7 +190,7 @@ impl Chain {
     /// audio thread. A dictionary made for another sample rate or structure, or for no slot, is handed back
     /// unused.
     pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
-        let is_companded = self.dynamics == Dynamics::Companded;
+        let is_companded = self.dynamics == MatchingMode::Companded;
         let fits = |x: &Arc<Dictionary>| {
             *x.shape() == self.shape
                 && x.sample_rate_hz() == self.sample_rate_hz
@@ -441,7 +441,7 @@ impl Chain {
     }
 
     /// Hands over what the engines that are heard have left to be seen since the last call; real-time safe.
-    pub fn take_traces(&mut self, with: impl FnMut(Trace)) {
+    pub fn take_traces(&mut self, with: impl FnMut(Telemetry)) {
         let [first, second] = &mut self.voices;
         let (heard, other) = if self.active == 0 { (first, second) } else { (second, first) };
         heard.take_traces().for_each(with);
@@ -465,7 +465,7 @@ fn clean(x: f32) -> f32 {
 /// `sidechain` may be empty. Fails where the file is too short for the levels, or for one loudness.
 pub fn learn(
     sample_rate_hz: f64,
-    structure: &Structure,
+    structure: &EngineConfig,
     controls: &Controls,
     input: &[Vec<f32>],
     sidechain: &[Vec<f32>],
@@ -490,7 +490,7 @@ pub fn learn(
         drive.process(&main, &sidechain, &controls.drive, &mut signal[start..end]);
     }
     match structure.dynamics {
-        Dynamics::Paper => offline::learn(&signal, &Shape::at_rate(structure, sample_rate_hz)),
-        Dynamics::Companded => Ok(Distribution::from_magnitudes(loudnesses(&signal, sample_rate_hz)?)),
+        MatchingMode::Paper => offline::learn(&signal, &PyramidConfig::at_rate(structure, sample_rate_hz)),
+        MatchingMode::Companded => Ok(Distribution::from_magnitudes(loudnesses(&signal, sample_rate_hz)?)),
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::bus::{CHUNK, Channels};
 use super::delay::Delay;
-use super::trace::Trace;
+use super::telemetry::Telemetry;
 use super::vortex_layer::VortexLayer;
 use crate::companding::{Companding, Recorded};
 use crate::controls::{CrackleControls, DriveMode, Fuel, RecordingControls, SLOTS, TextureControls};
@@ -13,9 +13,9 @@ use crate::drive::Drive;
 use crate::extend::Extend;
 use crate::fuel::{self, FuelNoise, NoiseLevels};
 use crate::smoothed::Smoothed;
-use crate::structure::Dynamics;
-use crate::texture::{Dictionary, Distribution, Shape, Texture};
-use crate::{Controls, Error, Structure};
+use crate::structure::MatchingMode;
+use crate::texture::{Dictionary, Distribution, PyramidConfig, Texture};
+use crate::{Controls, EngineConfig, Error};
 
 /// The layers that a voice makes of one chunk.
 #[derive(Debug)]
@@ -116,15 +116,15 @@ pub struct Voice {
 
 impl Voice {
     /// Builds drive and engines; allocates all they will need.
-    pub fn new(sample_rate_hz: f64, channels: Channels, structure: &Structure) -> Result<Self, Error> {
+    pub fn new(sample_rate_hz: f64, channels: Channels, structure: &EngineConfig) -> Result<Self, Error> {
         let outputs = channels.output;
         let extend = Extend::new(structure, outputs, sample_rate_hz)?;
-        let texture = Texture::new(&Shape::at_rate(structure, sample_rate_hz), outputs, sample_rate_hz)?;
+        let texture = Texture::new(&PyramidConfig::at_rate(structure, sample_rate_hz), outputs, sample_rate_hz)?;
         let latency = extend.latency_samples().max(texture.latency_samples());
         let extend_wait = latency - extend.latency_samples();
         let wait = latency - texture.latency_samples();
         // In the companded mode texture waits beforehand, so that loudness can look ahead.
-        let companded = (structure.dynamics == Dynamics::Companded).then(|| Companded {
+        let companded = (structure.dynamics == MatchingMode::Companded).then(|| Companded {
             companding: Companding::new(sample_rate_hz, outputs, wait, latency, CHUNK),
             crackle: Crackle::new(sample_rate_hz, outputs, latency, CHUNK),
             second_crackle: Crackle::new(sample_rate_hz, outputs, latency, CHUNK),
@@ -248,11 +248,11 @@ impl Voice {
     }
 
     /// Takes what the engines have left to be seen since it was taken last.
-    pub fn take_traces(&mut self) -> impl Iterator<Item = Trace> {
-        let betas = self.extend.take_betas().map(Trace::Beta);
+    pub fn take_traces(&mut self) -> impl Iterator<Item = Telemetry> {
+        let betas = self.extend.take_betas().map(Telemetry::Beta);
         let (matches, extents) = self.texture.take_traces();
         let sources = self.vortex.take_view();
-        betas.chain(matches.map(Trace::Match)).chain(extents.map(Trace::Extent)).chain(sources)
+        betas.chain(matches.map(Telemetry::Match)).chain(extents.map(Telemetry::Extent)).chain(sources)
     }
 
     /// Whether the input's channels cancel.
@@ -380,7 +380,7 @@ impl Companded {
     ) {
         let samples = drive.len();
         let (flat, loudness) = (&mut self.flat[..samples], &mut self.loudness[..samples]);
-        self.companding.flatten(drive, controls, texture.reference(), flat, loudness);
+        self.companding.compress(drive, controls, texture.reference(), flat, loudness);
         let channels = outputs.len().min(MAX_CHANNELS);
         let mut blocks: [[&mut [f64]; MAX_CHANNELS]; SLOTS] = Default::default();
         for (blocks, texture) in blocks.iter_mut().zip(&mut self.textures) {

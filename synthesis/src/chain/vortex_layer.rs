@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::delay::Delay;
-use super::trace::Trace;
+use super::telemetry::Telemetry;
 use crate::controls::{DriveMode, Flow, VortexControls};
-use crate::vortex::{Bank, Layout, Simulator, SpeedField, TEXTURES, Vortex, shipped};
+use crate::vortex::{Bank, Simulator, SpeakerLayout, SpeedField, TEXTURES, Vortex, factory};
 use crate::{Controls, Error};
 
 /// Most sources that an envelope drives.
@@ -23,7 +23,7 @@ const VIEW_SOURCES: usize = 128;
 
 /// The field that tells the sources' speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Told {
+enum FlowState {
     /// None: the envelope does.
     Nothing,
     /// The user's.
@@ -42,7 +42,7 @@ pub struct VortexLayer {
     scenes: &'static [Arc<SpeedField>],
     own: Option<Arc<SpeedField>>,
     /// The field that the renderer has.
-    told: Told,
+    told: FlowState,
     /// Whether it has a simulation.
     is_live: bool,
     delays: Vec<Delay<f64>>,
@@ -57,17 +57,17 @@ pub struct VortexLayer {
 impl VortexLayer {
     /// A layer that is `latency_samples` late, which is more than the renderer is by itself. The first one at a rate makes the banks.
     pub fn new(sample_rate_hz: f64, channels: usize, latency_samples: usize) -> Result<Self, Error> {
-        let mut vortex = Vortex::new(sample_rate_hz, Layout::of_channels(channels)?, SOURCES)?;
+        let mut vortex = Vortex::new(sample_rate_hz, SpeakerLayout::of_channels(channels)?, SOURCES)?;
         let rest_samples = latency_samples.saturating_sub(vortex.latency_samples());
-        let banks = shipped::banks(sample_rate_hz)?;
+        let banks = factory::banks(sample_rate_hz)?;
         drop(vortex.swap_bank(Some(banks[0].clone())));
         Ok(Self {
             vortex,
             banks,
             playing: 0,
-            scenes: shipped::fields()?,
+            scenes: factory::fields()?,
             own: None,
-            told: Told::Nothing,
+            told: FlowState::Nothing,
             is_live: false,
             delays: vec![Delay::new(rest_samples); channels],
             hold_samples: 2 * latency_samples + (HOLD_S * sample_rate_hz) as usize,
@@ -79,10 +79,10 @@ impl VortexLayer {
 
     /// Exchanges the user's field; as many of its sources are heard as there is room for.
     pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
-        if self.told == Told::Own {
+        if self.told == FlowState::Own {
             drop(self.vortex.swap_field(field.clone()));
             if field.is_none() {
-                self.told = Told::Nothing;
+                self.told = FlowState::Nothing;
             }
         }
         std::mem::replace(&mut self.own, field)
@@ -154,24 +154,24 @@ impl VortexLayer {
     }
 
     /// The field for these controls.
-    fn wanted(&self, controls: &Controls) -> Told {
+    fn wanted(&self, controls: &Controls) -> FlowState {
         match (&self.own, controls.drive.mode) {
-            (Some(_), _) => Told::Own,
-            (None, DriveMode::Flame) => Told::Scene(controls.drive.flame.scene.min(self.scenes.len() - 1)),
-            (None, _) => Told::Nothing,
+            (Some(_), _) => FlowState::Own,
+            (None, DriveMode::Flame) => FlowState::Scene(controls.drive.flame.scene.min(self.scenes.len() - 1)),
+            (None, _) => FlowState::Nothing,
         }
     }
 
-    fn field(&self, told: Told) -> Option<&Arc<SpeedField>> {
+    fn field(&self, told: FlowState) -> Option<&Arc<SpeedField>> {
         match told {
-            Told::Nothing => None,
-            Told::Own => self.own.as_ref(),
-            Told::Scene(scene) => self.scenes.get(scene),
+            FlowState::Nothing => None,
+            FlowState::Own => self.own.as_ref(),
+            FlowState::Scene(scene) => self.scenes.get(scene),
         }
     }
 
     /// Takes a view of the sources, some thirty times a second: how many there are, then each of them.
-    pub fn take_view(&mut self) -> impl Iterator<Item = Trace> {
+    pub fn take_view(&mut self) -> impl Iterator<Item = Telemetry> {
         let number = self.vortex.hop().div_euclid(VIEW_HOPS);
         let is_due = std::mem::replace(&mut self.viewed, number) != number;
         let is_on = self.left_samples > 0;
@@ -182,8 +182,8 @@ impl VortexLayer {
         }
         let most = if is_told && is_on { VIEW_SOURCES } else { 0 };
         let seen = || self.vortex.seen(VIEW_SOURCES).take(most);
-        let count = is_told.then(|| Trace::Sources(seen().count()));
-        count.into_iter().chain(seen().map(Trace::Source))
+        let count = is_told.then(|| Telemetry::Sources(seen().count()));
+        count.into_iter().chain(seen().map(Telemetry::Source))
     }
 
     /// Whether it sounds without any input.
@@ -205,9 +205,9 @@ impl VortexLayer {
             }
         } else if effective.flow == Flow::Field {
             match self.wanted(controls) {
-                Told::Nothing => effective.flow = Flow::Envelope,
-                Told::Own => {}
-                Told::Scene(_) => {
+                FlowState::Nothing => effective.flow = Flow::Envelope,
+                FlowState::Own => {}
+                FlowState::Scene(_) => {
                     let flame = &controls.drive.flame;
                     effective.field_offset_s += flame.offset_s;
                     // Twice the fuel lifts gas of twice the buoyancy, and speed goes with its root.

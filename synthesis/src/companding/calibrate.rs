@@ -11,10 +11,11 @@ use super::image::{Levels, side_of, side_taps};
 use super::level::NOMINAL;
 use super::{Companding, MATCH_FUTURE_S};
 use crate::Error;
+use crate::channels::mean_of;
 use crate::controls::{CompandingControls, DynamicRange, TextureControls};
-use crate::filter::{Section, section_gain};
+use crate::filter::{Svf, section_gain};
 use crate::noise::White;
-use crate::texture::dictionary::{Dictionary, Progress, mean_of};
+use crate::texture::dictionary::{Dictionary, Progress};
 use crate::texture::engine::Texture;
 
 /// Length of a trial in seconds. The first finds the equaliser, the second tells whether it helps.
@@ -132,7 +133,7 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
     for (number, drive) in drive.chunks(BLOCK).enumerate() {
         let samples = drive.len();
         let (flat, loudness) = (&mut flat[..samples], &mut loudness[..samples]);
-        companding.flatten(drive, &controls, dictionary.profile(), flat, loudness);
+        companding.compress(drive, &controls, dictionary.profile(), flat, loudness);
         let mut blocks: Vec<&mut [f64]> =
             channels.iter_mut().map(|channel| &mut channel[number * BLOCK..][..samples]).collect();
         texture.process(flat, Some(loudness), &controls, &mut blocks);
@@ -152,7 +153,7 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
 fn flame(rate_hz: f64, seed: u32) -> Vec<f64> {
     let mut flame = vec![0.0; (TRIAL_S * rate_hz) as usize];
     White::new(seed, STREAM).fill(0, &mut flame);
-    let (mut section, gain) = (Section::default(), section_gain(FLAME_HZ, rate_hz));
+    let (mut section, gain) = (Svf::default(), section_gain(FLAME_HZ, rate_hz));
     for (i, sample) in flame.iter_mut().enumerate() {
         let time_s = i as f64 / rate_hz + f64::from(seed);
         let nepers: f64 = SWELLS_HZ.iter().map(|hz| maths::sin(2.0 * PI * hz * time_s)).sum();

@@ -112,7 +112,8 @@ impl Deck {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::companding::{Profile, equalizer::design};
+    use crate::companding::equalizer::design;
+    use crate::companding::profile::Profile;
     use crate::noise::White;
 
     const RATE_HZ: f64 = 44_100.0;
@@ -122,7 +123,7 @@ mod tests {
         let mut noise = vec![0.0; 24_000];
         White::new(5, 6).fill(0, &mut noise);
         noise[6_000..18_000].fill(0.0);
-        let mut profile = Profile::flatten(&mut [noise.clone()], RATE_HZ);
+        let mut profile = Profile::compress(&mut [noise.clone()], RATE_HZ);
         profile.set_calibration(1.0, design(&[6.0; 23], RATE_HZ), Vec::new());
         let mut deck = Deck::new(RATE_HZ, 1, 1000);
         let mut at = 0;

@@ -62,7 +62,7 @@ impl Kernel {
 
 /// The last values of something told once a frame, read between frames.
 #[derive(Debug, Clone)]
-pub struct Track {
+pub struct FrameHistory {
     values: Vec<f64>,
     frame_samples: i64,
     /// Value before the first one.
@@ -71,7 +71,7 @@ pub struct Track {
     told: i64,
 }
 
-impl Track {
+impl FrameHistory {
     /// Room for the last `frames` values; reads `initial` before the first.
     pub fn new(frames: usize, frame_samples: usize, initial: f64) -> Self {
         Self { values: vec![initial; frames.max(2)], frame_samples: frame_samples as i64, initial, told: 0 }
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn tracks_tell_between_which_frames_a_sample_lies() {
-        let mut track = Track::new(8, 4, 0.0);
+        let mut track = FrameHistory::new(8, 4, 0.0);
         for value in 0..6 {
             track.push(f64::from(value));
         }

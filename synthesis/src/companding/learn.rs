@@ -20,7 +20,7 @@ pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Result<Vec<f64>, Error>
     let (mut flat, mut loudness) = (vec![0.0; LEARN_BLOCK], vec![0.0; LEARN_BLOCK]);
     for drive in drive.chunks(LEARN_BLOCK) {
         let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
-        companding.flatten(drive, &TextureControls::default(), None, flat, loudness);
+        companding.compress(drive, &TextureControls::default(), None, flat, loudness);
         all.extend_from_slice(companding.told());
     }
     Ok(all)

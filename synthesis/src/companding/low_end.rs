@@ -1,7 +1,7 @@
 //! The drive's own low end instead of texture's.
 
 use crate::error::within;
-use crate::filter::{Section, section_gain};
+use crate::filter::{Svf, section_gain};
 
 /// Time in seconds in which a change of the crossover takes place.
 const GLIDE_S: f64 = 0.03;
@@ -18,8 +18,8 @@ pub struct LowEnd {
     /// Most that the wet share, and the gain, change in a sample.
     wet_step: f64,
     gain_step: f64,
-    drive: [Section; 2],
-    texture: Vec<[Section; 2]>,
+    drive: [Svf; 2],
+    texture: Vec<[Svf; 2]>,
     gain: f64,
     /// Share of the crossover in the result, 0-1.
     wet: f64,

@@ -46,20 +46,20 @@ use std::ops::Range;
 use crate::chain::delay::Delay;
 use crate::controls::{CompandingControls, DynamicRange, RecordingControls, SLOTS, TextureControls};
 use crate::error::within;
-use crate::filter::{Section, section_gain};
+use crate::filter::{Svf, section_gain};
 use crate::noise::White;
 use crate::smoothed::Smoothed;
 use crate::texture::Distribution;
 use crate::timeline::Timeline;
 use deck::Deck;
-use frames::{Kernel, Places, Track, frame_samples};
+use frames::{FrameHistory, Kernel, Places, frame_samples};
 use gain::OutputGain;
 pub use learn::loudnesses;
 use level::{NOMINAL, RunningLevel};
 use low_end::LowEnd;
 use profile::MATCHED_HZ;
 pub use profile::{MATCH_EXPONENT, Profile};
-use ramp::Ramp;
+use ramp::Interpolator;
 pub use recorded::Recorded;
 
 /// How much louder than the recording's mean the drive is matched: quiet windows are many, loud
@@ -92,7 +92,7 @@ const SMOOTHING_S: f64 = 0.02;
 #[derive(Debug)]
 pub struct Companding {
     frame_samples: usize,
-    low: Section,
+    low: Svf,
     low_gain: f64,
     power: f64,
     /// Samples in the frame under way.
@@ -101,23 +101,23 @@ pub struct Companding {
     powers: Vec<f64>,
     newest: usize,
     kernels: [Kernel; 2],
-    loudness: [Track; 2],
+    loudness: [FrameHistory; 2],
     running: RunningLevel,
     learned: Option<f64>,
     /// The drive's level as used, in nepers.
     level: Smoothed,
     is_level_fresh: bool,
     /// The same, told with the loudnesses.
-    levels: Track,
+    levels: FrameHistory,
     dynamics: Smoothed,
     drive_match: Smoothed,
-    flat_gain: Ramp,
+    flat_gain: Interpolator,
     /// How loud it is, or is about to be within the wait.
     heard: f64,
     output_gain: OutputGain,
     /// Shares of the recordings in the level of the low end.
     shares: [Smoothed; SLOTS],
-    low_gain_ramp: Ramp,
+    low_gain_ramp: Interpolator,
     wait: Delay<f64>,
     drive: Delay<f64>,
     drive_block: Vec<f64>,
@@ -136,7 +136,7 @@ pub struct Companding {
     now: i64,
     /// Loudnesses told in the last call of [`flatten`](Self::flatten).
     told: Vec<f64>,
-    relative: Ramp,
+    relative: Interpolator,
     /// Loudness relative to the drive's level, of the samples that the last call of [`expand`](Self::expand) made.
     relative_block: Vec<f64>,
 }
@@ -163,11 +163,11 @@ impl Companding {
             Kernel::new(frame_rate_hz, look_ahead(latency_samples), OUTPUT_FUTURE_S, PAST_S),
         ];
         let longest = kernels.iter().map(Kernel::span).max().unwrap_or(1);
-        let track = || Track::new(latency_samples / frame_samples + 8, frame_samples, 0.0);
+        let track = || FrameHistory::new(latency_samples / frame_samples + 8, frame_samples, 0.0);
         let by_frame = Smoothed::new(SMOOTHING_S, frame_rate_hz);
         Self {
             frame_samples,
-            low: Section::default(),
+            low: Svf::default(),
             low_gain: section_gain(MATCHED_HZ, sample_rate_hz),
             power: 0.0,
             filled: 0,
@@ -179,14 +179,14 @@ impl Companding {
             learned: None,
             level: by_frame,
             is_level_fresh: true,
-            levels: Track::new(latency_samples / frame_samples + 8, frame_samples, NOMINAL),
+            levels: FrameHistory::new(latency_samples / frame_samples + 8, frame_samples, NOMINAL),
             dynamics: by_frame,
             drive_match: by_frame,
-            flat_gain: Ramp::default(),
+            flat_gain: Interpolator::default(),
             heard: 0.0,
             output_gain: OutputGain::default(),
             shares: [by_frame; SLOTS],
-            low_gain_ramp: Ramp::default(),
+            low_gain_ramp: Interpolator::default(),
             wait: Delay::new(wait_samples),
             drive: Delay::new(latency_samples),
             drive_block: vec![0.0; block],
@@ -200,7 +200,7 @@ impl Companding {
             latency_samples: latency_samples as i64,
             now: 0,
             told: Vec::with_capacity(TOLD_CAPACITY),
-            relative: Ramp::default(),
+            relative: Interpolator::default(),
             relative_block: vec![0.0; block],
         }
     }
@@ -214,12 +214,12 @@ impl Companding {
         self.filled = self.origin as usize;
         self.powers.fill(0.0);
         self.newest = 0;
-        self.loudness.iter_mut().for_each(Track::reset);
+        self.loudness.iter_mut().for_each(FrameHistory::reset);
         self.running.reset();
         self.is_level_fresh = true;
         self.levels.reset();
         for ramp in [&mut self.flat_gain, &mut self.low_gain_ramp, &mut self.relative] {
-            *ramp = Ramp::default();
+            *ramp = Interpolator::default();
         }
         self.output_gain = OutputGain::default();
         self.wait.reset();
@@ -249,7 +249,7 @@ impl Companding {
 
     /// Takes a block of the drive. Writes what texture is to match, and how loud the drive is, both
     /// delayed by the wait. `controls` hold for the whole block.
-    pub fn flatten(
+    pub fn compress(
         &mut self,
         drive: &[f64],
         controls: &TextureControls,
@@ -536,7 +536,7 @@ mod tests {
     fn run(calm: &TextureControls, moved: &TextureControls) -> [Vec<f64>; 2] {
         let mut noise = vec![0.0; 30_000];
         White::new(1, 2).fill(0, &mut noise);
-        let profile = Profile::flatten(&mut [noise], RATE_HZ);
+        let profile = Profile::compress(&mut [noise], RATE_HZ);
         let mut companding = Companding::new(RATE_HZ, 1, 900, 2048, BLOCK);
         let (mut flats, mut gains) = (vec![], vec![]);
         for block in 0..200 {
@@ -545,7 +545,7 @@ mod tests {
                 .collect();
             let (mut flat, mut loudness, mut gain) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![1.0; BLOCK]);
             let controls = if block / 20 % 2 == 0 { calm } else { moved };
-            companding.flatten(&drive, controls, Some(&profile), &mut flat, &mut loudness);
+            companding.compress(&drive, controls, Some(&profile), &mut flat, &mut loudness);
             companding.expand_one(Some(&profile), &mut [&mut gain]);
             flats.extend(flat);
             gains.extend(gain);

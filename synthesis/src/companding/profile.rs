@@ -4,8 +4,8 @@ use super::bands::Power;
 use super::equalizer::design_low_pass;
 use super::frames::frame_samples;
 use crate::bulk::bulk_fields;
-use crate::filter::{Section, section_gain};
-use crate::texture::dictionary::mean_of;
+use crate::channels::mean_of;
+use crate::filter::{Svf, section_gain};
 use bitcode::{Decode, Encode};
 
 /// How much of both loudnesses is taken out before matching.
@@ -53,7 +53,7 @@ bulk_fields!(Profile: relative);
 
 impl Profile {
     /// Takes the loudness out of `channels`, one at least and equally long, and says what it was.
-    pub fn flatten(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> Self {
+    pub fn compress(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> Self {
         let frame_samples = frame_samples(sample_rate_hz);
         let mean = mean_of(channels);
         let mut relative = loudness(channels, frame_samples, sample_rate_hz / frame_samples as f64);
@@ -170,7 +170,7 @@ fn smooth<'a>(values: impl Iterator<Item = &'a mut f64>, keep: f64) {
 }
 
 fn rms_below(signal: &[f64], corner_hz: f64, sample_rate_hz: f64) -> f64 {
-    let (mut section, gain) = (Section::default(), section_gain(corner_hz, sample_rate_hz));
+    let (mut section, gain) = (Svf::default(), section_gain(corner_hz, sample_rate_hz));
     let sum: f64 = signal.iter().map(|x| maths::square(section.process(gain, *x).low)).sum();
     (sum / signal.len().max(1) as f64).sqrt()
 }
@@ -191,7 +191,7 @@ mod tests {
     fn what_is_taken_out_can_be_put_back() {
         let recording = swelling(200_000);
         let mut flat = [recording.clone()];
-        let profile = Profile::flatten(&mut flat, 44_100.0);
+        let profile = Profile::compress(&mut flat, 44_100.0);
         for (i, (flat, sample)) in flat[0].iter().zip(&recording).enumerate().step_by(97) {
             let back = flat * profile.own_dynamics(i as i64, 0.0);
             assert!((back - sample).abs() < 1e-12, "{i}: {back} instead of {sample}");
@@ -203,7 +203,7 @@ mod tests {
     fn flat_is_flatter_by_the_exponent() {
         let recording = swelling(400_000);
         let mut flat = [recording.clone()];
-        Profile::flatten(&mut flat, 44_100.0);
+        Profile::compress(&mut flat, 44_100.0);
         let range_db = |signal: &[f64]| {
             let level = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>() / part.len() as f64;
             let levels: Vec<f64> = signal.chunks_exact(4096).map(|part| 10.0 * level(part).log10()).collect();
@@ -217,7 +217,7 @@ mod tests {
     fn silence_and_a_single_sample_stay_finite() {
         for recording in [vec![0.0; 5000], vec![0.3], vec![]] {
             let mut flat = [recording];
-            let profile = Profile::flatten(&mut flat, 44_100.0);
+            let profile = Profile::compress(&mut flat, 44_100.0);
             assert!(flat[0].iter().all(|x| x.is_finite()));
             assert!(profile.own_dynamics(10, 0.2).is_finite() && profile.rms_below(150.0).is_finite());
         }

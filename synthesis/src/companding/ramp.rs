@@ -2,13 +2,13 @@
 
 /// Something told by frames, read between their middles.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Ramp {
+pub(super) struct Interpolator {
     frame: Option<i64>,
     from: f64,
     to: f64,
 }
 
-impl Ramp {
+impl Interpolator {
     /// The value at `place`; `tell` is asked once for every frame.
     #[inline]
     pub fn at(&mut self, place: (i64, f64), mut tell: impl FnMut(i64) -> f64) -> f64 {

@@ -4,7 +4,7 @@
 //! it, has risen within a few milliseconds, falls again within ten, and is heard in several octaves: a bird's note and a
 //! whistle are in one, a gust of wind rises slowly, and the median follows it.
 
-use crate::filter::{Section, section_gain};
+use crate::filter::{Svf, section_gain};
 
 /// Length of a frame in seconds; levels are means over two of them.
 const FRAME_S: f64 = 0.0005;
@@ -141,8 +141,8 @@ fn band_powers(channels: &[Vec<f64>], frame_samples: usize, sample_rate_hz: f64)
     let count = channels.first().map_or(0, Vec::len) / frame_samples;
     let mut powers = vec![vec![0.0; count]; CORNERS_HZ.len()];
     for channel in channels {
-        let mut high_pass = [Section::default(); 2];
-        let mut splits = [Section::default(); CORNERS_HZ.len()];
+        let mut high_pass = [Svf::default(); 2];
+        let mut splits = [Svf::default(); CORNERS_HZ.len()];
         for (frame, samples) in channel.chunks_exact(frame_samples).enumerate() {
             for sample in samples {
                 let [first, second] = &mut high_pass;

@@ -7,7 +7,7 @@ use super::detect::{Found, crackles};
 use super::event::Crackles;
 use super::stft::Stft;
 use crate::fft;
-use crate::filter::{Section, section_gain};
+use crate::filter::{Svf, section_gain};
 use crate::noise::White;
 
 /// What exceeds the background's root mean square this much, in magnitude, is not of the bed: one in fifty of a Gaussian
@@ -93,7 +93,7 @@ fn take_apart(signal: &[f64], found: &[Found], sample_rate_hz: f64) -> (Vec<f64>
 
 fn remove_infrasound(signal: &mut [f64], sample_rate_hz: f64) {
     let gain = section_gain(INFRASOUND_HZ, sample_rate_hz);
-    let [mut first, mut second] = [Section::default(); 2];
+    let [mut first, mut second] = [Svf::default(); 2];
     for sample in signal {
         *sample = second.process(gain, first.process(gain, *sample).high).high;
     }

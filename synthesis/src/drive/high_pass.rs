@@ -1,7 +1,7 @@
 //! The high-pass before both engines.
 
 use crate::error::within;
-use crate::filter::{Section, section_gain};
+use crate::filter::{Svf, section_gain};
 
 /// Time in seconds in which a change of the corner takes place.
 const GLIDE_S: f64 = 0.02;
@@ -25,7 +25,7 @@ pub(super) struct HighPass {
     target_wet: f64,
     glide_len: u32,
     glide_left: u32,
-    section: Section,
+    section: Svf,
 }
 
 impl HighPass {
@@ -41,7 +41,7 @@ impl HighPass {
             target_wet: 0.0,
             glide_len: (GLIDE_S * sample_rate_hz) as u32,
             glide_left: 0,
-            section: Section::default(),
+            section: Svf::default(),
         }
     }
 

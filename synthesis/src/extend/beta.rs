@@ -55,7 +55,7 @@ pub(crate) struct Fitter {
     sigma_hz: f64,
     band: Option<Band>,
     /// Turn of the phase per sample at every node.
-    turn: Rotors,
+    turn: Phasors,
     /// The Gaussian; 0 at nodes that do not lie above 0 Hz.
     weight: [f64; NODES],
     upper: [f64; NODES],
@@ -73,7 +73,7 @@ impl Fitter {
             sample_rate_hz,
             sigma_hz: fit_width_hz / 3.0,
             band: None,
-            turn: Rotors::default(),
+            turn: Phasors::default(),
             weight: [0.0; NODES],
             upper: [0.0; NODES],
             expected: 0.0,
@@ -147,12 +147,12 @@ impl Fitter {
 
 /// Phasors that turn by one sample each at all nodes together.
 #[derive(Debug, Default)]
-struct Rotors {
+struct Phasors {
     cos: [f64; NODES],
     sin: [f64; NODES],
 }
 
-impl Rotors {
+impl Phasors {
     /// Fourier transform at the nodes of a signal of 2 h samples about its sample h.
     fn spectrum(&self, signal: &[f64]) -> [Complex64; NODES] {
         // For the widest vectors that this machine has.

@@ -8,10 +8,10 @@
 
 use super::band::{Band, complement, normalise};
 use super::beta::{Fit, Fitter};
-use super::layout::Layout;
+use super::layout::ExtensionSizes;
 use super::noise::NoiseSource;
 use super::spectrum::{Transform, quick_len};
-use super::window::{History, Overlap, triangle};
+use super::window::{OverlapAdd, RingBuffer, triangle};
 use crate::controls::ExtendControls;
 use crate::error::within;
 
@@ -23,7 +23,7 @@ const TRANSFORM_STEPS: usize = 2;
 /// Makes windows' noise.
 #[derive(Debug)]
 pub(crate) struct High {
-    layout: Layout,
+    layout: ExtensionSizes,
     sample_rate_hz: f64,
     triangle: Vec<f64>,
     fitter: Fitter,
@@ -86,13 +86,13 @@ struct Coming {
 
 /// What steps work with.
 pub(crate) struct Surroundings<'a, N> {
-    pub drive: &'a History,
+    pub drive: &'a RingBuffer,
     pub source: &'a mut N,
-    pub out: &'a mut [Overlap],
+    pub out: &'a mut [OverlapAdd],
 }
 
 impl High {
-    pub fn new(layout: &Layout, channels: usize, sample_rate_hz: f64, fit_width_hz: f64) -> Self {
+    pub fn new(layout: &ExtensionSizes, channels: usize, sample_rate_hz: f64, fit_width_hz: f64) -> Self {
         let half = layout.half_width;
         let short = Transform::new(quick_len(half + 2 * layout.envelope_reach));
         let long = Transform::new(quick_len(half + 2 * layout.high_reach));
@@ -236,7 +236,7 @@ impl High {
     }
 
     /// High-passes a channel's second half of the window before, which begins at `start`.
-    fn falling_step(&mut self, step: usize, start: i64, out: &mut [Overlap]) {
+    fn falling_step(&mut self, step: usize, start: i64, out: &mut [OverlapAdd]) {
         let (channel, step) = (step / TRANSFORM_STEPS, step % TRANSFORM_STEPS);
         if self.falling == Falling::None || self.falling == Falling::Shared && channel > 0 {
             return;
@@ -276,7 +276,7 @@ impl High {
     }
 
     /// Half of `envelope`, from `from` on, = |low-passed drive| times triangle.
-    fn envelope_step(&mut self, step: usize, start: i64, from: usize, drive: &History) {
+    fn envelope_step(&mut self, step: usize, start: i64, from: usize, drive: &RingBuffer) {
         let (half, reach) = (self.layout.half_width, self.layout.envelope_reach);
         if step == 0 {
             let input = drive.slice(start + from as i64 - reach as i64, half + 2 * reach);

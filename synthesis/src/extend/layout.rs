@@ -1,7 +1,7 @@
 //! Sizes of the streaming extension, all in samples at its sample rate.
 
 use crate::error::{Error, in_range};
-use crate::structure::Structure;
+use crate::structure::EngineConfig;
 
 /// Half-length of the low part's filter at 44.1 kHz: a 30 Hz ramp keeps ±0.04 dB at this length,
 /// ±0.14 dB at 1024.
@@ -20,7 +20,7 @@ const TRANSFORM_LEN: f64 = 0.9 * 4096.0;
 
 /// Sizes that follow from structure and sample rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Layout {
+pub(crate) struct ExtensionSizes {
     /// Half-width of the windows, and the distance between them.
     pub half_width: usize,
     /// Half-length of the low part's low-pass.
@@ -35,14 +35,14 @@ pub(crate) struct Layout {
     pub latency: usize,
 }
 
-impl Layout {
+impl ExtensionSizes {
     /// Sample rates in Hz that the engines take.
     pub const SAMPLE_RATES_HZ: (f64, f64) = (8000.0, 384_000.0);
 
-    pub fn new(structure: &Structure, sample_rate_hz: f64) -> Result<Self, Error> {
+    pub fn new(structure: &EngineConfig, sample_rate_hz: f64) -> Result<Self, Error> {
         structure.validate()?;
         in_range("sample rate in Hz", sample_rate_hz, Self::SAMPLE_RATES_HZ.0, Self::SAMPLE_RATES_HZ.1)?;
-        let scaled = |size: f64| (size * sample_rate_hz / Structure::REFERENCE_RATE_HZ).ceil() as usize;
+        let scaled = |size: f64| (size * sample_rate_hz / EngineConfig::REFERENCE_RATE_HZ).ceil() as usize;
         let half_width = structure.half_width_at(sample_rate_hz);
         let low_reach = scaled(LOW_REACH);
         let envelope_reach = scaled(ENVELOPE_REACH);
@@ -62,16 +62,16 @@ mod tests {
 
     #[test]
     fn the_papers_sizes_have_the_stated_latency() {
-        let layout = Layout::new(&Structure::default(), 44_100.0).unwrap();
+        let layout = ExtensionSizes::new(&EngineConfig::default(), 44_100.0).unwrap();
         assert_eq!((layout.latency, layout.transform_len, layout.high_reach), (2048, 4096, 648));
-        let layout = Layout::new(&Structure::default(), 48_000.0).unwrap();
+        let layout = ExtensionSizes::new(&EngineConfig::default(), 48_000.0).unwrap();
         assert_eq!(layout.transform_len, 4096);
     }
 
     #[test]
     fn refuses_rates_out_of_range() {
         for rate in [0.0, 7999.0, 400_000.0, f64::NAN] {
-            assert!(Layout::new(&Structure::default(), rate).is_err());
+            assert!(ExtensionSizes::new(&EngineConfig::default(), rate).is_err());
         }
     }
 }

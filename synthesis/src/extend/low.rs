@@ -8,15 +8,15 @@
 //! designed. So no sample has much to do.
 
 use super::band::{Band, normalise};
-use super::layout::Layout;
+use super::layout::ExtensionSizes;
 use super::spectrum::Transform;
-use super::window::{History, Overlap};
+use super::window::{OverlapAdd, RingBuffer};
 
 /// Low-passes blocks of one hop.
 #[derive(Debug)]
 pub(crate) struct Low {
     transform: Transform,
-    layout: Layout,
+    layout: ExtensionSizes,
     sample_rate_hz: f64,
     /// Filters in force at the block's begin and end, and one that will be.
     filters: [Filter; 3],
@@ -50,7 +50,7 @@ pub(crate) struct Half {
 
 impl Half {
     /// Adds it.
-    fn add(&self, samples: impl ExactSizeIterator<Item = f64>, out: &mut Overlap) {
+    fn add(&self, samples: impl ExactSizeIterator<Item = f64>, out: &mut OverlapAdd) {
         if self.fades_in {
             let len = self.len as f64;
             out.add(self.start, samples.enumerate().map(|(i, sample)| sample * i as f64 / len));
@@ -66,7 +66,7 @@ const TAP_PARTS: usize = 4;
 pub(crate) const DESIGN_PARTS: usize = TAP_PARTS + 1;
 
 impl Low {
-    pub fn new(layout: &Layout, sample_rate_hz: f64) -> Self {
+    pub fn new(layout: &ExtensionSizes, sample_rate_hz: f64) -> Self {
         let transform = Transform::new(layout.transform_len);
         let filter = || Filter { band: None, response: vec![0.0; transform.bins()] };
         Self {
@@ -88,7 +88,7 @@ impl Low {
     }
 
     /// Begins half a block, whose drive is there up to the filter's length after it.
-    pub fn begin(&mut self, half: Half, drive: &History) {
+    pub fn begin(&mut self, half: Half, drive: &RingBuffer) {
         let reach = self.layout.low_reach;
         let input = drive.slice(half.start - reach as i64, half.len + 2 * reach);
         self.half = None;
@@ -103,7 +103,7 @@ impl Low {
     }
 
     /// Filters it as at the block's begin, and adds it where the end is alike.
-    pub fn filter_from(&mut self, out: &mut Overlap) {
+    pub fn filter_from(&mut self, out: &mut OverlapAdd) {
         let Some(half) = self.half else { return };
         if self.filters[0].band != Some(half.from) {
             if self.filters[1].band == Some(half.from) {
@@ -120,7 +120,7 @@ impl Low {
     }
 
     /// Filters it as at the block's end, and adds what lies between.
-    pub fn filter_to(&mut self, out: &mut Overlap) {
+    pub fn filter_to(&mut self, out: &mut OverlapAdd) {
         let Some(half) = self.half.take() else { return };
         if self.filters[1].band != Some(half.to) {
             if self.filters[2].band == Some(half.to) {

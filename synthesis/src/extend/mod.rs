@@ -16,6 +16,7 @@
 
 pub mod band;
 pub mod beta;
+mod chirp_z;
 mod high;
 mod layout;
 mod low;
@@ -23,19 +24,18 @@ pub mod noise;
 pub mod reference;
 pub(crate) mod spectrum;
 pub mod window;
-mod zoom;
 
 use band::Band;
 use beta::Fit;
 use high::{High, Surroundings};
-use layout::Layout;
+use layout::ExtensionSizes;
 use low::{DESIGN_PARTS, Half, Low};
 use noise::{NoiseSource, PowerLaw};
-use window::{History, Overlap, into_hop};
+use window::{OverlapAdd, RingBuffer, into_hop};
 
 use crate::controls::ExtendControls;
 use crate::error::{Error, in_range};
-use crate::structure::Structure;
+use crate::structure::EngineConfig;
 use crate::timeline::Timeline;
 
 /// Largest number of channels.
@@ -62,11 +62,11 @@ const _: () = assert!(3 + DESIGN_PARTS == LOW_SECOND);
 /// what, and when, depends neither on block sizes nor on where playing began.
 #[derive(Debug)]
 pub struct Extend<N = PowerLaw> {
-    layout: Layout,
+    layout: ExtensionSizes,
     source: N,
     low: Low,
     high: High,
-    drive: History,
+    drive: RingBuffer,
     chunk: Vec<f64>,
     controls: Timeline<ExtendControls>,
     /// Position of the first sample after reset.
@@ -78,12 +78,12 @@ pub struct Extend<N = PowerLaw> {
     /// Samples from a block of the low part's begin until its first half's drive has arrived, and from then on to each event.
     low_start: usize,
     low_offsets: [usize; LOW_EVENTS],
-    low_out: Overlap,
+    low_out: OverlapAdd,
     /// Position up to which the low part is made, and whether its last block was.
     low_until: i64,
     is_low_on: bool,
     low_hold_samples: i64,
-    noise_out: Vec<Overlap>,
+    noise_out: Vec<OverlapAdd>,
     fits: Vec<Fit>,
     /// The first channel's factors of windows since they were taken.
     betas: Vec<f32>,
@@ -97,9 +97,9 @@ impl Extend {
     ///
     /// Fails where a structure's value is out of its range, `channels` is not 1-10, or
     /// `sample_rate_hz` is not 8,000-384,000.
-    pub fn new(structure: &Structure, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
+    pub fn new(structure: &EngineConfig, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
         in_range("number of channels", channels as f64, 1.0, MAX_CHANNELS as f64)?;
-        let layout = Layout::new(structure, sample_rate_hz)?;
+        let layout = ExtensionSizes::new(structure, sample_rate_hz)?;
         let source = PowerLaw::new(&layout, channels, sample_rate_hz);
         Self::with_noise(structure, channels, sample_rate_hz, source)
     }
@@ -109,15 +109,20 @@ impl Extend {
 ///
 /// # Errors
 /// [`Error::OutOfRange`] where the structure or the rate is.
-pub fn latency_samples(structure: &Structure, sample_rate_hz: f64) -> Result<usize, Error> {
-    Ok(Layout::new(structure, sample_rate_hz)?.latency)
+pub fn latency_samples(structure: &EngineConfig, sample_rate_hz: f64) -> Result<usize, Error> {
+    Ok(ExtensionSizes::new(structure, sample_rate_hz)?.latency)
 }
 
 impl<N: NoiseSource> Extend<N> {
     /// An engine with noise of another source; fails as [`new`](Extend::new) does.
-    pub fn with_noise(structure: &Structure, channels: usize, sample_rate_hz: f64, source: N) -> Result<Self, Error> {
+    pub fn with_noise(
+        structure: &EngineConfig,
+        channels: usize,
+        sample_rate_hz: f64,
+        source: N,
+    ) -> Result<Self, Error> {
         in_range("number of channels", channels as f64, 1.0, MAX_CHANNELS as f64)?;
-        let layout = Layout::new(structure, sample_rate_hz)?;
+        let layout = ExtensionSizes::new(structure, sample_rate_hz)?;
         // The oldest sample still needed: a low block's filter, or a window's envelope.
         let keep = (layout.half_width + 2 * layout.low_reach).max(2 * (layout.half_width + layout.envelope_reach));
         let span = layout.latency + layout.half_width + layout.high_reach;
@@ -132,16 +137,16 @@ impl<N: NoiseSource> Extend<N> {
             low_offsets: std::array::from_fn(|event| event * hop / LOW_PARTS),
             low: Low::new(&layout, sample_rate_hz),
             high,
-            drive: History::new(keep),
+            drive: RingBuffer::new(keep),
             chunk: vec![0.0; layout.half_width],
             controls: Timeline::new(layout.latency + layout.half_width, ExtendControls::default()),
             origin: 0,
             last_loud: i64::MIN,
-            low_out: Overlap::new(span),
+            low_out: OverlapAdd::new(span),
             low_until: 0,
             is_low_on: true,
             low_hold_samples: (layout.latency + layout.half_width) as i64 + (LOW_HOLD_S * sample_rate_hz) as i64,
-            noise_out: (0..channels).map(|_| Overlap::new(span)).collect(),
+            noise_out: (0..channels).map(|_| OverlapAdd::new(span)).collect(),
             fits: vec![Fit::default(); channels],
             betas: Vec::with_capacity(BETA_CAPACITY),
             layout,

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::band::Band;
-use super::layout::Layout;
+use super::layout::ExtensionSizes;
 use super::spectrum::Transform;
 use crate::controls::ExtendControls;
 use crate::error::within;
@@ -57,7 +57,7 @@ pub struct PowerLaw {
 
 impl PowerLaw {
     /// Noise for `channels` channels in windows of the given layout.
-    pub(crate) fn new(layout: &Layout, channels: usize, sample_rate_hz: f64) -> Self {
+    pub(crate) fn new(layout: &ExtensionSizes, channels: usize, sample_rate_hz: f64) -> Self {
         let transform = Transform::new(layout.transform_len);
         let reach = layout.low_reach.min((layout.transform_len - 2 * layout.half_width) / 2);
         let bin_hz = sample_rate_hz / layout.transform_len as f64;

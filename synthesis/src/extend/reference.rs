@@ -11,7 +11,7 @@ use std::ops::Range;
 use crate::fft::{self, Complex64, ComplexTransform};
 
 use super::beta::positive_root;
-use super::zoom::Zoom;
+use super::chirp_z::ChirpZ;
 use crate::error::{Error, in_range};
 
 /// What the published program takes.
@@ -128,7 +128,7 @@ struct Work<'a> {
     noise: Vec<Complex64>,
     /// The bins that weigh in the fit, and their spectra of one window.
     fitted: Range<usize>,
-    zoom: Zoom,
+    zoom: ChirpZ,
     window_drive: Vec<Complex64>,
     window_noise: Vec<Complex64>,
 }
@@ -155,7 +155,7 @@ impl<'a> Work<'a> {
         let fitted = begin.saturating_sub(1)..(end + 1).min(bins);
         let zeros = vec![Complex64::default(); fitted.len()];
         Self {
-            zoom: Zoom::new(bins, fitted.clone(), (2 * settings.half_width).min(signal.len())),
+            zoom: ChirpZ::new(bins, fitted.clone(), (2 * settings.half_width).min(signal.len())),
             window_drive: zeros.clone(),
             window_noise: zeros,
             signal,

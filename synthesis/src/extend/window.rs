@@ -17,7 +17,7 @@ pub(crate) fn into_hop(position: i64, offset: usize, hop: usize) -> usize {
 
 /// The latest samples of a signal, read by their position on the timeline.
 #[derive(Debug)]
-pub(crate) struct History {
+pub(crate) struct RingBuffer {
     data: Vec<f64>,
     /// Samples that must stay readable.
     keep: usize,
@@ -26,7 +26,7 @@ pub(crate) struct History {
     end: i64,
 }
 
-impl History {
+impl RingBuffer {
     /// Keeps at least the newest `keep` samples.
     pub fn new(keep: usize) -> Self {
         Self { data: vec![0.0; 3 * keep], keep, len: keep, end: 0 }
@@ -64,13 +64,13 @@ impl History {
 
 /// A sum of overlapping pieces, taken out in order.
 #[derive(Debug)]
-pub(crate) struct Overlap {
+pub(crate) struct OverlapAdd {
     ring: Vec<f64>,
     /// Position of the next sample to be taken.
     front: i64,
 }
 
-impl Overlap {
+impl OverlapAdd {
     /// Pieces may reach `span` samples past the next one to be taken.
     pub fn new(span: usize) -> Self {
         Self { ring: vec![0.0; span], front: 0 }
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn history_reads_what_was_pushed() {
-        let mut history = History::new(20);
+        let mut history = RingBuffer::new(20);
         history.reset(-7);
         let mut next = 0.0;
         for step in 0..200 {
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn overlap_sums_and_drops_what_is_late() {
-        let mut overlap = Overlap::new(8);
+        let mut overlap = OverlapAdd::new(8);
         overlap.reset(-3);
         overlap.add(-5, [1.0, 1.0, 1.0, 1.0].into_iter());
         overlap.add(-2, [2.0; 7].into_iter());

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::draws::Draws;
 use super::kind::Rupture;
-use crate::filter::{Section, section_gain};
+use crate::filter::{Svf, section_gain};
 
 /// Modes of a free bar, relative to the lowest (Euler and Bernoulli; Fletcher & Rossing, "The Physics of Musical
 /// Instruments", §2.16), and how far those of a broken piece may lie from them.
@@ -66,7 +66,7 @@ fn release(samples: usize, time_s: f64, draws: &mut Draws, sample_rate_hz: f64) 
 fn click(release: &[f64], centre_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
     // A rate that does not reach so far has the band's lower part only.
     let [low, high] = BAND.map(|part| section_gain((part * centre_hz).min(0.45 * sample_rate_hz), sample_rate_hz));
-    let [mut high_pass, mut low_pass] = [Section::default(); 2];
+    let [mut high_pass, mut low_pass] = [Svf::default(); 2];
     release.iter().map(|x| low_pass.process(high, high_pass.process(low, *x).high).low).collect()
 }
 

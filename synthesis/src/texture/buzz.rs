@@ -6,7 +6,7 @@
 //! between them (Wiener-Khinchin), for all lines at once and without a transform; the same at lags beside the hops tells
 //! what tones and colours the sound has otherwise. The difference is the buzz.
 
-use crate::filter::{Section, section_gain};
+use crate::filter::{Svf, section_gain};
 
 /// Hops that a repeat may last: torch on its own recording repeats after six.
 const HOPS: usize = 16;
@@ -20,7 +20,7 @@ const LOW_HZ: f64 = 500.0;
 const HEARD_S: f64 = 1.0;
 /// Buzz that is borne: recordings and results of the reference pairs that do not buzz stay below 0.06 but for moments,
 /// those with a line beyond 5 dB reach 0.15 to 0.6.
-const BORNE: f64 = 0.08;
+const TOLERATED: f64 = 0.08;
 /// Buzz beyond that at which the share falls as fast as it may.
 const SPAN: f64 = 0.1;
 /// Seconds in which the share falls from 1 to 0 at the fastest, and in which it comes back without any buzz.
@@ -34,7 +34,7 @@ const SILENCE: f64 = 1e-20;
 #[derive(Debug)]
 pub struct Buzz {
     hop: usize,
-    low: Section,
+    low: Svf,
     low_gain: f64,
     last: f64,
     /// What was heard in the last `ROWS` hops: for every place in a hop a column of them, newest first from `newest` on, kept
@@ -60,7 +60,7 @@ impl Buzz {
         let hop_s = hop as f64 / sample_rate_hz;
         Self {
             hop,
-            low: Section::default(),
+            low: Svf::default(),
             low_gain: section_gain(LOW_HZ.min(0.4 * sample_rate_hz), sample_rate_hz),
             last: 0.0,
             past: vec![[0.0; 2 * ROWS]; hop],
@@ -140,10 +140,10 @@ impl Buzz {
         }
         let tells = power > SILENT_PART * self.power && self.power > 0.0;
         let strength = if tells { self.strength() } else { 0.0 };
-        let step = if strength > BORNE {
-            -self.fall * ((strength - BORNE) / SPAN).min(1.0)
+        let step = if strength > TOLERATED {
+            -self.fall * ((strength - TOLERATED) / SPAN).min(1.0)
         } else {
-            self.rise * (1.0 - strength / BORNE).min(1.0)
+            self.rise * (1.0 - strength / TOLERATED).min(1.0)
         };
         self.share = (self.share + step).clamp(0.0, 1.0);
     }

@@ -11,29 +11,30 @@ use super::distribution::{Distribution, Histogram};
 use super::feature::{Excerpt, Features};
 use super::pyramid::{Pyramid, mirrored};
 use super::search::Index;
-use super::shape::{Padding, Shape};
+use super::shape::{Padding, PyramidConfig};
 use crate::Error;
 use crate::bulk::{Bulk, bulk_fields, read_array, write_array};
+use crate::channels::mean_of;
 use crate::companding::{Profile, calibrate};
 use crate::crackle::{Crackles, is_impulsive, split};
 use crate::loudness::integrated_lufs;
-use crate::structure::Dynamics;
+use crate::structure::MatchingMode;
 
 /// Called with the part done, 0-1; answers whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
 
 /// The part of an array that is needed.
 #[derive(Debug, Encode, Decode)]
-struct Kept {
+struct LevelSlice {
     #[bitcode(skip)]
     samples: Vec<f64>,
     first: usize,
 }
 
-bulk_fields!(Kept: samples);
+bulk_fields!(LevelSlice: samples);
 bulk_fields!(Dictionary: levels, channels, indices, profile, crackles);
 
-impl Kept {
+impl LevelSlice {
     fn new(mut samples: Vec<f64>, needed: &Range<usize>) -> Self {
         samples.truncate(needed.end);
         let first = needed.start.min(samples.len());
@@ -50,7 +51,7 @@ impl Kept {
 /// A recording's windows on all levels below the top, and the index that finds the nearest.
 #[derive(Debug, Encode, Decode)]
 pub struct Dictionary {
-    shape: Shape,
+    shape: PyramidConfig,
     sample_rate_hz: f64,
     weights: Vec<f64>,
     unweighted: bool,
@@ -58,9 +59,9 @@ pub struct Dictionary {
     /// Index of the recording's first sample in level 0's array.
     first: usize,
     /// What windows and their features are read from, of the pyramid of the mean of the channels.
-    levels: Vec<Kept>,
+    levels: Vec<LevelSlice>,
     /// Level 0 of every channel; empty for a recording of one channel, whose mean it is.
-    channels: Vec<Kept>,
+    channels: Vec<LevelSlice>,
     /// Index of each level below the top; none where the level has no whole window.
     indices: Vec<Option<Index>>,
     distribution: Distribution,
@@ -79,18 +80,18 @@ const INDEXED: f32 = 0.7;
 impl Dictionary {
     /// Analyses a recording as [`new`](Self::new) or [`companded`](Self::companded), whichever `dynamics` asks for.
     pub fn for_dynamics(
-        dynamics: Dynamics,
+        dynamics: MatchingMode,
         channels: &[Vec<f64>],
         sample_rate_hz: f64,
-        shape: &Shape,
+        shape: &PyramidConfig,
         progress: Progress<'_>,
     ) -> Result<Self, Error> {
         match dynamics {
-            Dynamics::Paper => {
+            MatchingMode::Paper => {
                 let dictionary = Self::new(channels, sample_rate_hz, shape, progress)?;
                 Ok(Self { is_impulsive: is_impulsive(channels, sample_rate_hz), ..dictionary })
             }
-            Dynamics::Companded => Self::companded(channels, sample_rate_hz, shape, progress),
+            MatchingMode::Companded => Self::companded(channels, sample_rate_hz, shape, progress),
         }
     }
 
@@ -99,14 +100,14 @@ impl Dictionary {
     pub fn companded(
         channels: &[Vec<f64>],
         sample_rate_hz: f64,
-        shape: &Shape,
+        shape: &PyramidConfig,
         progress: Progress<'_>,
     ) -> Result<Self, Error> {
         check(channels, sample_rate_hz, shape)?;
         let parts = split(channels, sample_rate_hz);
         let bed = parts.bed;
         let mut flat = bed.clone();
-        let mut profile = Profile::flatten(&mut flat, sample_rate_hz);
+        let mut profile = Profile::compress(&mut flat, sample_rate_hz);
         let mut dictionary = Self::new(&flat, sample_rate_hz, shape, &|done| progress(INDEXED * done))?;
         profile.set_first(dictionary.first);
         profile.set_loudness(integrated_lufs(channels, sample_rate_hz));
@@ -121,7 +122,7 @@ impl Dictionary {
     pub fn new(
         channels: &[Vec<f64>],
         sample_rate_hz: f64,
-        shape: &Shape,
+        shape: &PyramidConfig,
         progress: Progress<'_>,
     ) -> Result<Self, Error> {
         check(channels, sample_rate_hz, shape)?;
@@ -134,7 +135,7 @@ impl Dictionary {
         let windows: Vec<Range<usize>> = (0..shape.top()).map(|level| windows(level, shape, padding)).collect();
         let needed = needed(&windows, shape, padding);
         let several = if channels.len() > 1 { channels } else { &[] };
-        let channels = several.iter().map(|x| Kept::new(mirrored(x, padding), &needed[0])).collect();
+        let channels = several.iter().map(|x| LevelSlice::new(mirrored(x, padding), &needed[0])).collect();
         let distribution = Distribution::from_magnitudes(pyramid.top_magnitudes());
         let weights = shape.weights();
         let mut dictionary = Self {
@@ -145,7 +146,12 @@ impl Dictionary {
             prior: Histogram::of(&distribution),
             distribution,
             seconds: (padding.end[0] - padding.start[0]) as f64 / sample_rate_hz,
-            levels: pyramid.levels.into_iter().zip(&needed).map(|(level, needed)| Kept::new(level, needed)).collect(),
+            levels: pyramid
+                .levels
+                .into_iter()
+                .zip(&needed)
+                .map(|(level, needed)| LevelSlice::new(level, needed))
+                .collect(),
             channels,
             indices: Vec::new(),
             first: padding.start[0],
@@ -199,7 +205,7 @@ impl Dictionary {
     }
 
     /// The shape it was made for.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &PyramidConfig {
         &self.shape
     }
 
@@ -301,7 +307,7 @@ impl Dictionary {
     }
 }
 
-fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &Shape) -> Result<(), Error> {
+fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &PyramidConfig) -> Result<(), Error> {
     shape.validate()?;
     crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 10.0)?;
     crate::error::in_range("sample rate of the recording in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
@@ -319,7 +325,7 @@ fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &Shape) -> Result<()
 
 /// The windows of `level` whose causal half lies within the signal and whose coarse taps lie within
 /// the array.
-fn windows(level: usize, shape: &Shape, Padding { size, start, end }: &Padding) -> Range<usize> {
+fn windows(level: usize, shape: &PyramidConfig, Padding { size, start, end }: &Padding) -> Range<usize> {
     let (w, reach) = (shape.window, shape.reach());
     let whole = |window: &usize| {
         let centre = window * w;
@@ -334,7 +340,7 @@ fn windows(level: usize, shape: &Shape, Padding { size, start, end }: &Padding) 
 }
 
 /// What the `windows` of all levels, and their features, read of each level's array.
-fn needed(windows: &[Range<usize>], shape: &Shape, padding: &Padding) -> Vec<Range<usize>> {
+fn needed(windows: &[Range<usize>], shape: &PyramidConfig, padding: &Padding) -> Vec<Range<usize>> {
     let (w, reach) = (shape.window, shape.reach());
     let nothing = Range { start: usize::MAX, end: 0 };
     let mut needed = vec![nothing; windows.len() + 1];
@@ -348,12 +354,4 @@ fn needed(windows: &[Range<usize>], shape: &Shape, padding: &Padding) -> Vec<Ran
         include(level + 1, first / 2 - reach..last / 2 + reach + 2);
     }
     needed
-}
-
-pub(crate) fn mean_of(channels: &[Vec<f64>]) -> Vec<f64> {
-    if let [only] = channels {
-        return only.clone();
-    }
-    let scale = 1.0 / channels.len() as f64;
-    (0..channels[0].len()).map(|i| channels.iter().map(|x| x[i]).sum::<f64>() * scale).collect()
 }

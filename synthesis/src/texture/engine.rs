@@ -18,7 +18,7 @@ use super::pyramid::PyramidStream;
 use super::ring::Ring;
 use super::schedule::Schedule;
 use super::search::{Budget, Searcher};
-use super::shape::Shape;
+use super::shape::PyramidConfig;
 use super::slots::{self, Slots};
 use crate::Error;
 use crate::companding::Profile;
@@ -32,7 +32,7 @@ use crate::timeline::Timeline;
 /// Texture synthesis: a drive in, the sound of the recording that follows it out.
 #[derive(Debug)]
 pub struct Texture {
-    shape: Shape,
+    shape: PyramidConfig,
     schedule: Schedule,
     hat: Vec<f64>,
     weights: Vec<f64>,
@@ -133,7 +133,7 @@ const TOP_CAPACITY: usize = 8192;
 
 impl Texture {
     /// An engine of `shape` with `channels` outputs (1-10) at `sample_rate_hz`.
-    pub fn new(shape: &Shape, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
+    pub fn new(shape: &PyramidConfig, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
         shape.validate()?;
         crate::error::in_range("output channels", channels as f64, 1.0, 10.0)?;
         crate::error::in_range("sample rate in Hz", sample_rate_hz, 1000.0, 768_000.0)?;
@@ -217,7 +217,7 @@ impl Texture {
     }
 
     /// The shape it was made for.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &PyramidConfig {
         &self.shape
     }
 

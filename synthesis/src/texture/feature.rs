@@ -1,7 +1,7 @@
 //! The neighbourhood that a window is matched by (§5.1): what lies before it on its own level, and
 //! what lies around it on the next coarser one.
 
-use super::shape::Shape;
+use super::shape::PyramidConfig;
 
 /// Where the two halves of a window's feature lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub struct Place {
 
 impl Place {
     /// The place of window `window`'s feature.
-    pub fn of(window: i64, shape: &Shape) -> Self {
+    pub fn of(window: i64, shape: &PyramidConfig) -> Self {
         let centre = window * shape.window as i64;
         let reach = shape.reach() as i64;
         Self { causal: centre - reach, coarse: (centre >> 1) - reach, between: centre & 1 == 1 }
@@ -59,7 +59,7 @@ pub struct Features<'a> {
     /// Whether all weights are 1.
     pub unweighted: bool,
     /// The common shape.
-    pub shape: &'a Shape,
+    pub shape: &'a PyramidConfig,
 }
 
 impl Features<'_> {

@@ -37,4 +37,4 @@ pub use dictionary::Dictionary;
 pub use distribution::Distribution;
 pub use engine::{Match, Texture};
 pub use extents::Extent;
-pub use shape::Shape;
+pub use shape::PyramidConfig;

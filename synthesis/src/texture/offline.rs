@@ -75,6 +75,6 @@ pub fn synthesize(
 }
 
 /// The distribution of a drive's amplitudes (§5.3), as texture synthesis of the whole of it has it.
-pub fn learn(drive: &[f64], shape: &super::Shape) -> Result<Distribution, Error> {
+pub fn learn(drive: &[f64], shape: &super::PyramidConfig) -> Result<Distribution, Error> {
     Ok(Distribution::from_magnitudes(Pyramid::of_input(drive, shape)?.top_magnitudes()))
 }

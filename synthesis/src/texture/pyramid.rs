@@ -1,6 +1,6 @@
 //! Gaussian pyramids (§5.1): of a whole padded signal, and of a stream.
 
-use super::shape::{Padding, Shape};
+use super::shape::{Padding, PyramidConfig};
 use crate::Error;
 
 /// The five-tap low-pass of Burt & Adelson (1983) with a = 0.4.
@@ -17,7 +17,7 @@ pub struct Pyramid {
 
 impl Pyramid {
     /// The pyramid of an input: zeros around it.
-    pub fn of_input(signal: &[f64], shape: &Shape) -> Result<Self, Error> {
+    pub fn of_input(signal: &[f64], shape: &PyramidConfig) -> Result<Self, Error> {
         let padding = Padding::new(signal.len(), shape.levels, "input")?;
         let mut padded = vec![0.0; padding.size[0]];
         padded[padding.start[0]..padding.end[0]].copy_from_slice(signal);
@@ -25,7 +25,7 @@ impl Pyramid {
     }
 
     /// The pyramid of a recording: mirrored at both ends, the end sample not repeated.
-    pub fn of_recording(signal: &[f64], shape: &Shape) -> Result<Self, Error> {
+    pub fn of_recording(signal: &[f64], shape: &PyramidConfig) -> Result<Self, Error> {
         let padding = Padding::new(signal.len(), shape.levels, "recording")?;
         let padded = mirrored(signal, &padding);
         Ok(Self::of_padded(padded, padding))
@@ -92,7 +92,7 @@ struct Stage {
 
 impl PyramidStream {
     /// A stream whose first sample has index 0.
-    pub fn new(shape: &Shape) -> Self {
+    pub fn new(shape: &PyramidConfig) -> Self {
         let stage = Stage { history: [0.0; 4], next: 0, first: 0, end: i64::MAX };
         let mut stream = Self { stages: vec![stage; shape.top()] };
         stream.reset(0, None);
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn stream_equals_whole_signal() {
-        let shape = Shape { levels: 5, ..Shape::default() };
+        let shape = PyramidConfig { levels: 5, ..PyramidConfig::default() };
         let signal: Vec<f64> = (0..3000).map(|i| ((i * i) as f64 * 0.37).sin()).collect();
         let whole = Pyramid::of_input(&signal, &shape).unwrap();
         let mut stream = PyramidStream::new(&shape);
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_start_anywhere_on_the_grid_is_the_same() {
-        let shape = Shape { levels: 4, ..Shape::default() };
+        let shape = PyramidConfig { levels: 4, ..PyramidConfig::default() };
         let signal: Vec<f64> = (0..500).map(|i| (i as f64 * 0.21).sin()).collect();
         let run = |origin: i64| -> Vec<(i64, f64)> {
             let mut stream = PyramidStream::new(&shape);

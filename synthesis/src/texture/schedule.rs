@@ -4,7 +4,7 @@
 //! known, whatever comes after. So the work is a function of the sample counter alone, flows evenly
 //! (level 0 every W samples, level 1 every 2 W ...), and the latency is that of the data.
 
-use super::shape::Shape;
+use super::shape::PyramidConfig;
 
 /// Offset and period of each level's windows, in samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub struct Schedule {
 impl Schedule {
     /// The schedule of `shape`. What latency leaves free is used to match the windows of
     /// different levels at different samples.
-    pub fn new(shape: &Shape) -> Self {
+    pub fn new(shape: &PyramidConfig) -> Self {
         let top = shape.top();
         let w = shape.window as i64;
         let period: Vec<i64> = (0..top).map(|level| w << level).collect();
@@ -35,7 +35,7 @@ impl Schedule {
 }
 
 /// Offset of level 0 when every level is matched as early as can be.
-fn earliest(shape: &Shape) -> i64 {
+fn earliest(shape: &PyramidConfig) -> i64 {
     let mut offset = vec![0; shape.top()];
     for level in (0..shape.top()).rev() {
         offset[level] = offset_after(shape, level, &offset);
@@ -44,7 +44,7 @@ fn earliest(shape: &Shape) -> i64 {
 }
 
 /// The least offset of `level`, given those of the coarser levels.
-fn offset_after(shape: &Shape, level: usize, offset: &[i64]) -> i64 {
+fn offset_after(shape: &PyramidConfig, level: usize, offset: &[i64]) -> i64 {
     let (w, reach, top) = (shape.window as i64, shape.reach() as i64, shape.top());
     // Two windows in a row see every way in which their centres can lie between coarse samples.
     let of_window = |window: i64| {
@@ -78,9 +78,11 @@ fn free_slot(due: i64, coarser: &[i64], period: &[i64], level: usize, w: i64, sp
 mod tests {
     use super::*;
 
-    fn shapes() -> impl Iterator<Item = Shape> {
+    fn shapes() -> impl Iterator<Item = PyramidConfig> {
         let sizes = (2..=10).flat_map(|levels| (2..=16).map(move |window| (levels, window)));
-        sizes.flat_map(|(levels, window)| (1..=6).map(move |feature| Shape { levels, window, feature, falloff: 0.0 }))
+        sizes.flat_map(|(levels, window)| {
+            (1..=6).map(move |feature| PyramidConfig { levels, window, feature, falloff: 0.0 })
+        })
     }
 
     #[test]
@@ -117,7 +119,7 @@ mod tests {
 
     #[test]
     fn the_papers_levels_never_meet() {
-        let shape = Shape::default();
+        let shape = PyramidConfig::default();
         let Schedule { offset, period } = Schedule::new(&shape);
         let busiest =
             (0..1024i64).map(|t| (0..shape.top()).filter(|l| (t - offset[*l]).rem_euclid(period[*l]) == 0).count());

@@ -1,12 +1,12 @@
 //! Sizes and positions of pyramid levels, windows and features.
 
-use crate::Structure;
+use crate::EngineConfig;
 use crate::error::{Error, in_range};
 use bitcode::{Decode, Encode};
 
 /// The sizes that a dictionary and an engine must share.
 #[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
-pub struct Shape {
+pub struct PyramidConfig {
     /// Pyramid levels L, 2-13; level 0 is the sound, level L-1 the top (coarsest).
     pub levels: usize,
     /// Half-width W of a window in samples of its own level, 2-16.
@@ -17,16 +17,16 @@ pub struct Shape {
     pub falloff: f64,
 }
 
-impl Default for Shape {
+impl Default for PyramidConfig {
     /// The paper's values (§5).
     fn default() -> Self {
-        Self::at_rate(&Structure::default(), Structure::REFERENCE_RATE_HZ)
+        Self::at_rate(&EngineConfig::default(), EngineConfig::REFERENCE_RATE_HZ)
     }
 }
 
-impl Shape {
+impl PyramidConfig {
     /// The shape that keeps the structure's times and bands at `sample_rate_hz`.
-    pub fn at_rate(structure: &Structure, sample_rate_hz: f64) -> Self {
+    pub fn at_rate(structure: &EngineConfig, sample_rate_hz: f64) -> Self {
         Self {
             levels: structure.levels_at(sample_rate_hz),
             window: structure.window,
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn default_sizes_are_the_papers() {
-        let shape = Shape::default();
+        let shape = PyramidConfig::default();
         assert_eq!((shape.causal_len(), shape.coarse_len(), shape.feature_len()), (13, 33, 46));
         assert_eq!(shape.latency_samples(), 1147);
     }

@@ -7,8 +7,8 @@
 use std::f64::consts::TAU;
 
 use super::level::Levels;
-use super::raise::top_hz;
 use super::texture::{COMPONENTS, Row, VortexTexture, directivity};
+use super::upsampler::top_hz;
 use crate::error::{Error, in_range};
 use crate::extend::spectrum::Transform;
 

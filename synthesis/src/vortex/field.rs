@@ -44,7 +44,7 @@ pub(super) type Moment = (usize, usize, f64);
 
 /// One source of a field at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Told {
+pub(super) struct SourceState {
     /// Right, front and up from the field's origin, in m.
     pub position: [f64; 3],
     pub speed_m_s: f64,
@@ -146,11 +146,11 @@ impl SpeedField {
     }
 
     /// A source at a [`place`](Self::place) in time.
-    pub(super) fn at(&self, source: usize, (from, to, part): Moment) -> Told {
+    pub(super) fn at(&self, source: usize, (from, to, part): Moment) -> SourceState {
         let speed = |step: usize| f64::from(self.speeds[step * self.sources + source]);
         let speed_m_s = speed(from) + part * (speed(to) - speed(from));
         if self.positions.len() == self.sources {
-            return Told { position: self.positions[source].map(f64::from), speed_m_s, presence: 1.0 };
+            return SourceState { position: self.positions[source].map(f64::from), speed_m_s, presence: 1.0 };
         }
         let position = |step: usize| self.positions[step * self.sources + source].map(f64::from);
         let (a, b) = (position(from), position(to));
@@ -161,7 +161,7 @@ impl SpeedField {
         } else {
             (std::array::from_fn(|axis| a[axis] + part * (b[axis] - a[axis])), 1.0)
         };
-        Told { position, speed_m_s, presence }
+        SourceState { position, speed_m_s, presence }
     }
 }
 

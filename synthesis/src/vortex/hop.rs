@@ -6,7 +6,7 @@ use super::layout::MOST_CHANNELS;
 use super::level::Blend;
 use super::microphone::limited;
 use super::motion::Motion;
-use super::moving::{Frame, Stand};
+use super::moving::{Frame, Pose};
 use super::read::{Gain, Part};
 use super::source::{Edge, Identity, Source};
 use super::{FAREWELL_HOPS, SPEED_OF_SOUND_M_S, Vortex};
@@ -23,7 +23,7 @@ pub(super) struct Hop {
     start: i64,
     before: Frame,
     frame: Frame,
-    stand: Stand,
+    stand: Pose,
     identity: Identity,
     /// Steps of the speed field around its start and end.
     moments: Option<[Moment; 2]>,
@@ -252,7 +252,7 @@ impl Vortex {
 
     /// From the hop's pressures to output: what an exchange left, the output's rate, the microphone and the level.
     pub(super) fn finish(&mut self) {
-        self.bid_farewell();
+        self.declick_tail();
         let Hop { before: from, frame: to, .. } = &self.present;
         let per_sample = 1.0 / self.hop as f64;
         for (channel, (pressures, ready)) in self.pressures.iter().zip(&mut self.ready).enumerate() {
@@ -267,7 +267,7 @@ impl Vortex {
     }
 
     /// What was heard before an exchange goes on as it went, but not for long.
-    fn bid_farewell(&mut self) {
+    fn declick_tail(&mut self) {
         if self.farewell_hop == FAREWELL_HOPS {
             return;
         }

@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// The loudspeakers of the output, in the order of their channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Layout {
+pub enum SpeakerLayout {
     /// One channel that gets everything.
     Mono,
     /// Left and right at 30°.
@@ -58,7 +58,7 @@ const REAR: [Speaker; 2] = [Speaker::Ring(-135.0), Speaker::Ring(135.0)];
 const SIDE: [Speaker; 2] = [Speaker::Ring(-90.0), Speaker::Ring(90.0)];
 const TOP: [Speaker; 2] = [Speaker::Top(-90.0), Speaker::Top(90.0)];
 
-impl Layout {
+impl SpeakerLayout {
     /// The layout with this number of channels, 1-10.
     pub fn of_channels(channels: usize) -> Result<Self, Error> {
         in_range("number of channels", channels as f64, 1.0, MOST_CHANNELS as f64)?;
@@ -135,7 +135,7 @@ pub(super) struct Panner {
 }
 
 impl Panner {
-    pub fn new(layout: Layout) -> Self {
+    pub fn new(layout: SpeakerLayout) -> Self {
         let speakers = layout.speakers();
         let ring = speakers.iter().enumerate().filter_map(|(channel, speaker)| match speaker {
             Speaker::Ring(azimuth_deg) => Some((azimuth_deg.to_radians(), channel)),
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn power_is_kept_in_every_direction_and_gains_have_no_jumps() {
         for channels in 1..=MOST_CHANNELS {
-            let layout = Layout::of_channels(channels).expect("a layout");
+            let layout = SpeakerLayout::of_channels(channels).expect("a layout");
             assert_eq!(layout.channels(), channels);
             let panner = Panner::new(layout);
             for elevation in [-40.0, 0.0, 30.0, 90.0] {
@@ -234,13 +234,13 @@ mod tests {
                 }
             }
         }
-        assert!(Layout::of_channels(0).is_err() && Layout::of_channels(11).is_err());
+        assert!(SpeakerLayout::of_channels(0).is_err() && SpeakerLayout::of_channels(11).is_err());
     }
 
     #[test]
     fn every_loudspeaker_plays_alone_in_its_own_direction() {
         for channels in 2..=MOST_CHANNELS {
-            let layout = Layout::of_channels(channels).expect("a layout");
+            let layout = SpeakerLayout::of_channels(channels).expect("a layout");
             let panner = Panner::new(layout);
             for (channel, speaker) in layout.speakers().iter().enumerate() {
                 match speaker {

@@ -4,7 +4,7 @@
 //! envelope has told during step k is asked for at the end of it, to be heard from the end of step k + 1 on: a whole
 //! step of time for the simulation, so that every start repeats. A step that is late holds the one before.
 
-use super::field::{FARTHEST_M, Told};
+use super::field::{FARTHEST_M, SourceState};
 use crate::error::Error;
 
 /// Speed in m/s that is taken off all: what it leaves of gas that nothing blows at is nothing, within some seconds.
@@ -151,10 +151,10 @@ impl Live {
     }
 
     /// A source at the start of the hop, or at its end.
-    pub fn at(&self, source: usize, end: bool) -> Told {
+    pub fn at(&self, source: usize, end: bool) -> SourceState {
         let into = self.into + u64::from(end && self.hop.is_some());
         let part = into as f32 / self.hops_per_step as f32;
         let [from, to] = [0, 1].map(|which: usize| self.speeds[which][source]);
-        Told { position: self.places[source], speed_m_s: f64::from(from + part * (to - from)), presence: 1.0 }
+        SourceState { position: self.places[source], speed_m_s: f64::from(from + part * (to - from)), presence: 1.0 }
     }
 }

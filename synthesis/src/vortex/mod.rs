@@ -23,6 +23,7 @@
 //! | [`shipped`] | the textures that come with the engines |
 
 pub mod bank;
+pub mod factory;
 pub mod field;
 mod field_file;
 mod hop;
@@ -32,19 +33,18 @@ pub mod live;
 mod microphone;
 mod motion;
 mod moving;
-mod raise;
 mod read;
 mod seen;
-pub mod shipped;
 mod source;
 pub mod texture;
+mod upsampler;
 
 pub use bank::Bank;
+pub use factory::TEXTURES;
 pub use field::{End, SpeedField};
-pub use layout::Layout;
+pub use layout::SpeakerLayout;
 pub use live::{Asked, Simulator};
 pub use seen::SeenSource;
-pub use shipped::TEXTURES;
 pub use texture::VortexTexture;
 
 use std::sync::Arc;
@@ -55,10 +55,10 @@ use crate::error::{Error, in_range, within};
 use hop::Hop;
 use layout::Panner;
 use live::Live;
-use moving::Moving;
-use raise::Raise;
+use moving::ControlSnapshot;
 use read::Reader;
 use source::Source;
+use upsampler::Upsampler;
 
 /// Speed of sound in m/s.
 pub const SPEED_OF_SOUND_M_S: f64 = 343.0;
@@ -104,12 +104,12 @@ pub struct Vortex {
     /// The envelope after the last sample.
     envelope_now: f64,
     follow: Vec<f64>,
-    moving: Moving,
+    moving: ControlSnapshot,
     reader: Reader,
     present: Hop,
     /// Pressures of the hop by channel, at the lower rate.
     pressures: Vec<Vec<f32>>,
-    raise: Raise,
+    raise: Upsampler,
     /// Pressures of a channel at the output's rate.
     raised: Vec<f32>,
     /// The last hop's output by channel.
@@ -131,11 +131,11 @@ impl Vortex {
     /// A renderer at position 0, without bank and field: it is silent until it gets a bank.
     ///
     /// Fails where `sample_rate_hz` is not 8,000-384,000, or `sources`, the most that it will render, not 1-16,384.
-    pub fn new(sample_rate_hz: f64, layout: Layout, sources: usize) -> Result<Self, Error> {
+    pub fn new(sample_rate_hz: f64, layout: SpeakerLayout, sources: usize) -> Result<Self, Error> {
         in_range("sample rate in Hz", sample_rate_hz, 8_000.0, 384_000.0)?;
         in_range("number of sources", sources as f64, 1.0, MOST_SOURCES as f64)?;
         let hop = (HOP * maths::pow(2.0, maths::log2(sample_rate_hz / 48_000.0).round())) as usize;
-        let factor = raise::factor(sample_rate_hz);
+        let factor = upsampler::factor(sample_rate_hz);
         let (channels, summed) = (layout.channels(), hop / factor);
         Ok(Self {
             sample_rate_hz,
@@ -150,11 +150,11 @@ impl Vortex {
             envelope: Envelope::new(sample_rate_hz),
             envelope_now: 0.0,
             follow: vec![0.0; hop],
-            moving: Moving::new(sample_rate_hz / hop as f64),
+            moving: ControlSnapshot::new(sample_rate_hz / hop as f64),
             reader: Reader::new(summed),
             present: Hop::default(),
             pressures: vec![vec![0.0; summed]; channels],
-            raise: Raise::new(factor, channels, summed),
+            raise: Upsampler::new(factor, channels, summed),
             raised: vec![0.0; hop],
             ready: vec![vec![0.0; hop]; channels],
             position: 0,

@@ -1,6 +1,6 @@
 //! What moves the sources that do not all follow one envelope.
 
-use super::field::{Moment, SpeedField, Told};
+use super::field::{Moment, SourceState, SpeedField};
 use super::live::Live;
 use crate::controls::Flow;
 
@@ -16,7 +16,7 @@ pub(super) struct Motion<'a> {
 
 impl Motion<'_> {
     /// A source of a flow at the hop's start, or at its end.
-    pub fn at(&self, flow: Flow, source: usize, end: bool) -> Option<Told> {
+    pub fn at(&self, flow: Flow, source: usize, end: bool) -> Option<SourceState> {
         match (flow, self.field, self.live) {
             (Flow::Field, Some((field, places)), _) if source < field.sources() => {
                 Some(field.at(source, places[usize::from(end)]))

@@ -85,7 +85,7 @@ impl Frame {
 
 /// A [`Place`] with its angles worked out.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Stand {
+pub(super) struct Pose {
     spread_m: f64,
     sin: f64,
     cos: f64,
@@ -97,12 +97,12 @@ pub(super) struct Stand {
 
 impl Place {
     /// What sources are placed by.
-    pub fn stand(&self) -> Stand {
+    pub fn stand(&self) -> Pose {
         let [sin, cos] = self.azimuth;
         let norm = maths::hypot(sin, cos);
         let (sin, cos) = if norm > 1e-6 { (sin / norm, cos / norm) } else { (0.0, 1.0) };
         let (rise, flat) = maths::sin_cos(self.elevation);
-        Stand {
+        Pose {
             spread_m: self.spread_m,
             sin,
             cos,
@@ -113,7 +113,7 @@ impl Place {
     }
 }
 
-impl Stand {
+impl Pose {
     /// Right, front and up from the listener, in m, for a place in the ball that sources are spread in.
     pub fn in_ball(&self, ball: [f64; 3]) -> [f64; 3] {
         self.at(ball.map(|x| self.spread_m * x))
@@ -134,12 +134,12 @@ impl Stand {
 
 /// A frame that follows the controls hop by hop.
 #[derive(Debug)]
-pub(super) struct Moving {
+pub(super) struct ControlSnapshot {
     now: Frame,
     smoothed: [[Smoothed; 2]; VALUES],
 }
 
-impl Moving {
+impl ControlSnapshot {
     /// `hop_rate_hz` is the number of hops per second.
     pub fn new(hop_rate_hz: f64) -> Self {
         Self { now: Frame::default(), smoothed: [[Smoothed::new(FOLLOW_S, hop_rate_hz); 2]; VALUES] }
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn every_value_follows_and_arrives() {
-        let mut moving = Moving::new(750.0);
+        let mut moving = ControlSnapshot::new(750.0);
         moving.jump(&VortexControls { azimuth_deg: 170.0, ..VortexControls::default() });
         let target = VortexControls { azimuth_deg: -170.0, distance_m: 9.0, level: 3.0, ..VortexControls::default() };
         let mut before = moving.now().place.stand().at([0.0; 3]);

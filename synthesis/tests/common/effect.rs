@@ -3,39 +3,39 @@
 
 use std::sync::Arc;
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{
     CompandingControls, Controls, CrackleControls, DriveControls, DriveMode, DynamicRange, ExtendControls,
     FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, RecordingControls, TextureControls, ToneControls,
     VortexControls,
 };
-use pyrophone_synthesis::structure::Dynamics;
-use pyrophone_synthesis::texture::{Dictionary, Distribution, Shape};
+use pyrophone_synthesis::structure::MatchingMode;
+use pyrophone_synthesis::texture::{Dictionary, Distribution, PyramidConfig};
 
 use crate::signals::{Random, signal};
 
 pub const STEREO: Channels = Channels { input: 2, sidechain: 1, output: 2 };
 
 /// A made-up recording for a rate and structure.
-pub fn dictionary(rate_hz: f64, structure: &Structure, channels: usize) -> Arc<Dictionary> {
+pub fn dictionary(rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<Dictionary> {
     dictionary_of(11, rate_hz, structure, channels)
 }
 
 /// The same, of another seed.
-pub fn dictionary_of(seed: u64, rate_hz: f64, structure: &Structure, channels: usize) -> Arc<Dictionary> {
+pub fn dictionary_of(seed: u64, rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<Dictionary> {
     let mut random = Random::new(seed);
     let recording: Vec<Vec<f64>> = (0..channels).map(|_| signal(&mut random, 1, 30_000)).collect();
-    let shape = Shape::at_rate(structure, rate_hz);
+    let shape = PyramidConfig::at_rate(structure, rate_hz);
     Arc::new(Dictionary::for_dynamics(structure.dynamics, &recording, rate_hz, &shape, &|_| true).unwrap())
 }
 
 /// Both ways of following a drive's loudness.
-pub const MODES: [Dynamics; 2] = [Dynamics::Paper, Dynamics::Companded];
+pub const MODES: [MatchingMode; 2] = [MatchingMode::Paper, MatchingMode::Companded];
 
 /// A chain with two recordings and a learned distribution.
-pub fn chain(rate_hz: f64, channels: Channels, dynamics: Dynamics) -> Chain {
-    let structure = Structure { dynamics, ..Structure::default() };
+pub fn chain(rate_hz: f64, channels: Channels, dynamics: MatchingMode) -> Chain {
+    let structure = EngineConfig { dynamics, ..EngineConfig::default() };
     let mut chain = Chain::new(rate_hz, channels, &structure).unwrap();
     chain.swap_dictionary(Some(dictionary(rate_hz, &structure, channels.output)));
     chain.swap_slot(1, Some(dictionary_of(12, rate_hz, &structure, 1)));

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use pyrophone_synthesis::Structure;
+use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::{DriveControls, DriveMode, ExtendControls};
 use pyrophone_synthesis::drive::Drive;
 use pyrophone_synthesis::extend::Extend;
@@ -61,7 +61,7 @@ pub fn run<N: NoiseSource>(
 
 /// A mono run in blocks of one hop, from a new engine.
 pub fn run_simply(drive: &[f64], rate_hz: f64, controls: ExtendControls) -> Run {
-    let mut engine = Extend::new(&Structure::default(), 1, rate_hz).expect("engine");
+    let mut engine = Extend::new(&EngineConfig::default(), 1, rate_hz).expect("engine");
     let hop = engine.hop_samples();
     run(&mut engine, 1, drive, |_| controls, std::iter::repeat(hop))
 }

@@ -8,7 +8,7 @@ use pyrophone_synthesis::controls::VortexControls;
 use pyrophone_synthesis::fft::{self, Complex64};
 use pyrophone_synthesis::noise::White;
 use pyrophone_synthesis::vortex::texture::Row;
-use pyrophone_synthesis::vortex::{Bank, End, Layout, SpeedField, Vortex, VortexTexture};
+use pyrophone_synthesis::vortex::{Bank, End, SpeakerLayout, SpeedField, Vortex, VortexTexture};
 
 /// Rows of white noise at 1, 2, 4 ... m/s whose levels rise by 30 dB each from 0.001 Pa.
 pub fn noise_texture(rows: usize, steps: usize) -> VortexTexture {
@@ -96,7 +96,7 @@ pub fn bursts(samples: usize) -> Vec<f64> {
 }
 
 /// A renderer with a bank of `texture`.
-pub fn engine(rate_hz: f64, layout: Layout, texture: &VortexTexture, sources: usize) -> Vortex {
+pub fn engine(rate_hz: f64, layout: SpeakerLayout, texture: &VortexTexture, sources: usize) -> Vortex {
     let mut engine = Vortex::new(rate_hz, layout, sources).expect("engine");
     engine.swap_bank(Some(Arc::new(Bank::new(texture, rate_hz).expect("a bank"))));
     engine
@@ -132,7 +132,7 @@ pub fn play(
 /// What a new renderer makes of a drive of full scale, after 0.1 s for the envelope; `drive` instead where there is one.
 pub fn render(
     rate_hz: f64,
-    layout: Layout,
+    layout: SpeakerLayout,
     texture: &VortexTexture,
     sources: usize,
     drive: &[f64],
@@ -146,7 +146,7 @@ pub fn render(
 /// The same with controls by sample.
 pub fn render_by(
     rate_hz: f64,
-    layout: Layout,
+    layout: SpeakerLayout,
     texture: &VortexTexture,
     sources: usize,
     controls: &impl Fn(usize) -> VortexControls,

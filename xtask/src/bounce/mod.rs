@@ -10,13 +10,13 @@ use std::str::FromStr;
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use pyrophone_host::bounce::BlockSize;
-use pyrophone_host::{Format, Layout};
+use pyrophone_host::{BusLayout, Format};
 use pyrophone_recording::{Recording, check_finite, check_not_among, decode, no_progress, resample, write_wav_f32};
 use pyrophone_settings::session::{Learned, RecordingReference};
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use pyrophone_settings::{Automation, Id, Preset, Values};
 use pyrophone_synthesis::chain::learn;
-use pyrophone_synthesis::structure::Dynamics;
+use pyrophone_synthesis::structure::MatchingMode;
 
 pub use play::{Request, play};
 
@@ -210,7 +210,7 @@ pub fn learned(values: &Values, main: &Recording, sidechain: &[Vec<f32>]) -> Res
     Ok(Learned {
         sample_rate_hz,
         levels: structure.levels,
-        companded: structure.dynamics == Dynamics::Companded,
+        companded: structure.dynamics == MatchingMode::Companded,
         quantiles: distribution.quantiles().to_vec(),
     })
 }
@@ -243,8 +243,8 @@ fn bus(what: &str, channels: usize) -> Result<u32> {
 const SIDECHAIN: &str = "sidechain";
 
 /// The plugin's buses for a request; whether it has such a layout is seen when it is activated.
-fn layout(request: &Request<'_>) -> Result<Layout> {
-    Ok(Layout {
+fn layout(request: &Request<'_>) -> Result<BusLayout> {
+    Ok(BusLayout {
         input: bus("input", request.main.channels.len())?,
         sidechain: bus(SIDECHAIN, request.sidechain.len())?,
         output: bus("output", request.output_channels)?,

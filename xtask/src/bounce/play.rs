@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, Result, ensure};
 use pyrophone_host::bounce::{AutomationPoint, BlockSize, BounceOptions, bounce};
 use pyrophone_host::state::State;
-use pyrophone_host::{Configuration, Format, Layout, Plugin, load, numeric_id};
+use pyrophone_host::{BusLayout, Configuration, Format, Plugin, load, numeric_id};
 use pyrophone_recording::Recording;
 use pyrophone_settings::session::{FIELD, Learned, RecordingReference};
 use pyrophone_settings::{Automation, PARAMETERS, Session, Values};
-use pyrophone_synthesis::texture::Shape;
+use pyrophone_synthesis::texture::PyramidConfig;
 use pyrophone_synthesis::texture::shape::Padding;
 
 use super::layout;
@@ -73,7 +73,7 @@ pub fn play(request: &Request<'_>) -> Result<Played> {
     options.automation = automation(plugin.as_mut(), request.automation, sample_rate)?;
     let samples = request.main.len_samples();
     if request.reference_padding {
-        let levels = Shape::at_rate(&request.values.structure(), sample_rate).levels;
+        let levels = PyramidConfig::at_rate(&request.values.structure(), sample_rate).levels;
         let padding = Padding::new(samples, levels, "input")?;
         options.pad_before = padding.start[0];
         options.extra_after = padding.size[0] - padding.end[0];
@@ -117,7 +117,7 @@ fn set_values(plugin: &mut dyn Plugin, values: &Values) -> Result<()> {
 }
 
 /// An activation that is said to be offline returns when the recording is ready, however long that takes.
-fn wait_for_recording(plugin: &mut dyn Plugin, sample_rate: f64, layout: Layout) -> Result<()> {
+fn wait_for_recording(plugin: &mut dyn Plugin, sample_rate: f64, layout: BusLayout) -> Result<()> {
     let processor = plugin.activate(&Configuration { sample_rate, max_block: 512, layout, offline: true })?;
     plugin.run_callbacks();
     plugin.deactivate(processor)?;

@@ -5,7 +5,7 @@ use std::io::Read;
 use super::header::Header;
 use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Transform, slot};
 use crate::import::budget::Budget;
-use crate::import::error::{Fault, damaged};
+use crate::import::error::{FormatFault, damaged};
 
 /// Longest edge of a field, in voxels.
 const LONGEST_EDGE: usize = 1 << 20;
@@ -33,7 +33,7 @@ pub(in crate::import) fn grid<const N: usize>(
     reader: &mut impl Read,
     transform: Transform,
     budget: &mut Budget,
-) -> Result<Grid<N>, Fault> {
+) -> Result<Grid<N>, FormatFault> {
     let axes = Axes::of(header)?;
     let mut blocks = Blocks::<N>::new(axes.lengths, budget)?;
     let mut places = axes.places();
@@ -56,7 +56,7 @@ struct Axes {
 }
 
 impl Axes {
-    fn of(header: &Header) -> Result<Self, Fault> {
+    fn of(header: &Header) -> Result<Self, FormatFault> {
         let (order, lengths): (&[usize], _) = match *header.shape.as_slice() {
             [x, y, z] => (&[0, 1, 2], [x, y, z]),
             [x, y, z, 3] => (&[0, 1, 2, 3], [x, y, z]),
@@ -105,23 +105,23 @@ struct Blocks<'b, const N: usize> {
 }
 
 impl<'b, const N: usize> Blocks<'b, N> {
-    fn new(lengths: [usize; 3], budget: &'b mut Budget) -> Result<Self, Fault> {
+    fn new(lengths: [usize; 3], budget: &'b mut Budget) -> Result<Self, FormatFault> {
         if let Some(longest) = lengths.iter().find(|length| **length > LONGEST_EDGE) {
             let (found, allowed) = (*longest as u64, LONGEST_EDGE as u64);
-            return Err(Fault::TooLarge { what: "voxels along an edge", found, allowed });
+            return Err(FormatFault::TooLarge { what: "voxels along an edge", found, allowed });
         }
         let counts = lengths.map(|length| length.div_ceil(BLOCK as usize));
         // At most 2^17 along each edge: the product fits.
         let all = counts.iter().map(|count| *count as u64).product::<u64>();
         if all > MOST_BLOCKS {
-            return Err(Fault::TooLarge { what: "blocks of 8x8x8 voxels", found: all, allowed: MOST_BLOCKS });
+            return Err(FormatFault::TooLarge { what: "blocks of 8x8x8 voxels", found: all, allowed: MOST_BLOCKS });
         }
         let mut blocks = vec![];
         blocks.resize_with(all as usize, || None);
         Ok(Self { blocks, counts, budget })
     }
 
-    fn put(&mut self, index: [usize; 3], component: usize, value: f32) -> Result<(), Fault> {
+    fn put(&mut self, index: [usize; 3], component: usize, value: f32) -> Result<(), FormatFault> {
         let [x, y, z] = index.map(|i| i / BLOCK as usize);
         let Some(block) = self.blocks.get_mut((x * self.counts[1] + y) * self.counts[2] + z) else { return Ok(()) };
         // Negative zero is a value like any other.

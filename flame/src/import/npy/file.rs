@@ -8,7 +8,7 @@ use super::array::{components, grid};
 use super::header::Header;
 use crate::grid::{Grid, Transform};
 use crate::import::budget::{Budget, check_file_size};
-use crate::import::error::Fault;
+use crate::import::error::FormatFault;
 use crate::import::model::{GridInfo, Source, check_components};
 
 /// The `.npy` files of one frame. Their voxels have edges of 1, the first one is at 0.
@@ -17,7 +17,7 @@ pub struct Npy {
     files: Vec<PathBuf>,
     infos: Vec<GridInfo>,
     /// Headers, or the reason for which a file cannot be read; reported only if that file is used.
-    headers: Vec<Result<Header, Fault>>,
+    headers: Vec<Result<Header, FormatFault>>,
     transform: Transform,
     budget: Budget,
 }
@@ -27,7 +27,7 @@ impl Npy {
     ///
     /// # Errors
     /// Where the voxels' transform is unusable. A file that cannot be read is an error only when it is used.
-    pub fn open(fields: &[(String, PathBuf)]) -> Result<Self, Fault> {
+    pub fn open(fields: &[(String, PathBuf)]) -> Result<Self, FormatFault> {
         let transform = Transform::uniform(1.0, [0.0; 3])?;
         let (mut files, mut infos, mut headers, mut all_bytes) = (vec![], vec![], vec![], 0u64);
         for (name, path) in fields {
@@ -51,23 +51,23 @@ impl Npy {
         Ok(Self { files, infos, headers, transform, budget: Budget::of_file(all_bytes) })
     }
 
-    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, Fault> {
+    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {
         check_components(&self.infos, index, N)?;
         if let Some(Err(fault)) = self.headers.get(index) {
             return Err(fault.clone());
         }
-        let missing = || Fault::Unreadable("it has vanished".into());
+        let missing = || FormatFault::Unreadable("it has vanished".into());
         let (header, mut reader, _) = open(self.files.get(index).ok_or_else(missing)?)?;
         if components(&header.shape) != N {
-            return Err(Fault::Damaged("it changed while it was read".into()));
+            return Err(FormatFault::Damaged("it changed while it was read".into()));
         }
         grid(&header, &mut reader, self.transform, &mut self.budget)
     }
 }
 
 /// The header, the reader behind it, and the file's bytes.
-fn open(path: &Path) -> Result<(Header, BufReader<File>, u64), Fault> {
-    let unreadable = |error: std::io::Error| Fault::Unreadable(error.kind().to_string());
+fn open(path: &Path) -> Result<(Header, BufReader<File>, u64), FormatFault> {
+    let unreadable = |error: std::io::Error| FormatFault::Unreadable(error.kind().to_string());
     let file = File::open(path).map_err(unreadable)?;
     let bytes = file.metadata().map_err(unreadable)?.len();
     check_file_size(bytes)?;
@@ -82,11 +82,11 @@ impl Source for Npy {
         &self.infos
     }
 
-    fn scalar(&mut self, index: usize) -> Result<Grid<1>, Fault> {
+    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault> {
         self.read(index)
     }
 
-    fn vectors(&mut self, index: usize) -> Result<Grid<3>, Fault> {
+    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault> {
         self.read(index)
     }
 

@@ -5,7 +5,7 @@ use std::io::Read;
 use half::f16;
 
 use super::literal;
-use crate::import::error::{Fault, damaged, shown};
+use crate::import::error::{FormatFault, damaged, shown};
 
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 
@@ -46,7 +46,7 @@ impl Header {
     ///
     /// # Errors
     /// Where the bytes end early, are not those of an array, or describe one that is not supported.
-    pub fn read(reader: &mut impl Read) -> Result<Self, Fault> {
+    pub fn read(reader: &mut impl Read) -> Result<Self, FormatFault> {
         let mut start = [0; 8];
         fill(reader, &mut start)?;
         let [magic @ .., major, _] = start;
@@ -92,7 +92,7 @@ impl Header {
     ///
     /// # Errors
     /// Where the product of the lengths overflows.
-    pub fn count(&self) -> Result<u64, Fault> {
+    pub fn count(&self) -> Result<u64, FormatFault> {
         let product = self.shape.iter().try_fold(1u64, |product, length| product.checked_mul(*length as u64));
         product.map_or_else(|| damaged(format!("an array of shape {:?}", self.shape)), Ok)
     }
@@ -101,7 +101,7 @@ impl Header {
     ///
     /// # Errors
     /// Where the number of bytes overflows.
-    pub fn data_bytes(&self) -> Result<u64, Fault> {
+    pub fn data_bytes(&self) -> Result<u64, FormatFault> {
         let bytes = self.count()?.checked_mul(self.number.bytes() as u64);
         bytes.map_or_else(|| damaged(format!("an array of shape {:?}", self.shape)), Ok)
     }
@@ -109,8 +109,8 @@ impl Header {
     /// Checks the size of the whole file, header included.
     ///
     /// # Errors
-    /// [`Fault::Damaged`] unless it is exactly `found` bytes.
-    pub fn check_size(&self, found: u64) -> Result<(), Fault> {
+    /// [`FormatFault::Damaged`] unless it is exactly `found` bytes.
+    pub fn check_size(&self, found: u64) -> Result<(), FormatFault> {
         if self.header_bytes.checked_add(self.data_bytes()?) == Some(found) {
             return Ok(());
         }
@@ -121,7 +121,7 @@ impl Header {
     ///
     /// # Errors
     /// Where there are fewer, or more.
-    pub fn values(&self, reader: &mut impl Read, each: impl FnMut(f64)) -> Result<(), Fault> {
+    pub fn values(&self, reader: &mut impl Read, each: impl FnMut(f64)) -> Result<(), FormatFault> {
         let bytes = self.data_bytes()?;
         match self.number {
             Number::Bool => self.pieces(reader, bytes, each, |[byte]| f64::from(u8::from(byte != 0))),
@@ -145,7 +145,7 @@ impl Header {
         mut left: u64,
         mut each: impl FnMut(f64),
         convert: impl Fn([u8; BYTES]) -> f64,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), FormatFault> {
         let mut buffer = vec![0; left.min(PIECE_BYTES as u64) as usize];
         while left > 0 {
             let length = left.min(buffer.len() as u64) as usize;
@@ -185,7 +185,7 @@ impl Number {
 }
 
 /// Takes `<f4` and its like apart: the number, and whether its highest byte comes first.
-fn number(descr: &str) -> Result<(Number, bool), Fault> {
+fn number(descr: &str) -> Result<(Number, bool), FormatFault> {
     let (big_endian, code) = match descr.split_at_checked(1) {
         Some((">", code)) => (true, code),
         Some(("<" | "=" | "|", code)) => (false, code),
@@ -209,23 +209,23 @@ fn number(descr: &str) -> Result<(Number, bool), Fault> {
     Ok((number, big_endian))
 }
 
-fn unsupported<T>(found: String) -> Result<T, Fault> {
-    Err(Fault::Unsupported { found, advice: "save an array of plain numbers such as float32" })
+fn unsupported<T>(found: String) -> Result<T, FormatFault> {
+    Err(FormatFault::Unsupported { found, advice: "save an array of plain numbers such as float32" })
 }
 
 /// Reads until `bytes` are full.
-fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> Result<(), Fault> {
+fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> Result<(), FormatFault> {
     reader.read_exact(bytes).map_err(|error| fault_of(&error))
 }
 
 /// The fault that a failed read means.
-pub(in crate::import) fn fault_of(error: &std::io::Error) -> Fault {
+pub(in crate::import) fn fault_of(error: &std::io::Error) -> FormatFault {
     match error.kind() {
-        std::io::ErrorKind::UnexpectedEof => Fault::Damaged("an array ends early".into()),
+        std::io::ErrorKind::UnexpectedEof => FormatFault::Damaged("an array ends early".into()),
         std::io::ErrorKind::InvalidData | std::io::ErrorKind::InvalidInput | std::io::ErrorKind::Other => {
-            Fault::Damaged(shown(&error.to_string()))
+            FormatFault::Damaged(shown(&error.to_string()))
         }
-        kind => Fault::Unreadable(kind.to_string()),
+        kind => FormatFault::Unreadable(kind.to_string()),
     }
 }
 

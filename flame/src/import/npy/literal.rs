@@ -1,6 +1,6 @@
 //! The dictionary at the head of an array: a Python literal of three known entries.
 
-use crate::import::error::{Fault, damaged};
+use crate::import::error::{FormatFault, damaged};
 
 /// The entries.
 #[derive(Debug, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub(super) struct Literal {
 }
 
 /// Takes the dictionary apart: keys in any order, either quote, a comma at the end or none.
-pub(super) fn parse(text: &[u8]) -> Result<Literal, Fault> {
+pub(super) fn parse(text: &[u8]) -> Result<Literal, FormatFault> {
     let mut parser = Parser { text };
     let (mut descr, mut fortran_order, mut shape) = (None, None, None);
     let Some(()) = parser.token(b'{') else { return damaged("an array whose header is no dictionary") };
@@ -19,7 +19,7 @@ pub(super) fn parse(text: &[u8]) -> Result<Literal, Fault> {
         let entry = parser.string().and_then(|key| parser.token(b':').map(|()| key));
         let found = match entry.as_deref() {
             Some("descr") if parser.next() == Some(b'[') => {
-                return Err(Fault::Unsupported {
+                return Err(FormatFault::Unsupported {
                     found: "an array of records".into(),
                     advice: "save an array of plain numbers such as float32",
                 });

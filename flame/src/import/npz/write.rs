@@ -6,7 +6,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
 use super::arrays::{ORIGIN, TIME, VOXEL_SIZE};
-use crate::import::error::Fault;
+use crate::import::error::FormatFault;
 use crate::import::npy::header_bytes;
 
 /// Members of more bytes need the wide fields of zip64.
@@ -37,7 +37,7 @@ pub struct DenseFrame<'a> {
 ///
 /// # Errors
 /// Fails where an array does not have as many values as the shape says, and where `out` fails.
-pub fn write_frame(out: impl Write + Seek, frame: &DenseFrame) -> Result<(), Fault> {
+pub fn write_frame(out: impl Write + Seek, frame: &DenseFrame) -> Result<(), FormatFault> {
     let [x, y, z] = frame.shape;
     let voxels = x.checked_mul(y).and_then(|area| area.checked_mul(z));
     if let Some(found) = [frame.flame.len(), frame.velocity.len()].into_iter().find(|found| Some(*found) != voxels) {
@@ -64,7 +64,7 @@ fn member<const BYTES: usize>(
     descr: &str,
     shape: &[usize],
     numbers: impl ExactSizeIterator<Item = [u8; BYTES]>,
-) -> Result<(), Fault> {
+) -> Result<(), FormatFault> {
     // Neither the clock nor the machine leaves a trace.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
@@ -89,6 +89,6 @@ fn member<const BYTES: usize>(
 /// Numbers are handed over in pieces of about so many bytes.
 const PIECE_BYTES: usize = 1 << 16;
 
-fn failure(error: impl std::fmt::Display) -> Fault {
-    Fault::NotWritten(error.to_string())
+fn failure(error: impl std::fmt::Display) -> FormatFault {
+    FormatFault::NotWritten(error.to_string())
 }

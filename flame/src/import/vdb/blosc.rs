@@ -5,7 +5,7 @@
 //! i32 starts of the blocks | blocks, each one stream or one per byte of the type: i32 size, bytes
 //! ```
 
-use crate::import::error::{Fault, damaged};
+use crate::import::error::{FormatFault, damaged};
 
 const HEADER: usize = 16;
 const SHUFFLED: u8 = 1;
@@ -21,7 +21,7 @@ const WIDEST_SPLIT: usize = 16;
 const SHORTEST_SPLIT: usize = 128;
 
 /// Unpacks a chunk into `out`, which is as long as what must come out. `shuffled` is room to work in.
-pub(super) fn unpack(chunk: &[u8], out: &mut [u8], shuffled: &mut Vec<u8>) -> Result<(), Fault> {
+pub(super) fn unpack(chunk: &[u8], out: &mut [u8], shuffled: &mut Vec<u8>) -> Result<(), FormatFault> {
     let header = Header::read(chunk, out.len())?;
     if out.is_empty() {
         return Ok(());
@@ -59,7 +59,7 @@ struct Header {
 }
 
 impl Header {
-    fn read(chunk: &[u8], expected: usize) -> Result<Self, Fault> {
+    fn read(chunk: &[u8], expected: usize) -> Result<Self, FormatFault> {
         let Some(&[version, codec_version, flags, type_size, ref sizes @ ..]) = chunk.first_chunk::<HEADER>() else {
             return damaged("a Blosc chunk shorter than its header");
         };
@@ -79,7 +79,7 @@ impl Header {
         Ok(Self { codec_version, flags, type_size: usize::from(type_size), block_size, blocks })
     }
 
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), FormatFault> {
         if self.type_size == 0 || self.blocks == 0 || self.flags & RESERVED != 0 {
             return damaged("a Blosc chunk whose header makes no sense");
         }
@@ -88,11 +88,11 @@ impl Header {
         }
         let advice = "write the file with OpenVDB's own Blosc (LZ4), ZIP or no compression";
         if self.flags & BITS_SHUFFLED != 0 {
-            return Err(Fault::Unsupported { found: "Blosc with shuffled bits".into(), advice });
+            return Err(FormatFault::Unsupported { found: "Blosc with shuffled bits".into(), advice });
         }
         if self.flags >> 5 != LZ4 {
             let name = CODECS.get(usize::from(self.flags >> 5)).unwrap_or(&"an unknown codec");
-            return Err(Fault::Unsupported { found: format!("Blosc with {name}"), advice });
+            return Err(FormatFault::Unsupported { found: format!("Blosc with {name}"), advice });
         }
         if self.codec_version != 1 {
             return damaged(format!("Blosc with LZ4 version {}, only 1 is known", self.codec_version));
@@ -101,7 +101,7 @@ impl Header {
     }
 
     /// Where a block's first stream stands; blocks may not begin inside the table of starts.
-    fn block_start(&self, chunk: &[u8], index: usize) -> Result<usize, Fault> {
+    fn block_start(&self, chunk: &[u8], index: usize) -> Result<usize, FormatFault> {
         let table_end = self.blocks.checked_mul(4).and_then(|bytes| bytes.checked_add(HEADER));
         let start = usize::try_from(i32_at(chunk, HEADER + 4 * index)?);
         match (start, table_end) {
@@ -111,7 +111,7 @@ impl Header {
     }
 
     /// Decodes the streams of one block, which follow each other from `at`.
-    fn block(&self, chunk: &[u8], mut at: usize, out: &mut [u8]) -> Result<(), Fault> {
+    fn block(&self, chunk: &[u8], mut at: usize, out: &mut [u8]) -> Result<(), FormatFault> {
         let whole = out.len() == self.block_size;
         let split = self.flags & NOT_SPLIT == 0
             && self.type_size <= WIDEST_SPLIT
@@ -137,7 +137,7 @@ impl Header {
     }
 }
 
-fn i32_at(chunk: &[u8], at: usize) -> Result<i32, Fault> {
+fn i32_at(chunk: &[u8], at: usize) -> Result<i32, FormatFault> {
     match chunk.get(at..).and_then(|rest| rest.first_chunk::<4>()) {
         Some(bytes) => Ok(i32::from_le_bytes(*bytes)),
         None => damaged("a Blosc chunk that ends early"),
@@ -201,7 +201,7 @@ mod tests {
         [chunk, starts, body].concat()
     }
 
-    fn unpacked(chunk: &[u8], length: usize) -> Result<Vec<u8>, Fault> {
+    fn unpacked(chunk: &[u8], length: usize) -> Result<Vec<u8>, FormatFault> {
         let mut out = vec![0xAA; length];
         unpack(chunk, &mut out, &mut vec![]).map(|()| out)
     }

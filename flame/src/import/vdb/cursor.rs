@@ -1,6 +1,6 @@
 //! Bytes one after the other, never past their end.
 
-use crate::import::error::{Fault, damaged};
+use crate::import::error::{FormatFault, damaged};
 
 /// Longest text a file may hold.
 const LONGEST_TEXT: usize = 1 << 16;
@@ -14,7 +14,7 @@ pub(super) struct Cursor<'a> {
 
 impl<'a> Cursor<'a> {
     /// From `start` up to `end`; fails unless both lie in the file, in this order.
-    pub fn within(bytes: &'a [u8], start: usize, end: usize) -> Result<Self, Fault> {
+    pub fn within(bytes: &'a [u8], start: usize, end: usize) -> Result<Self, FormatFault> {
         match bytes.get(..end) {
             Some(bytes) if start <= end => Ok(Self { bytes, at: start }),
             _ => damaged(format!("a part from byte {start} to {end} in {} bytes", bytes.len())),
@@ -22,12 +22,12 @@ impl<'a> Cursor<'a> {
     }
 
     /// Another cursor over the same bytes, from `start` up to `end`.
-    pub fn part(&self, start: usize, end: usize) -> Result<Self, Fault> {
+    pub fn part(&self, start: usize, end: usize) -> Result<Self, FormatFault> {
         Self::within(self.bytes, start, end)
     }
 
     /// Goes on to a later position.
-    pub fn forward_to(&mut self, position: usize) -> Result<(), Fault> {
+    pub fn forward_to(&mut self, position: usize) -> Result<(), FormatFault> {
         match position.checked_sub(self.at) {
             Some(count) => self.take(count).map(|_| ()),
             None => damaged(format!("byte {position} before byte {}", self.at)),
@@ -50,7 +50,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next `count` bytes.
-    pub fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
+    pub fn take(&mut self, count: usize) -> Result<&'a [u8], FormatFault> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         match rest.get(..count) {
             Some(taken) => {
@@ -63,29 +63,29 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], FormatFault> {
         let mut array = [0; N];
         array.copy_from_slice(self.take(N)?);
         Ok(array)
     }
 
-    pub fn u8(&mut self) -> Result<u8, Fault> {
+    pub fn u8(&mut self) -> Result<u8, FormatFault> {
         Ok(u8::from_le_bytes(self.array()?))
     }
 
-    pub fn u32(&mut self) -> Result<u32, Fault> {
+    pub fn u32(&mut self) -> Result<u32, FormatFault> {
         Ok(u32::from_le_bytes(self.array()?))
     }
 
-    pub fn i32(&mut self) -> Result<i32, Fault> {
+    pub fn i32(&mut self) -> Result<i32, FormatFault> {
         Ok(i32::from_le_bytes(self.array()?))
     }
 
-    pub fn i64(&mut self) -> Result<i64, Fault> {
+    pub fn i64(&mut self) -> Result<i64, FormatFault> {
         Ok(i64::from_le_bytes(self.array()?))
     }
 
-    pub fn f64s<const N: usize>(&mut self) -> Result<[f64; N], Fault> {
+    pub fn f64s<const N: usize>(&mut self) -> Result<[f64; N], FormatFault> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
             *number = f64::from_le_bytes(self.array()?);
@@ -93,12 +93,12 @@ impl<'a> Cursor<'a> {
         Ok(numbers)
     }
 
-    pub fn position(&mut self) -> Result<[i32; 3], Fault> {
+    pub fn position(&mut self) -> Result<[i32; 3], FormatFault> {
         Ok([self.i32()?, self.i32()?, self.i32()?])
     }
 
     /// Text after its length; what is not UTF-8 is replaced.
-    pub fn text(&mut self) -> Result<String, Fault> {
+    pub fn text(&mut self) -> Result<String, FormatFault> {
         let length = self.u32()? as usize;
         if length > LONGEST_TEXT {
             return damaged(format!("a name of {length} bytes, at most {LONGEST_TEXT} are allowed"));
@@ -107,7 +107,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Fails unless what is left can hold `count` things of at least `bytes_each`.
-    pub fn check_room(&self, what: &str, count: usize, bytes_each: usize) -> Result<(), Fault> {
+    pub fn check_room(&self, what: &str, count: usize, bytes_each: usize) -> Result<(), FormatFault> {
         if count.checked_mul(bytes_each).is_some_and(|bytes| bytes <= self.left()) {
             return Ok(());
         }

@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::values::{ACTIVE_MASK, BLOSC, FLAGGED_VERSION, ZIP};
 use crate::grid::Transform;
-use crate::import::error::{Fault, damaged, shown};
+use crate::import::error::{FormatFault, damaged, shown};
 
 /// Entries of one map of metadata.
 const MOST_ENTRIES: usize = 4096;
@@ -25,7 +25,7 @@ pub(super) struct Descriptor {
 }
 
 impl Descriptor {
-    pub fn read(cursor: &mut Cursor) -> Result<Self, Fault> {
+    pub fn read(cursor: &mut Cursor) -> Result<Self, FormatFault> {
         let (unique_name, tree, parent) = (cursor.text()?, cursor.text()?, cursor.text()?);
         Ok(Self { unique_name, tree, parent, positions: [cursor.i64()?, cursor.i64()?, cursor.i64()?] })
     }
@@ -37,7 +37,7 @@ impl Descriptor {
 
     /// Where the body starts and ends; fails unless both come after `here` and before the file's end, so that no file
     /// can be walked in circles.
-    pub fn extent(&self, here: usize, file_end: usize) -> Result<(usize, usize), Fault> {
+    pub fn extent(&self, here: usize, file_end: usize) -> Result<(usize, usize), FormatFault> {
         let [start, leaves, end] = self.positions.map(usize::try_from);
         match (start, leaves, end) {
             (Ok(start), Ok(leaves), Ok(end))
@@ -61,12 +61,12 @@ pub(super) struct Header {
     pub compression: u32,
     pub metadata: Metadata,
     /// Transform from indices to the world, or the reason for which it is unusable.
-    pub transform: Result<Transform, Fault>,
+    pub transform: Result<Transform, FormatFault>,
 }
 
 impl Header {
     /// `file_compression`: that of all grids, in old files.
-    pub fn read(cursor: &mut Cursor, version: u32, file_compression: u32) -> Result<Self, Fault> {
+    pub fn read(cursor: &mut Cursor, version: u32, file_compression: u32) -> Result<Self, FormatFault> {
         let compression = if version >= FLAGGED_VERSION { cursor.u32()? } else { file_compression };
         if compression & !(ZIP | ACTIVE_MASK | BLOSC) != 0 {
             return damaged(format!("compression flags {compression:#x}"));
@@ -88,7 +88,7 @@ pub(super) struct Metadata {
 }
 
 impl Metadata {
-    pub fn read(cursor: &mut Cursor) -> Result<Self, Fault> {
+    pub fn read(cursor: &mut Cursor) -> Result<Self, FormatFault> {
         let count = cursor.u32()? as usize;
         if count > MOST_ENTRIES {
             return damaged(format!("{count} entries of metadata, at most {MOST_ENTRIES} are allowed"));
@@ -110,7 +110,7 @@ impl Metadata {
     }
 }
 
-fn truth(name: &str, bytes: &[u8]) -> Result<bool, Fault> {
+fn truth(name: &str, bytes: &[u8]) -> Result<bool, FormatFault> {
     match bytes {
         [byte] => Ok(*byte != 0),
         _ => damaged(format!("{name} of {} bytes, 1 is due", bytes.len())),
@@ -119,7 +119,7 @@ fn truth(name: &str, bytes: &[u8]) -> Result<bool, Fault> {
 
 /// Reads a map: the outer failure loses the place in the file, the inner one only the grid. A frustum holds a map in
 /// turn, but no second frustum.
-fn map(cursor: &mut Cursor, version: u32, may_be_frustum: bool) -> Result<Result<Transform, Fault>, Fault> {
+fn map(cursor: &mut Cursor, version: u32, may_be_frustum: bool) -> Result<Result<Transform, FormatFault>, FormatFault> {
     let name = cursor.text()?;
     let none = [0.0; 3];
     Ok(match name.as_str() {
@@ -138,19 +138,19 @@ fn map(cursor: &mut Cursor, version: u32, may_be_frustum: bool) -> Result<Result
             cursor.f64s::<2>()?;
             let _ = map(cursor, version, false)?;
             let advice = "export the grid with a box-shaped (linear) transform";
-            Err(Fault::Unsupported { found: "a grid in a camera's frustum".into(), advice })
+            Err(FormatFault::Unsupported { found: "a grid in a camera's frustum".into(), advice })
         }
         _ => return damaged(format!("a transform of unknown kind \"{}\"", shown(&name))),
     })
 }
 
-fn scale(edges: [f64; 3], translation: [f64; 3]) -> Result<Transform, Fault> {
+fn scale(edges: [f64; 3], translation: [f64; 3]) -> Result<Transform, FormatFault> {
     let [x, y, z] = edges;
     Ok(Transform::new([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], translation)?)
 }
 
 /// Rows of a matrix for row vectors, the translation last.
-fn affine(matrix: [f64; 16]) -> Result<Transform, Fault> {
+fn affine(matrix: [f64; 16]) -> Result<Transform, FormatFault> {
     let [a, b, c, u, d, e, f, v, g, h, i, w, x, y, z, one] = matrix;
     if [u, v, w, one] != [0.0, 0.0, 0.0, 1.0] {
         return damaged("a transform with perspective");

@@ -20,9 +20,9 @@ use self::cursor::Cursor;
 use self::header::{Descriptor, Header, Metadata};
 use self::kind::Kind;
 use self::tree::{Nothing, Tree};
-use self::values::{FLAGGED_VERSION, Layout, ZIP};
+use self::values::{FLAGGED_VERSION, ValueLayout, ZIP};
 use super::budget::{Budget, check_file_size};
-use super::error::{Fault, damaged, shown};
+use super::error::{FormatFault, damaged, shown};
 use super::model::{GridInfo, Source, check_components};
 use crate::grid::Grid;
 
@@ -47,11 +47,11 @@ pub struct Vdb<'a> {
 /// Location and layout of a stored grid.
 #[derive(Debug, Clone)]
 struct Body {
-    header: Result<Header, Fault>,
+    header: Result<Header, FormatFault>,
     kind: Option<Kind>,
     tree: String,
     /// The index of the grid whose tree this one shares.
-    parent: Result<Option<usize>, Fault>,
+    parent: Result<Option<usize>, FormatFault>,
     /// From the tree's first byte to where its bytes must end.
     extent: (usize, usize),
 }
@@ -62,7 +62,7 @@ impl<'a> Vdb<'a> {
     /// # Errors
     /// Fails where the file itself makes no sense; what is wrong with a single grid only shows when that grid is read,
     /// unless the file has no offsets to pass over it.
-    pub fn open(bytes: &'a [u8]) -> Result<Self, Fault> {
+    pub fn open(bytes: &'a [u8]) -> Result<Self, FormatFault> {
         check_file_size(bytes.len() as u64)?;
         let mut cursor = Cursor::within(bytes, 0, bytes.len())?;
         if bytes.get(..MAGIC.len()) != Some(&MAGIC[..]) {
@@ -72,7 +72,7 @@ impl<'a> Vdb<'a> {
         let version = cursor.u32()?;
         if !VERSIONS.contains(&version) {
             let advice = "write the file with OpenVDB 3 to 13 (file versions 220 to 225)";
-            return Err(Fault::Unsupported { found: format!("OpenVDB file version {version}"), advice });
+            return Err(FormatFault::Unsupported { found: format!("OpenVDB file version {version}"), advice });
         }
         cursor.take(8)?;
         let has_offsets = cursor.u8()? != 0;
@@ -94,9 +94,9 @@ impl<'a> Vdb<'a> {
         Ok(Self { bytes, version, infos: index.infos, bodies: index.bodies, budget })
     }
 
-    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, Fault> {
+    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {
         let name = check_components(&self.infos, index, N)?.name.clone();
-        let missing = || Fault::Damaged(format!("grid {} has no tree", shown(&name)));
+        let missing = || FormatFault::Damaged(format!("grid {} has no tree", shown(&name)));
         let own = self.bodies.get(index).ok_or_else(missing)?;
         let transform = own.header.clone()?.transform?;
         let body = match own.parent.clone()? {
@@ -120,18 +120,18 @@ impl Source for Vdb<'_> {
         &self.infos
     }
 
-    fn scalar(&mut self, index: usize) -> Result<Grid<1>, Fault> {
+    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault> {
         self.read(index)
     }
 
-    fn vectors(&mut self, index: usize) -> Result<Grid<3>, Fault> {
+    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault> {
         self.read(index)
     }
 }
 
-fn layout(version: u32, header: &Header, kind: Kind) -> Layout {
+fn layout(version: u32, header: &Header, kind: Kind) -> ValueLayout {
     let half = header.metadata.half && kind.has_half_form;
-    Layout { version, compression: header.compression, kind, half }
+    ValueLayout { version, compression: header.compression, kind, half }
 }
 
 /// The grids found so far.
@@ -153,7 +153,7 @@ impl Index {
     }
 
     /// Reads one descriptor and the header of its body, and moves to the next.
-    fn grid(&mut self, cursor: &mut Cursor) -> Result<(), Fault> {
+    fn grid(&mut self, cursor: &mut Cursor) -> Result<(), FormatFault> {
         let descriptor = Descriptor::read(cursor)?;
         if self.unique.insert(descriptor.unique_name.clone(), self.bodies.len()).is_some() {
             return damaged(format!("two grids named {}", shown(&descriptor.unique_name)));
@@ -185,11 +185,11 @@ impl Index {
         descriptor: &Descriptor,
         header: &Header,
         kind: Option<Kind>,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), FormatFault> {
         let Some(kind) = kind else {
             let found = format!("grid {} ({})", shown(descriptor.name()), shown(&descriptor.tree));
             let advice = "the file has no offsets to pass over it: write it to disk, not to a stream, or without it";
-            return Err(Fault::Unsupported { found, advice });
+            return Err(FormatFault::Unsupported { found, advice });
         };
         let tree = Tree::open(cursor.clone(), layout(self.version, header, kind), &mut self.budget)?;
         let end = tree.read(&mut Nothing)?;
@@ -205,7 +205,7 @@ impl Index {
                     && self.bodies.get(**found).map(|body| &body.tree) == tree.as_ref()
             };
             let found = self.unique.get(parent).filter(fits).copied();
-            let missing = || Fault::Damaged(format!("an instance of grid {}, which is not there", shown(parent)));
+            let missing = || FormatFault::Damaged(format!("an instance of grid {}, which is not there", shown(parent)));
             if let Some(body) = self.bodies.get_mut(index) {
                 body.parent = found.map(Some).ok_or_else(missing);
             }

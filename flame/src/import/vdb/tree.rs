@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 
 use super::cursor::Cursor;
 use super::kind::Number;
-use super::values::{FLAGGED_VERSION, Layout, Values, bit, ones};
+use super::values::{FLAGGED_VERSION, ValueLayout, Values, bit, ones};
 use crate::grid::{BLOCK_VOXELS, Grid};
 use crate::import::budget::Budget;
-use crate::import::error::{Fault, damaged};
+use crate::import::error::{FormatFault, damaged};
 
 /// Binary logarithms of the slots along an edge of the two sorts of branches, and of all voxels along an edge of a slot.
 const BRANCHES: [Branch; 2] = [Branch { log2: 5, slot_log2: 7 }, Branch { log2: 4, slot_log2: 3 }];
@@ -95,7 +95,7 @@ impl<const N: usize> Sink for Grid<N> {
 /// A tree whose background is read and whose nodes are not.
 pub(super) struct Tree<'a, 'b> {
     cursor: Cursor<'a>,
-    layout: Layout,
+    layout: ValueLayout,
     background: Vec<f32>,
     values: Values,
     budget: &'b mut Budget,
@@ -105,7 +105,7 @@ pub(super) struct Tree<'a, 'b> {
 
 impl<'a, 'b> Tree<'a, 'b> {
     /// A tree whose topology starts at `cursor`.
-    pub fn open(mut cursor: Cursor<'a>, layout: Layout, budget: &'b mut Budget) -> Result<Self, Fault> {
+    pub fn open(mut cursor: Cursor<'a>, layout: ValueLayout, budget: &'b mut Budget) -> Result<Self, FormatFault> {
         let buffers = cursor.i32()?;
         if buffers != 1 {
             return damaged(format!("a tree of {buffers} buffers, 1 is due"));
@@ -121,16 +121,16 @@ impl<'a, 'b> Tree<'a, 'b> {
     }
 
     /// Reads the tree to its end, and returns the offset of that.
-    pub fn read<S: Sink>(mut self, sink: &mut S) -> Result<usize, Fault> {
+    pub fn read<S: Sink>(mut self, sink: &mut S) -> Result<usize, FormatFault> {
         self.root(sink)?;
         self.leaf_values(sink)?;
         Ok(self.cursor.at())
     }
 
-    fn root<S: Sink>(&mut self, sink: &mut S) -> Result<(), Fault> {
+    fn root<S: Sink>(&mut self, sink: &mut S) -> Result<(), FormatFault> {
         let (tiles, children) = (self.cursor.u32()? as usize, self.cursor.u32()? as usize);
         if tiles > MOST_ROOT_TILES {
-            return Err(Fault::TooLarge {
+            return Err(FormatFault::TooLarge {
                 what: "tiles of a root",
                 found: tiles as u64,
                 allowed: MOST_ROOT_TILES as u64,
@@ -156,7 +156,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         Ok(())
     }
 
-    fn root_origin(&mut self, seen: &mut BTreeSet<[i32; 3]>) -> Result<[i32; 3], Fault> {
+    fn root_origin(&mut self, seen: &mut BTreeSet<[i32; 3]>) -> Result<[i32; 3], FormatFault> {
         let origin = self.cursor.position()?;
         let size = 1 << ROOT_SLOT_LOG2;
         if origin.iter().any(|i| i % size != 0 || !(-FARTHEST..=FARTHEST).contains(i)) {
@@ -169,7 +169,7 @@ impl<'a, 'b> Tree<'a, 'b> {
     }
 
     /// One branch and all below it; `levels`: it and the branches below.
-    fn branch<S: Sink>(&mut self, sink: &mut S, levels: &[Branch], origin: [i32; 3]) -> Result<(), Fault> {
+    fn branch<S: Sink>(&mut self, sink: &mut S, levels: &[Branch], origin: [i32; 3]) -> Result<(), FormatFault> {
         let Some((branch, below)) = levels.split_first() else { return self.leaf_mask(origin) };
         self.budget.node()?;
         let children = self.cursor.take(branch.mask_bytes())?;
@@ -190,7 +190,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         children: &[u8],
         active: &[u8],
         origin: [i32; 3],
-    ) -> Result<(), Fault> {
+    ) -> Result<(), FormatFault> {
         // Older files leave out the slots that have a child.
         let packed = self.layout.version < FLAGGED_VERSION;
         let stored = if packed { branch.slots() - ones(children) } else { branch.slots() };
@@ -213,7 +213,7 @@ impl<'a, 'b> Tree<'a, 'b> {
     }
 
     /// Hands over a tile unless it is background, which fills what is left anyway.
-    fn tile<S: Sink>(&mut self, sink: &mut S, origin: [i32; 3], log2: u32, value: &[f32]) -> Result<(), Fault> {
+    fn tile<S: Sink>(&mut self, sink: &mut S, origin: [i32; 3], log2: u32, value: &[f32]) -> Result<(), FormatFault> {
         if S::WANTED && value != self.background {
             self.budget.keep(TILE_BYTES)?;
             sink.tile(origin, log2, value);
@@ -221,14 +221,14 @@ impl<'a, 'b> Tree<'a, 'b> {
         Ok(())
     }
 
-    fn leaf_mask(&mut self, origin: [i32; 3]) -> Result<(), Fault> {
+    fn leaf_mask(&mut self, origin: [i32; 3]) -> Result<(), FormatFault> {
         self.budget.node()?;
         let mask = self.cursor.take(LEAF_MASK_BYTES)?;
         self.leaves.push((origin, mask));
         Ok(())
     }
 
-    fn leaf_values<S: Sink>(&mut self, sink: &mut S) -> Result<(), Fault> {
+    fn leaf_values<S: Sink>(&mut self, sink: &mut S) -> Result<(), FormatFault> {
         self.cursor.check_room("leaves", self.leaves.len(), LEAF_MASK_BYTES)?;
         let voxel_bytes = size_of::<f32>() * self.layout.kind.components;
         for (origin, mask) in std::mem::take(&mut self.leaves) {
@@ -258,7 +258,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         Ok(())
     }
 
-    fn leaf_bits<S: Sink>(&mut self, sink: &mut S, origin: [i32; 3]) -> Result<(), Fault> {
+    fn leaf_bits<S: Sink>(&mut self, sink: &mut S, origin: [i32; 3]) -> Result<(), FormatFault> {
         self.leaf_origin(origin)?;
         if self.layout.kind.number == Number::Mask {
             return Ok(());
@@ -269,7 +269,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         Ok(())
     }
 
-    fn leaf_origin(&mut self, expected: [i32; 3]) -> Result<(), Fault> {
+    fn leaf_origin(&mut self, expected: [i32; 3]) -> Result<(), FormatFault> {
         let found = self.cursor.position()?;
         if found == expected { Ok(()) } else { damaged(format!("a leaf at {found:?} that should be at {expected:?}")) }
     }

@@ -5,7 +5,7 @@ use flate2::{Decompress, FlushDecompress, Status};
 use super::blosc;
 use super::cursor::Cursor;
 use super::kind::{Kind, Number};
-use crate::import::error::{Fault, damaged};
+use crate::import::error::{FormatFault, damaged};
 
 /// Bits of a grid's compression.
 pub(super) const ZIP: u32 = 1;
@@ -26,7 +26,7 @@ const ALL_STORED: u8 = 6;
 
 /// Storage of a tree's values.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Layout {
+pub(super) struct ValueLayout {
     pub version: u32,
     pub compression: u32,
     pub kind: Kind,
@@ -36,7 +36,7 @@ pub(super) struct Layout {
 
 /// Reads arrays of one tree, with room to work in.
 pub(super) struct Values {
-    layout: Layout,
+    layout: ValueLayout,
     background: Vec<f32>,
     unpacked: Vec<u8>,
     shuffled: Vec<u8>,
@@ -47,20 +47,20 @@ pub(super) struct Values {
 
 impl Values {
     /// `background`: one value, as many numbers as the tree's type has.
-    pub fn new(layout: Layout, background: Vec<f32>) -> Self {
+    pub fn new(layout: ValueLayout, background: Vec<f32>) -> Self {
         let inflate = Decompress::new(true);
         Self { layout, background, unpacked: vec![], shuffled: vec![], stored: vec![], all: vec![], inflate }
     }
 
     /// One value in full width.
-    pub fn single(cursor: &mut Cursor, kind: Kind) -> Result<Vec<f32>, Fault> {
+    pub fn single(cursor: &mut Cursor, kind: Kind) -> Result<Vec<f32>, FormatFault> {
         let mut numbers = Vec::with_capacity(kind.components);
         kind.number.decode(cursor.take(kind.bytes())?, &mut numbers);
         Ok(numbers)
     }
 
     /// The numbers of a node of `slots` slots, of which those in `mask` are active.
-    pub fn read(&mut self, cursor: &mut Cursor, slots: usize, mask: &[u8]) -> Result<&[f32], Fault> {
+    pub fn read(&mut self, cursor: &mut Cursor, slots: usize, mask: &[u8]) -> Result<&[f32], FormatFault> {
         let inactive = Inactive::read(cursor, &self.layout, &self.background, mask.len())?;
         let count = inactive.stored_count(&self.layout, slots, mask);
         self.array(cursor, count)?;
@@ -78,7 +78,7 @@ impl Values {
     }
 
     /// Passes over what [`read`](Self::read) would read.
-    pub fn skip(&mut self, cursor: &mut Cursor, slots: usize, mask: &[u8]) -> Result<(), Fault> {
+    pub fn skip(&mut self, cursor: &mut Cursor, slots: usize, mask: &[u8]) -> Result<(), FormatFault> {
         let inactive = Inactive::read(cursor, &self.layout, &self.background, mask.len())?;
         let count = inactive.stored_count(&self.layout, slots, mask);
         if let Some((_, bytes)) = self.stored_form(count) {
@@ -100,7 +100,7 @@ impl Values {
     }
 
     /// Reads `count` values into `stored`.
-    fn array(&mut self, cursor: &mut Cursor, count: usize) -> Result<(), Fault> {
+    fn array(&mut self, cursor: &mut Cursor, count: usize) -> Result<(), FormatFault> {
         self.stored.clear();
         let Some((number, expected)) = self.stored_form(count) else { return Ok(()) };
         if self.layout.compression & (ZIP | BLOSC) == 0 {
@@ -123,7 +123,7 @@ impl Values {
         Ok(())
     }
 
-    fn inflate_exactly(&mut self, bytes: &[u8], expected: usize) -> Result<(), Fault> {
+    fn inflate_exactly(&mut self, bytes: &[u8], expected: usize) -> Result<(), FormatFault> {
         // One byte of room more than needed shows what is too long.
         self.unpacked.resize(expected + 1, 0);
         self.inflate.reset(true);
@@ -137,7 +137,7 @@ impl Values {
 }
 
 /// The bytes of an array after their size, and whether they are compressed.
-fn chunk<'a>(cursor: &mut Cursor<'a>, expected: usize) -> Result<(&'a [u8], bool), Fault> {
+fn chunk<'a>(cursor: &mut Cursor<'a>, expected: usize) -> Result<(&'a [u8], bool), FormatFault> {
     let size = cursor.i64()?;
     let length = usize::try_from(size.unsigned_abs()).unwrap_or(usize::MAX);
     if size <= 0 && length != expected {
@@ -155,7 +155,12 @@ struct Inactive<'a> {
 }
 
 impl<'a> Inactive<'a> {
-    fn read(cursor: &mut Cursor<'a>, layout: &Layout, background: &[f32], mask_bytes: usize) -> Result<Self, Fault> {
+    fn read(
+        cursor: &mut Cursor<'a>,
+        layout: &ValueLayout,
+        background: &[f32],
+        mask_bytes: usize,
+    ) -> Result<Self, FormatFault> {
         let flag = if layout.version >= FLAGGED_VERSION { cursor.u8()? } else { ALL_STORED };
         let background = || background.to_vec();
         let negative = || background().into_iter().map(|number| layout.kind.number.negative(number)).collect();
@@ -174,7 +179,7 @@ impl<'a> Inactive<'a> {
         Ok(Self { flag, values, selection })
     }
 
-    fn stored_count(&self, layout: &Layout, slots: usize, mask: &[u8]) -> usize {
+    fn stored_count(&self, layout: &ValueLayout, slots: usize, mask: &[u8]) -> usize {
         if layout.compression & ACTIVE_MASK != 0 && self.flag != ALL_STORED { ones(mask) } else { slots }
     }
 

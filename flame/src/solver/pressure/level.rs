@@ -8,7 +8,7 @@ use crate::solver::domain::at;
 
 /// Boundary condition of the pressure at one end of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Ends {
+pub(super) enum AxisBoundary {
     /// Zero on the face.
     Zero,
     /// No gradient across the face.
@@ -35,13 +35,13 @@ const DAMPED_ON_COARSEST: f64 = 0.01;
 pub(super) struct Level {
     shape: [usize; 3],
     voxel_size_m: f64,
-    ends: [[Ends; 2]; 3],
+    ends: [[AxisBoundary; 2]; 3],
     /// 1 / h².
     scale: f32,
 }
 
 impl Level {
-    pub fn new(shape: [usize; 3], voxel_size_m: f64, ends: [[Ends; 2]; 3]) -> Self {
+    pub fn new(shape: [usize; 3], voxel_size_m: f64, ends: [[AxisBoundary; 2]; 3]) -> Self {
         Self { shape, voxel_size_m, ends, scale: (1.0 / (voxel_size_m * voxel_size_m)) as f32 }
     }
 
@@ -232,14 +232,14 @@ impl Level {
 }
 
 /// The neighbour's position, or, where there is none, what the end adds to the diagonal.
-fn neighbour(position: usize, size: usize, upper: bool, ends: [Ends; 2]) -> Result<usize, f32> {
+fn neighbour(position: usize, size: usize, upper: bool, ends: [AxisBoundary; 2]) -> Result<usize, f32> {
     match (upper, position) {
         (false, 1..) => Ok(position - 1),
         (true, _) if position + 1 < size => Ok(position + 1),
         _ => match ends[usize::from(upper)] {
-            Ends::Zero => Err(2.0),
-            Ends::Flat => Err(0.0),
-            Ends::Wrapped => Ok(if upper { 0 } else { size - 1 }),
+            AxisBoundary::Zero => Err(2.0),
+            AxisBoundary::Flat => Err(0.0),
+            AxisBoundary::Wrapped => Ok(if upper { 0 } else { size - 1 }),
         },
     }
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::solver::parallel::{PORTION, elements, largest};
 
 use super::domain::{Domain, Side};
-use level::{Ends, Level};
+use level::{AxisBoundary, Level};
 use transfer::Transfer;
 
 /// Iterations after which a solve gives up; a converging one needs about ten.
@@ -142,11 +142,11 @@ impl Poisson {
     }
 }
 
-fn ends_of(side: Side) -> Ends {
+fn ends_of(side: Side) -> AxisBoundary {
     match side {
-        Side::Open => Ends::Zero,
-        Side::Wall | Side::Inflow(_) => Ends::Flat,
-        Side::Periodic => Ends::Wrapped,
+        Side::Open => AxisBoundary::Zero,
+        Side::Wall | Side::Inflow(_) => AxisBoundary::Flat,
+        Side::Periodic => AxisBoundary::Wrapped,
     }
 }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::solver::parallel::{planes, wide};
 
-use super::level::Ends;
+use super::level::AxisBoundary;
 use crate::solver::domain::at;
 
 /// Linear interpolation from cells of twice the edge, and its transpose.
@@ -20,7 +20,7 @@ pub(super) struct Transfer {
 
 impl Transfer {
     /// All sizes of `fine` are even.
-    pub fn new(fine: [usize; 3], ends: &[[Ends; 2]; 3]) -> Self {
+    pub fn new(fine: [usize; 3], ends: &[[AxisBoundary; 2]; 3]) -> Self {
         let coarse = fine.map(|size| size / 2);
         let up: [Vec<[(usize, f32); 2]>; 3] =
             std::array::from_fn(|axis| (0..fine[axis]).map(|i| taps(i, coarse[axis], ends[axis])).collect());
@@ -82,7 +82,7 @@ impl Transfer {
 }
 
 /// The two coarse cells around fine cell `i`: its own, and the nearer neighbour.
-fn taps(i: usize, size: usize, ends: [Ends; 2]) -> [(usize, f32); 2] {
+fn taps(i: usize, size: usize, ends: [AxisBoundary; 2]) -> [(usize, f32); 2] {
     let own = i / 2;
     let upper = i % 2 == 1;
     let inside = if upper { own + 1 < size } else { own > 0 };
@@ -90,9 +90,9 @@ fn taps(i: usize, size: usize, ends: [Ends; 2]) -> [(usize, f32); 2] {
         (if upper { own + 1 } else { own - 1 }, 0.25)
     } else {
         match ends[usize::from(upper)] {
-            Ends::Zero => (own, -0.25),
-            Ends::Flat => (own, 0.25),
-            Ends::Wrapped => (if upper { 0 } else { size - 1 }, 0.25),
+            AxisBoundary::Zero => (own, -0.25),
+            AxisBoundary::Flat => (own, 0.25),
+            AxisBoundary::Wrapped => (if upper { 0 } else { size - 1 }, 0.25),
         }
     };
     [(own, 0.75), other]

@@ -4,7 +4,7 @@ use egui::{Color32, Rect, Ui};
 use pyrophone_settings::Id;
 use pyrophone_settings::macros::{MACROS, Macro};
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::theme;
 use super::super::widgets::knob::{Look, named_dial};
 use super::super::widgets::section::{columns, section};
@@ -19,7 +19,7 @@ const WORDS: f32 = 40.0;
 const PER_ROW: usize = 4;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "CHARACTER", "eight macros: offsets from what is set, 0 % leaves it alone");
     let mut dials = inner;
     if inner.width() >= ROOM_FOR_PAD {
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
     }
 }
 
-fn dial(ui: &mut Ui, rect: Rect, line: &Macro, hand: &mut Hand<'_>) {
+fn dial(ui: &mut Ui, rect: Rect, line: &Macro, hand: &mut ParamEditor<'_>) {
     let radius = (0.5 * (rect.height() - WORDS)).min(0.36 * rect.width()).clamp(RADII.0, RADII.1);
     let look = Look {
         name: line.name,

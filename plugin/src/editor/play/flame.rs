@@ -4,8 +4,8 @@ use egui::{Align2, FontFamily, FontId, Id as Place, Pos2, Rect, Sense, Shape, St
 use pyrophone_settings::Id;
 use pyrophone_settings::table::{DRIVE_MODES, FLAME_SCENES};
 
-use super::super::hand::Hand;
 use super::super::levels::{FLOOR_DB, Level, Meter};
+use super::super::param_editor::ParamEditor;
 use super::super::widgets::knob::{Look, named_dial};
 use super::super::widgets::pick::list;
 use super::super::widgets::section::{columns, filled, section, within};
@@ -51,7 +51,7 @@ impl Source {
 }
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "FLAME", "what it follows");
     let radius = (0.075 * inner.height()).clamp(13.0, 24.0);
     let knobs = 2.0 * radius + 36.0;
@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
     ui.interact(trace_at, Place::unique("trace"), Sense::hover()).on_hover_text("The flame of the last four seconds");
 }
 
-fn sources(ui: &mut Ui, rect: Rect, now: Source, hand: &mut Hand<'_>) {
+fn sources(ui: &mut Ui, rect: Rect, now: Source, hand: &mut ParamEditor<'_>) {
     // As wide as their words need.
     let cuts = [0.28, 0.67].map(|share| rect.left() + share * rect.width());
     let (first, rest) = rect.split_left_right_at_x(cuts[0]);
@@ -88,7 +88,7 @@ fn sources(ui: &mut Ui, rect: Rect, now: Source, hand: &mut Hand<'_>) {
 }
 
 /// Knobs that shape the flame, whatever it comes from.
-fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut Hand<'_>) {
+fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut ParamEditor<'_>) {
     let follows = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize).is_some_and(|mode| mode.contains("envelope"));
     let knobs: [(Id, &str); 3] = match source {
         Source::BuiltIn => [(Id::DriveGain, "Gain"), (Id::FlameIntensity, "Intensity"), (Id::FlameWind, "Wind")],
@@ -102,7 +102,7 @@ fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut Ha
 }
 
 /// How the track's sound is taken.
-fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut Hand<'_>) {
+fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>) {
     const KINDS: [(&str, &str); 3] =
         [("pressure", "flame pressure"), ("flux", "flame flux"), ("input envelope", "any sound")];
     let mode = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize).copied().unwrap_or_default();
@@ -174,7 +174,7 @@ fn picture(scene: &str) -> (&str, f32, f32) {
     }
 }
 
-fn scenes(ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
+fn scenes(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
     let rows = FLAME_SCENES.len().div_ceil(TILES_PER_ROW);
     let height = (rect.height() - (rows - 1) as f32 * 4.0) / rows as f32;
     let width = (rect.width() - (TILES_PER_ROW - 1) as f32 * 4.0) / TILES_PER_ROW as f32;

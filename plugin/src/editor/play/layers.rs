@@ -3,9 +3,9 @@
 use egui::{Align2, Color32, FontFamily, FontId, Id as Place, Pos2, Rect, Sense, Ui, Vec2};
 use pyrophone_settings::Id;
 
-use super::super::hand::Hand;
 use super::super::levels::{FLOOR_DB, Levels, Meter};
 use super::super::meter_bridge::switches;
+use super::super::param_editor::ParamEditor;
 use super::super::widgets::fader::{Track, fader};
 use super::super::widgets::section::{columns, filled, section};
 use super::super::{map, theme};
@@ -42,7 +42,7 @@ const LINES: [Line; 8] = [
 ];
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "LAYERS", "what is heard");
     let faders = inner.with_max_y(inner.bottom() - MONITOR - 6.0);
     for (place, line) in columns(faders, LINES.len(), 2.0).zip(&LINES) {
@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
     monitoring(ui, inner.with_min_y(inner.bottom() - MONITOR), parts);
 }
 
-fn column(ui: &mut Ui, rect: Rect, line: &Line, levels: &mut Levels, hand: &mut Hand<'_>) {
+fn column(ui: &mut Ui, rect: Rect, line: &Line, levels: &mut Levels, hand: &mut ParamEditor<'_>) {
     let is_wide = rect.width() >= WIDE;
     let switching = if is_wide { SWITCH } else { 2.0 * SWITCH + 1.0 };
     let bottom = rect.with_min_y(rect.bottom() - switching);

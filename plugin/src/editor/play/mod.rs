@@ -19,11 +19,11 @@ pub mod variations;
 
 use egui::{Rect, Ui};
 
-use super::hand::Hand;
 use super::levels::Levels;
 use super::listen::ListenPanel;
 use super::monitor::Monitor;
-use super::plots::spectrum::Told;
+use super::param_editor::ParamEditor;
+use super::plots::spectrum::Advice;
 use super::recording::RecordingPanel;
 use crate::loader::LoaderHandle;
 use crate::loader::status::View;
@@ -58,11 +58,11 @@ pub struct Parts<'a> {
     /// What the loader tells.
     pub view: &'a View,
     /// How well the output matches.
-    pub told: Told,
+    pub told: Advice,
 }
 
 /// The page.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let (upper, lower) = rect.split_top_bottom_at_fraction(UPPER);
     let (upper, lower) = (upper.with_max_y(upper.bottom() - 0.5 * GAP), lower.with_min_y(lower.top() + 0.5 * GAP));
     let left = rect.left() + column(LEFT, rect.width());

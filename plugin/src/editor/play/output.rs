@@ -5,21 +5,21 @@ use egui::{Align2, Button, Pos2, Rect, RichText, Sense, Ui, Vec2};
 use pyrophone_settings::Id;
 use pyrophone_settings::table::DRIVE_MODES;
 
-use super::super::cure::Cure;
-use super::super::hand::Hand;
 use super::super::levels::{FLOOR_DB, Meter};
-use super::super::plots::spectrum::Told;
+use super::super::param_editor::ParamEditor;
+use super::super::plots::spectrum::Advice;
+use super::super::suggestion::Suggestion;
 use super::super::widgets::section::{filled, within};
 use super::super::{map, theme};
 use super::Parts;
 use crate::analysis::bands::place;
-use crate::analysis::fidelity::Fault;
+use crate::analysis::fidelity::Diagnosis;
 
 /// Height of the strip in points.
 const STRIP: f32 = 22.0;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let (picture, strip) = rect.split_top_bottom_at_y(rect.bottom() - STRIP);
     ui.painter().rect_filled(rect, f32::from(theme::ROUNDING) + 2.0, theme::PANEL);
     parts.monitor.output.show_picture(ui, picture);
@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
 }
 
 /// A way to a fire where nothing comes in: the first thing that somebody sees who has just loaded the plug-in.
-fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut Hand<'_>) {
+fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>) {
     let is_silent = |meter| parts.levels.get(meter).held_db <= FLOOR_DB;
     let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
     if burns || ![Meter::Input, Meter::Drive, Meter::Output].into_iter().all(is_silent) {
@@ -56,7 +56,7 @@ fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut Hand<'_>) {
 }
 
 /// One line: a lamp, the figures, and where something is wrong what would help.
-fn figures(ui: &mut Ui, told: &Told, hand: &mut Hand<'_>) {
+fn figures(ui: &mut Ui, told: &Advice, hand: &mut ParamEditor<'_>) {
     ui.horizontal_centered(|ui| {
         let words = words(told);
         let (lamp, color) = match (told.fault, words.is_empty()) {
@@ -80,7 +80,7 @@ const EXPLANATION: &str = "Over the last eight seconds. Sync: correlation of the
     best. Buzz: how far the output's strongest tones stand out beyond the recording's. Crackle: how sudden the output is, \
     as a multiple of the recording, 1 at best.";
 
-fn words(told: &Told) -> Vec<String> {
+fn words(told: &Advice) -> Vec<String> {
     let mut words = vec![];
     words.extend(told.figures.follows.map(|follows| format!("sync {follows:.2}")));
     words.extend(told.figures.lines_db.map(|lines_db| match lines_db {
@@ -92,8 +92,8 @@ fn words(told: &Told) -> Vec<String> {
 }
 
 /// What is wrong, and a button that does what would help.
-fn advise(ui: &mut Ui, fault: Fault, hand: &mut Hand<'_>) {
-    let cure = Cure::of(fault, &hand.values());
+fn advise(ui: &mut Ui, fault: Diagnosis, hand: &mut ParamEditor<'_>) {
+    let cure = Suggestion::of(fault, &hand.values());
     let advice = fault.advice(cure.is_none());
     let room = if cure.is_some() { 130.0 } else { 0.0 };
     ui.allocate_ui(Vec2::new((ui.available_width() - room).max(60.0), ui.available_height()), |ui| {

@@ -7,7 +7,7 @@ use egui::{
 };
 use pyrophone_settings::macros::MACROS;
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::widgets::section::{columns, within};
 use super::super::{map, theme};
 
@@ -35,7 +35,7 @@ impl Default for Pad {
 
 impl Pad {
     /// Shows the pad, and below it what it moves.
-    pub fn show(&mut self, ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
+    pub fn show(&mut self, ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
         let (pad, choices) = rect.split_top_bottom_at_y(rect.bottom() - CHOICES);
         let pad = pad.with_max_y(pad.bottom() - 4.0);
         self.choices(ui, choices, hand);
@@ -43,7 +43,7 @@ impl Pad {
         self.draw(ui, pad, hand);
     }
 
-    fn choices(&mut self, ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
+    fn choices(&mut self, ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
         for (axis, place) in columns(rect, 2, 4.0).enumerate() {
             let before = self.axes[axis];
             within(ui, place, ["across", "up"][axis], |ui| {
@@ -70,7 +70,7 @@ impl Pad {
         }
     }
 
-    fn follow(&mut self, ui: &Ui, pad: Rect, hand: &mut Hand<'_>) {
+    fn follow(&mut self, ui: &Ui, pad: Rect, hand: &mut ParamEditor<'_>) {
         let response = ui.interact(pad, Place::unique("pad"), Sense::click_and_drag());
         map::note(ui, "pad", pad);
         let pressed = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
@@ -96,7 +96,7 @@ impl Pad {
         }
     }
 
-    fn let_go(&mut self, hand: &mut Hand<'_>) {
+    fn let_go(&mut self, hand: &mut ParamEditor<'_>) {
         if std::mem::take(&mut self.is_held) {
             self.indices().into_iter().for_each(|index| hand.end(index));
         }
@@ -106,7 +106,7 @@ impl Pad {
         self.axes.map(|axis| MACROS[axis].id as usize)
     }
 
-    fn draw(&mut self, ui: &Ui, pad: Rect, hand: &Hand<'_>) {
+    fn draw(&mut self, ui: &Ui, pad: Rect, hand: &ParamEditor<'_>) {
         let painter = ui.painter().with_clip_rect(pad);
         painter.rect_filled(pad, 4.0, theme::WELL);
         for n in 1..LINES {

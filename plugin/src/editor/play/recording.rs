@@ -6,7 +6,7 @@ use egui::{Align, Label, Layout, Rect, RichText, Ui};
 use pyrophone_settings::Id;
 use pyrophone_settings::table::RECORDING_SLOTS;
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::recording::message;
 use super::super::theme;
 use super::super::widgets::pick::list;
@@ -26,7 +26,7 @@ const SLOTS_SHARE: f32 = 0.62;
 const SECOND: f32 = 52.0;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "RECORDING", "");
     let title = title_row(rect);
     let name_at = title.with_min_x(title.left() + 78.0);
@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
 }
 
 /// The slots, the second recording, and its share.
-fn show_slots(ui: &mut Ui, rect: Rect, view: &View, hand: &mut Hand<'_>) {
+fn show_slots(ui: &mut Ui, rect: Rect, view: &View, hand: &mut ParamEditor<'_>) {
     let (slots, blend) = rect.split_left_right_at_x(rect.left() + SLOTS_SHARE * rect.width());
     let chosen = hand.get(Id::RecordingSlot) as usize;
     for (slot, place) in columns(slots, RECORDING_SLOTS.len(), 3.0).enumerate() {

@@ -3,7 +3,7 @@
 use egui::{Align2, Id as Place, Pos2, Rect, ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
 use pyrophone_settings::Id;
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::widgets::section::{filled, section, within};
 use super::super::widgets::value::value;
 use super::super::{map, theme};
@@ -17,7 +17,7 @@ const GAP: f32 = 5.0;
 const FOOT: f32 = 50.0;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "VARIATIONS", "other events");
     let top = inner.with_max_y(inner.top() + ROW);
     let (new, amount) = top.split_left_right_at_fraction(0.5);
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Hand<'_>)
 }
 
 /// How far takes may stray, to be typed.
-fn amount_field(ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
+fn amount_field(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
     let index = Id::TakeAmount as usize;
     ui.painter().rect_stroke(rect, f32::from(theme::ROUNDING), Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
     let name_at = rect.left_center() + Vec2::new(6.0, 0.0);
@@ -48,7 +48,7 @@ fn amount_field(ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
 }
 
 /// The list: the seeds as they are set, then every take that was tried.
-fn takes(ui: &mut Ui, rect: Rect, hand: &mut Hand<'_>) {
+fn takes(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
     let now = hand.get(Id::Take) as u16;
     let mut listed = hand.params.takes.list();
     if now != 0 && !listed.contains(&now) {
@@ -95,7 +95,7 @@ fn line(ui: &mut Ui, name: &str, note: &str, take: u16, is_now: bool) -> bool {
     response.on_hover_text("Hear this take").clicked()
 }
 
-fn recording(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &Hand<'_>) {
+fn recording(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &ParamEditor<'_>) {
     within(ui, rect, "recording", |ui| {
         ui.horizontal(|ui| {
             parts.listen.record(ui, parts.monitor);

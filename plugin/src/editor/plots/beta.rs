@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use egui::{Align2, Pos2, Rect, Shape, Stroke, Ui, Vec2};
 
 use super::super::theme;
-use super::course::label;
+use super::spectrogram::label;
 
 /// Windows that are kept: some eight seconds of the usual ones.
 const WINDOWS: usize = 720;

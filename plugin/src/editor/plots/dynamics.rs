@@ -6,7 +6,7 @@ use egui::{Align2, Color32, Pos2, Rect, Shape, Stroke, Ui, Vec2};
 use pyrophone_synthesis::texture::Match;
 
 use super::super::theme;
-use super::course::label;
+use super::spectrogram::label;
 use crate::analysis::range::Amplitudes;
 
 /// Windows that make the drive's distribution of late: some eight seconds.
@@ -19,14 +19,14 @@ const HIGH_DB: f32 = 0.0;
 
 /// What was matched of late.
 #[derive(Debug, Clone, Default)]
-pub struct Dynamics {
+pub struct DynamicsPlot {
     magnitudes: VecDeque<f32>,
     last: Option<Match>,
     drive: Option<Amplitudes>,
     looked_s: f64,
 }
 
-impl Dynamics {
+impl DynamicsPlot {
     /// Takes a window's match.
     pub fn take(&mut self, found: Match) {
         if self.magnitudes.len() == WINDOWS {
@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn the_drive_s_distribution_is_that_of_late() {
-        let mut dynamics = Dynamics::default();
+        let mut dynamics = DynamicsPlot::default();
         for n in 0..3 * WINDOWS {
             dynamics.take(Match { place_s: 0.0, magnitude: if n < WINDOWS { 1.0 } else { 0.1 }, factor: 2.0 });
         }

@@ -6,7 +6,7 @@ use egui::{Align2, Color32, Mesh, Pos2, Rect, Shape, Stroke, Ui, Vec2};
 use pyrophone_synthesis::texture::Extent;
 
 use super::super::theme;
-use super::course::label;
+use super::spectrogram::label;
 
 /// Extents that are kept of each level: eight seconds.
 const COLUMNS: usize = 480;

@@ -4,9 +4,9 @@ use egui::{Align2, Color32, CursorIcon, Id as Place, Pos2, Rect, Sense, Shape, S
 use pyrophone_settings::Id;
 use pyrophone_synthesis::vortex::SeenSource;
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
-use super::course::label;
+use super::spectrogram::label;
 
 /// Rings about the listener, in m; the largest that is needed is the view's edge.
 const RINGS_M: [f32; 12] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0];
@@ -54,7 +54,7 @@ impl Space {
     }
 
     /// Draws the sources; the middle of those that stand in a ball can be dragged.
-    pub fn show(&mut self, ui: &mut Ui, rect: Rect, channels: usize, hand: &mut Hand<'_>) {
+    pub fn show(&mut self, ui: &mut Ui, rect: Rect, channels: usize, hand: &mut ParamEditor<'_>) {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 3.0, theme::WELL);
         let [right_m, front_m] = self.held.unwrap_or_else(|| middle_m(hand));
@@ -110,7 +110,7 @@ impl Space {
     }
 
     /// The middle of the sources, which sets distance and azimuth.
-    fn drag(&mut self, ui: &mut Ui, at: Pos2, view: &View, hand: &mut Hand<'_>) {
+    fn drag(&mut self, ui: &mut Ui, at: Pos2, view: &View, hand: &mut ParamEditor<'_>) {
         let handle = Rect::from_center_size(at, Vec2::splat(16.0));
         let response = ui.interact(handle, Place::unique("space middle"), Sense::drag());
         map::note(ui, format_args!("handle.space"), handle);
@@ -156,7 +156,7 @@ impl View {
 }
 
 /// The middle of the sources as the parameters have it, in m to the right and to the front.
-fn middle_m(hand: &Hand<'_>) -> [f32; 2] {
+fn middle_m(hand: &ParamEditor<'_>) -> [f32; 2] {
     let flat = hand.get(Id::VortexDistance) * hand.get(Id::VortexElevation).to_radians().cos();
     let (sin, cos) = hand.get(Id::VortexAzimuth).to_radians().sin_cos();
     [flat * sin, flat * cos].map(|x| x as f32)
@@ -184,7 +184,7 @@ fn rings(painter: &egui::Painter, view: &View, radius_m: f32) {
 
 /// Loudspeakers stand at the view's edge.
 fn speakers(painter: &egui::Painter, view: &View, radius_m: f32, channels: usize) {
-    let Ok(layout) = pyrophone_synthesis::vortex::Layout::of_channels(channels.max(1)) else { return };
+    let Ok(layout) = pyrophone_synthesis::vortex::SpeakerLayout::of_channels(channels.max(1)) else { return };
     for azimuth_deg in layout.azimuths_deg() {
         let towards = Vec2::angled((azimuth_deg as f32 - 90.0).to_radians());
         let at = view.centre + (view.scale * radius_m + 7.0) * towards;

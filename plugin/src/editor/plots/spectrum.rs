@@ -3,12 +3,12 @@
 use egui::{Align2, Button, Color32, CursorIcon, Id as Place, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
 use pyrophone_settings::Id;
 
-use super::super::cure::Cure;
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
+use super::super::suggestion::Suggestion;
 use super::super::widgets::notches;
 use super::super::{map, theme};
 use crate::analysis::bands::{BANDS, decibels, frequency_hz, place};
-use crate::analysis::fidelity::Fault;
+use crate::analysis::fidelity::Diagnosis;
 use crate::analysis::{FLOOR_DB, Figures, Portrait};
 
 /// Time constant in seconds of the curves, and how fast their peaks fall.
@@ -98,7 +98,14 @@ impl Axes {
 
 impl Spectra {
     /// Draws the plot; handles on it move parameters. `scaling_alpha` is what the texture uses of it.
-    pub fn show(&mut self, ui: &mut Ui, rect: Rect, recording: Option<&Portrait>, told: &Told, hand: &mut Hand<'_>) {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        rect: Rect,
+        recording: Option<&Portrait>,
+        told: &Advice,
+        hand: &mut ParamEditor<'_>,
+    ) {
         let (drive, output) = (self.drive.levels_db(), self.output.levels_db());
         let loudest = drive.iter().chain(&output).copied().fold(FLOOR_DB, f32::max);
         let wanted = (loudest + HEADROOM_DB).max(REST_DB);
@@ -178,7 +185,7 @@ fn matched(recording: &[f32; BANDS], output: &[f32; BANDS]) -> ([f32; BANDS], Op
 }
 
 /// Cutoff, blend and fit, and the slope that noise continues the drive with; each can be dragged.
-fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS], hand: &mut Hand<'_>) {
+fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS], hand: &mut ParamEditor<'_>) {
     let (cutoff_hz, blend_hz) = (hand.get(Id::Cutoff), hand.get(Id::BlendWidth));
     let (fit_hz, alpha) = (hand.get(Id::FitWidth), hand.get(Id::Alpha));
     let (top, bottom) = (axes.rect.top(), axes.rect.bottom());
@@ -301,18 +308,18 @@ fn readable(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Re
 
 /// What is told of the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Told {
+pub struct Advice {
     /// How near it is to the recording, and how it follows the drive.
     pub figures: Figures,
     /// What is wrong with it, or is about to be.
-    pub fault: Option<Fault>,
+    pub fault: Option<Diagnosis>,
     /// What Scaling auto has left of Scaling alpha.
     pub scaling_alpha: f32,
 }
 
-impl Told {
+impl Advice {
     /// The figures, what to change, and a button that does.
-    fn show(&self, ui: &mut Ui, painter: &egui::Painter, rect: Rect, hand: &mut Hand<'_>) {
+    fn show(&self, ui: &mut Ui, painter: &egui::Painter, rect: Rect, hand: &mut ParamEditor<'_>) {
         let mut words = vec![];
         words.extend(self.figures.follows.map(|follows| format!("follows {follows:.2}")));
         words.extend(self.figures.lines_db.map(|lines_db| format!("tones +{lines_db:.1} dB")));
@@ -334,7 +341,7 @@ impl Told {
         );
         let Some(fault) = self.fault else { return };
         let at = at + Vec2::new(0.0, 15.0);
-        let cure = Cure::of(fault, &hand.values());
+        let cure = Suggestion::of(fault, &hand.values());
         let advice = readable(painter, at, fault.advice(cure.is_none()), theme::EMBER);
         let Some(cure) = cure else { return };
         let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));

@@ -7,8 +7,8 @@ use egui::{
     Vec2,
 };
 
-use super::super::hand::Hand;
 use super::super::history::{Chosen, Entry};
+use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
 use super::{Done, Presets};
 
@@ -76,7 +76,7 @@ impl List {
 }
 
 impl Presets {
-    pub(super) fn show_list(&mut self, ui: &mut Ui, button: Rect, hand: &mut Hand<'_>) {
+    pub(super) fn show_list(&mut self, ui: &mut Ui, button: Rect, hand: &mut ParamEditor<'_>) {
         let screen = ui.ctx().content_rect();
         let size = SIZE
             .min(screen.size() - Vec2::splat(24.0))
@@ -100,7 +100,7 @@ impl Presets {
         }
     }
 
-    fn contents(&mut self, ui: &mut Ui, hand: &mut Hand<'_>) {
+    fn contents(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>) {
         let keys = ui.input_mut(|input| {
             [Key::ArrowDown, Key::ArrowUp, Key::Enter].map(|key| input.consume_key(egui::Modifiers::NONE, key))
         });
@@ -244,7 +244,7 @@ impl Presets {
     }
 
     /// Saving, renaming, deleting.
-    fn keeping(&mut self, ui: &mut Ui, hand: &mut Hand<'_>, entered: bool) {
+    fn keeping(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>, entered: bool) {
         let is_free = self.task.is_none();
         let chosen = hand.history.chosen.clone();
         let own = chosen.as_ref().and_then(|entry| Some((entry.path.clone()?, entry.preset.name.clone())));
@@ -291,7 +291,7 @@ impl Presets {
         }
     }
 
-    fn foot(&mut self, ui: &mut Ui, hand: &mut Hand<'_>) {
+    fn foot(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>) {
         ui.horizontal(|ui| {
             let paper = ui
                 .button("The paper's values")

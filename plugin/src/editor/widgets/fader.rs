@@ -3,8 +3,8 @@
 use egui::{Align2, Color32, Id, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2};
 use pyrophone_settings::PARAMETERS;
 
-use super::super::hand::Hand;
 use super::super::levels::{FLOOR_DB, Level};
+use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
 use super::turn::{Travel, turn};
 
@@ -24,7 +24,7 @@ pub struct Track {
 }
 
 /// A fader for the parameter at `index`, a level in dB, along all of `rect`; meter and handle share the parameter's scale.
-pub fn fader(ui: &mut Ui, rect: Rect, index: usize, track: &Track, hand: &mut Hand<'_>) {
+pub fn fader(ui: &mut Ui, rect: Rect, index: usize, track: &Track, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let response = ui.interact(rect, Id::unique(("fader", parameter.id)), Sense::click_and_drag());
     map::note(ui, format_args!("fader.{}", parameter.id), rect);

@@ -3,7 +3,7 @@
 use egui::{Align2, Color32, Id, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 use pyrophone_settings::{PARAMETERS, Parameter};
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
 use super::turn::{Travel, turn};
 use super::value::value;
@@ -38,7 +38,7 @@ pub struct Look<'a> {
 }
 
 /// The knob of a parameter, its name above the dial.
-pub fn knob(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
+pub fn knob(ui: &mut Ui, index: usize, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let (rect, _) = ui.allocate_exact_size(SIZE, Sense::hover());
     let look =
@@ -53,7 +53,7 @@ pub fn knob(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
 }
 
 /// A dial with its name and its value below, centred in the upper part of `rect`.
-pub fn named_dial(ui: &mut Ui, rect: Rect, index: usize, look: &Look<'_>, hand: &mut Hand<'_>) {
+pub fn named_dial(ui: &mut Ui, rect: Rect, index: usize, look: &Look<'_>, hand: &mut ParamEditor<'_>) {
     let height = 2.0 * look.radius + look.font.size + LINE + 8.0;
     let top = rect.top() + (0.5 * (rect.height() - height)).max(0.0);
     let centre = Pos2::new(rect.center().x, top + look.radius + 2.0);
@@ -74,7 +74,7 @@ fn faded(color: Color32, is_dimmed: bool) -> Color32 {
 }
 
 /// The dial itself, about `centre`.
-fn dial(ui: &mut Ui, centre: Pos2, index: usize, look: &Look<'_>, hand: &mut Hand<'_>) {
+fn dial(ui: &mut Ui, centre: Pos2, index: usize, look: &Look<'_>, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let place = Rect::from_center_size(centre, Vec2::splat(2.0 * look.radius + 6.0));
     let response = ui.interact(place, Id::unique(("knob", parameter.id)), Sense::click_and_drag());

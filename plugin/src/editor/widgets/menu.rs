@@ -3,13 +3,13 @@
 use egui::{Response, Ui};
 use pyrophone_settings::PARAMETERS;
 
-use super::super::hand::Hand;
 use super::super::map;
+use super::super::param_editor::ParamEditor;
 use super::value;
 use crate::host_menu::Line;
 
 /// The menu of a parameter on `response`; `has_text` where its value can be typed and copied.
-pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut Hand<'_>) {
+pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     if response.secondary_clicked() {
         hand.params.host_menu.ask(index);
@@ -39,7 +39,7 @@ pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut Hand<'
 }
 
 /// What the host offers, once it has answered.
-fn host(ui: &mut Ui, index: usize, hand: &Hand<'_>) {
+fn host(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
     let lines = hand.params.host_menu.offered(index);
     if lines.is_empty() {
         return;
@@ -97,7 +97,7 @@ fn length(lines: &[Line]) -> usize {
 }
 
 /// What there is to do about the MIDI controller of a parameter.
-fn controllers(ui: &mut Ui, index: usize, hand: &Hand<'_>) {
+fn controllers(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
     let controllers = &hand.params.controllers;
     if controllers.learner() == Some(index) {
         if entry(ui, "Stop MIDI learn".to_owned(), "Stop learning") {

@@ -3,7 +3,7 @@
 use egui::{ComboBox, Response, RichText, Ui, Vec2};
 use pyrophone_settings::{PARAMETERS, Parameter};
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
 use super::menu::menu;
 use super::notches;
@@ -14,7 +14,7 @@ pub const WIDTH: f32 = 112.0;
 const DIMMED: f32 = 0.45;
 
 /// A list to choose from, under its name.
-pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
+pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     ui.allocate_ui(Vec2::new(WIDTH, 42.0), |ui| {
         ui.vertical(|ui| {
@@ -28,7 +28,7 @@ pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut Hand<'_>) {
 }
 
 /// The list of a choice alone, `width` points wide.
-pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut Hand<'_>) {
+pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let mut chosen = hand.value(index) as usize;
     let before = chosen;
@@ -53,7 +53,7 @@ pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut Ha
 }
 
 /// A switch.
-pub fn toggle(ui: &mut Ui, index: usize, hand: &mut Hand<'_>) {
+pub fn toggle(ui: &mut Ui, index: usize, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let mut is_on = hand.value(index) > 0.5;
     let reason = hand.inert(index);

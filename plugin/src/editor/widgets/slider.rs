@@ -3,7 +3,7 @@
 use egui::{Align2, CornerRadius, Id, Rect, Sense, Stroke, StrokeKind, Ui, Vec2};
 use pyrophone_settings::PARAMETERS;
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
 use super::turn::{Travel, turn};
 
@@ -11,7 +11,7 @@ use super::turn::{Travel, turn};
 const DIMMED: f32 = 0.45;
 
 /// A slider for the parameter at `index` in all of `rect`; `name` is what it is called there.
-pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, hand: &mut Hand<'_>) {
+pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let response = ui.interact(rect, Id::unique(("slider", parameter.id)), Sense::click_and_drag());
     map::note(ui, format_args!("slider.{}", parameter.id), rect);

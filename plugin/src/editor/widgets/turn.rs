@@ -3,7 +3,7 @@
 use egui::{Key, Response, Ui, WidgetInfo};
 use pyrophone_settings::{Kind, PARAMETERS};
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::menu::menu;
 
 /// Points that a full turn takes.
@@ -25,7 +25,7 @@ pub enum Travel {
 }
 
 /// Follows mouse and keys; the value as it is then. What has no effect is not moved by the pointer.
-pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut Hand<'_>) -> f64 {
+pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut ParamEditor<'_>) -> f64 {
     let parameter = &PARAMETERS[index];
     let is_held = ui.data(|data| data.get_temp::<f64>(response.id)).is_some();
     if is_held || hand.inert(index).is_none() {
@@ -50,7 +50,7 @@ pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &m
     plain
 }
 
-fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut Hand<'_>) {
+fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let plain = hand.value(index);
     let place = parameter.to_normalised(plain);
@@ -84,7 +84,7 @@ fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut H
 
 /// Notches of the wheel, where the pointer rests on what has the focus or Ctrl is held, and of arrow keys: without focus
 /// the wheel is the page's.
-fn notches(ui: &Ui, response: &Response, index: usize, hand: &mut Hand<'_>) {
+fn notches(ui: &Ui, response: &Response, index: usize, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let mut notches = 0.0;
     if response.hovered() && (response.has_focus() || ui.input(|input| input.modifiers.command)) {

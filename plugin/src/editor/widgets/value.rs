@@ -4,7 +4,7 @@ use egui::text::{CCursor, CCursorRange};
 use egui::{Align2, Color32, Id, Key, Rect, Sense, Ui};
 use pyrophone_settings::{PARAMETERS, Parameter};
 
-use super::super::hand::Hand;
+use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
 
 /// Seconds for which a word on a value that was too large or too small stays.
@@ -26,7 +26,7 @@ pub fn begin_typing(ui: &Ui, index: usize, text: &str) {
 }
 
 /// Shows the value in `rect`.
-pub fn value(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &mut Hand<'_>) {
+pub fn value(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let id = id_of(parameter);
     map::note(ui, format_args!("value.{}", parameter.id), rect);
@@ -36,7 +36,7 @@ pub fn value(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &mut H
     }
 }
 
-fn shown(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &Hand<'_>) {
+fn shown(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let id = id_of(parameter);
     let response = ui.interact(rect, id.with("shown"), Sense::click());
@@ -57,7 +57,7 @@ fn shown(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &Hand<'_>)
     }
 }
 
-fn field(ui: &mut Ui, rect: Rect, index: usize, mut typed: String, hand: &mut Hand<'_>) {
+fn field(ui: &mut Ui, rect: Rect, index: usize, mut typed: String, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let id = id_of(parameter);
     let is_valid = parameter.parse_nearest(&typed).is_ok();

@@ -15,10 +15,10 @@
 //! reference's order, without fused operations. Rounding is allowed for in all bounds, so the window
 //! found is the nearest, ties to the lowest, on every machine.
 
-mod aside;
 mod axes;
 mod block;
 mod codes;
+mod frontier;
 mod lanes;
 mod query;
 mod shells;
@@ -27,7 +27,7 @@ mod tree;
 use bitcode::{Decode, Encode};
 use std::ops::Range;
 
-pub use query::{Answer, Budget, COMPARISON_COST, Searcher};
+pub use query::{Budget, COMPARISON_COST, SearchResult, Searcher};
 
 use super::feature::Features;
 use crate::Error;

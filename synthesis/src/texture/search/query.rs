@@ -1,9 +1,9 @@
 //! Finding the nearest window: exactly, or with a bound on the work.
 
-use super::aside::Aside;
 use super::axes::Projection;
 use super::block::box_bounds;
 use super::codes::Coded;
+use super::frontier::Frontier;
 use super::lanes::{Lanes, Machine, Work};
 use super::shells::{SHELLS, Shell};
 use super::tree::{Child, Kind};
@@ -32,7 +32,7 @@ impl Budget {
 
 /// What a search found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Answer {
+pub struct SearchResult {
     /// Window number.
     pub window: usize,
     /// Windows and boxes compared, those in full as often as they cost.
@@ -57,7 +57,7 @@ const ASIDE_CAPACITY: usize = 1 << 13;
 pub struct Searcher {
     machine: Machine,
     stack: Vec<(f32, Child)>,
-    aside: Aside,
+    aside: Frontier,
 }
 
 impl Default for Searcher {
@@ -78,7 +78,7 @@ impl Searcher {
     }
 
     fn with(machine: Machine) -> Self {
-        Self { machine, stack: Vec::with_capacity((STOREYS + 1) * LANES), aside: Aside::new(ASIDE_CAPACITY) }
+        Self { machine, stack: Vec::with_capacity((STOREYS + 1) * LANES), aside: Frontier::new(ASIDE_CAPACITY) }
     }
 
     /// The nearest window of `index` to `query`, the lowest of equally near ones. `features` must
@@ -90,7 +90,7 @@ impl Searcher {
         query: &[f64],
         hint: Option<usize>,
         budget: Budget,
-    ) -> Answer {
+    ) -> SearchResult {
         let hint = hint.filter(|window| index.windows().contains(window));
         let task = Task { index, features, query, hint };
         match budget {
@@ -211,7 +211,7 @@ impl<'a, L: Lanes> Search<'a, L> {
 
     /// Leaves all shells not yet entered aside.
     #[inline(always)]
-    fn aside_shells(&mut self, aside: &mut Aside) {
+    fn aside_shells(&mut self, aside: &mut Frontier) {
         // The farthest first: the latest left aside is the next to be searched.
         while self.left != 0 {
             let (mut farthest, mut shell) = (f32::NEG_INFINITY, 0);
@@ -359,8 +359,8 @@ impl<'a, L: Lanes> Search<'a, L> {
     }
 
     #[inline(always)]
-    fn answer(&self) -> Answer {
-        Answer { window: self.window, compared: self.compared, compared_in_full: self.compared_in_full as u32 }
+    fn answer(&self) -> SearchResult {
+        SearchResult { window: self.window, compared: self.compared, compared_in_full: self.compared_in_full as u32 }
     }
 }
 
@@ -424,10 +424,10 @@ struct Exact<'a> {
 }
 
 impl Work for Exact<'_> {
-    type Done = Answer;
+    type Done = SearchResult;
 
     #[inline(always)]
-    fn with<L: Lanes>(self, lanes: L) -> Answer {
+    fn with<L: Lanes>(self, lanes: L) -> SearchResult {
         let mut search = Search::new(lanes, self.task, self.eps);
         let stack = self.stack;
         while let Some((_, bound)) = search.next_shell()
@@ -471,14 +471,14 @@ impl Work for Exact<'_> {
 struct Bounded<'a> {
     task: Task<'a>,
     candidates: u32,
-    aside: &'a mut Aside,
+    aside: &'a mut Frontier,
 }
 
 impl Work for Bounded<'_> {
-    type Done = Answer;
+    type Done = SearchResult;
 
     #[inline(always)]
-    fn with<L: Lanes>(self, lanes: L) -> Answer {
+    fn with<L: Lanes>(self, lanes: L) -> SearchResult {
         let mut search = Search::new(lanes, self.task, 0.0);
         let aside = self.aside;
         aside.clear();

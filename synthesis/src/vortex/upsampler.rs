@@ -36,7 +36,7 @@ pub(super) fn top_hz(sample_rate_hz: f64) -> f64 {
 
 /// Raises the rate of several channels, hop by hop.
 #[derive(Debug)]
-pub(super) struct Raise {
+pub(super) struct Upsampler {
     factor: usize,
     /// Weights of the samples around, by phase, the oldest sample's first.
     weights: Vec<[f32; 2 * REACH]>,
@@ -46,7 +46,7 @@ pub(super) struct Raise {
     phase: Vec<f32>,
 }
 
-impl Raise {
+impl Upsampler {
     /// For hops of `hop` samples at the lower rate.
     pub fn new(factor: usize, channels: usize, hop: usize) -> Self {
         let weights = (0..factor).map(|phase| {
@@ -116,7 +116,7 @@ mod tests {
             let low_hz = sample_rate_hz / factor as f64;
             for frequency_hz in [100.0, 0.5 * top_hz(sample_rate_hz), top_hz(sample_rate_hz)] {
                 let (hop, hops) = (32, 12);
-                let mut raise = Raise::new(factor, 2, hop);
+                let mut raise = Upsampler::new(factor, 2, hop);
                 let mut raised = vec![0.0; hop * factor];
                 let late = raise.latency_samples() as f64;
                 let mut largest = 0.0f64;

@@ -8,7 +8,7 @@ pub type Place = (u8, Child);
 /// Boxes with their bounds, in no order. Putting one in costs next to nothing, and happens up to
 /// sixteen times as often as taking the nearest out, which looks through all.
 #[derive(Debug)]
-pub struct Aside {
+pub struct Frontier {
     /// Bounds' bits: those of numbers that are not negative are in the numbers' order.
     bounds: Vec<u32>,
     places: Vec<Place>,
@@ -19,7 +19,7 @@ pub struct Aside {
 /// Bounds looked at together.
 const CHUNK: usize = 32;
 
-impl Aside {
+impl Frontier {
     /// Room for `capacity` boxes; more are not remembered.
     pub fn new(capacity: usize) -> Self {
         Self { bounds: vec![0; capacity], places: vec![(0, Child::NONE); capacity], len: 0 }
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn the_nearest_comes_out_first() {
-        let mut aside = Aside::new(100);
+        let mut aside = Frontier::new(100);
         let bound = |i: u32| (i * 37 % 101) as f32 * 0.5;
         (0..100).for_each(|i| aside.push(bound(i), (1, Child::of_node(i as usize))));
         aside.push(0.0, (1, Child::of_node(100)));
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn what_lies_beyond_the_limit_stays_out() {
-        let mut aside = Aside::new(4);
+        let mut aside = Frontier::new(4);
         for (i, bound) in [3.0, 1.0, 2.0, 4.0].into_iter().enumerate() {
             aside.push(bound, (0, Child::of_node(i)));
         }

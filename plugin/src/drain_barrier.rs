@@ -16,10 +16,10 @@ use std::time::{Duration, Instant};
 /// The longest wait: a host that stops its window thread must not hang for good.
 const LIMIT: Duration = Duration::from_secs(1);
 /// How long to sleep between two looks at the count.
-const NAP: Duration = Duration::from_micros(200);
+const POLL_INTERVAL: Duration = Duration::from_micros(200);
 /// In this time the thread lets go of the instance after its task; it takes a few nanoseconds
 /// unless the thread is interrupted.
-const LETTING_GO: Duration = Duration::from_millis(3);
+const GRACE: Duration = Duration::from_millis(3);
 
 /// A count of tasks that have run.
 #[derive(Clone, Default)]
@@ -40,9 +40,9 @@ impl Fence {
             if began.elapsed() > LIMIT {
                 return false;
             }
-            std::thread::sleep(NAP);
+            std::thread::sleep(POLL_INTERVAL);
         }
-        std::thread::sleep(LETTING_GO);
+        std::thread::sleep(GRACE);
         true
     }
 }

@@ -3,24 +3,24 @@
 use nice_plug::prelude::ParamSetter;
 use pyrophone_settings::{Id, Values};
 
-use super::history::{Change, Chosen, History, Step, changes};
+use super::history::{Change, Chosen, Step, UndoHistory, changes};
 use super::inert::Reasons;
 use crate::entry::indication::Automation;
 use crate::parameters::EffectParams;
 
 /// A hand on the parameters.
-pub struct Hand<'a> {
+pub struct ParamEditor<'a> {
     /// The parameters.
     pub params: &'a EffectParams,
     /// The way to the host.
     pub setter: &'a ParamSetter<'a>,
     /// What was done.
-    pub history: &'a mut History,
+    pub history: &'a mut UndoHistory,
     /// Which parameters have no effect.
     pub inert: &'a Reasons,
 }
 
-impl Hand<'_> {
+impl ParamEditor<'_> {
     /// The present values, with what the gesture under way has changed: hosts take their time.
     pub fn values(&self) -> Values {
         self.history.gesture.map_or_else(|| self.params.values(), |(_, now)| now)

@@ -3,7 +3,7 @@
 use pyrophone_settings::table::DYNAMICS_MODES;
 use pyrophone_settings::{Id, Values};
 
-use crate::analysis::fidelity::Fault;
+use crate::analysis::fidelity::Diagnosis;
 
 /// What Scaling alpha is turned down to at once: the value that the paper's authors take where matching buzzes.
 const CALM_SCALING: f64 = 0.5;
@@ -13,7 +13,7 @@ const MATCH_STEP_DB: f64 = 3.0;
 
 /// A change of one parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cure {
+pub struct Suggestion {
     /// The parameter.
     pub id: Id,
     /// Its value.
@@ -22,9 +22,9 @@ pub struct Cure {
     pub words: String,
 }
 
-impl Cure {
+impl Suggestion {
     /// The change that is likely to help, where there is one left to make.
-    pub fn of(fault: Fault, values: &Values) -> Option<Self> {
+    pub fn of(fault: Diagnosis, values: &Values) -> Option<Self> {
         let companded = DYNAMICS_MODES.iter().position(|mode| *mode == "companded").unwrap_or(0) as f64;
         // What only the texture hears is of no use without it.
         let is_textured = !Id::TextureLevel.parameter().is_off(values.get(Id::TextureLevel));
@@ -32,15 +32,17 @@ impl Cure {
         let scaling = values.get(Id::ScalingAlpha);
         let is_auto = values.get(Id::ScalingAuto) > 0.5;
         let (id, plain) = match fault {
-            Fault::Buzzes | Fault::MayBuzz if !is_textured => return None,
-            Fault::Buzzes | Fault::MayBuzz if scaling > 0.0 && !is_companded && !is_auto => (Id::ScalingAuto, 1.0),
-            Fault::Buzzes if scaling > CALM_SCALING => (Id::ScalingAlpha, CALM_SCALING),
-            Fault::MayBuzz if scaling > CALM_SCALING && !is_auto => (Id::ScalingAlpha, CALM_SCALING),
-            Fault::Buzzes if scaling > 0.0 => (Id::ScalingAlpha, 0.0),
-            Fault::Buzzes if !is_companded => (Id::DynamicsMode, companded),
-            Fault::Wanders if is_companded => (Id::Dynamics, values.get(Id::Dynamics) + DYNAMICS_STEP),
-            Fault::Sudden if is_companded => (Id::DriveMatch, values.get(Id::DriveMatch) - MATCH_STEP_DB),
-            Fault::Dull if is_companded => (Id::DriveMatch, values.get(Id::DriveMatch) + MATCH_STEP_DB),
+            Diagnosis::Buzzes | Diagnosis::MayBuzz if !is_textured => return None,
+            Diagnosis::Buzzes | Diagnosis::MayBuzz if scaling > 0.0 && !is_companded && !is_auto => {
+                (Id::ScalingAuto, 1.0)
+            }
+            Diagnosis::Buzzes if scaling > CALM_SCALING => (Id::ScalingAlpha, CALM_SCALING),
+            Diagnosis::MayBuzz if scaling > CALM_SCALING && !is_auto => (Id::ScalingAlpha, CALM_SCALING),
+            Diagnosis::Buzzes if scaling > 0.0 => (Id::ScalingAlpha, 0.0),
+            Diagnosis::Buzzes if !is_companded => (Id::DynamicsMode, companded),
+            Diagnosis::Wanders if is_companded => (Id::Dynamics, values.get(Id::Dynamics) + DYNAMICS_STEP),
+            Diagnosis::Sudden if is_companded => (Id::DriveMatch, values.get(Id::DriveMatch) - MATCH_STEP_DB),
+            Diagnosis::Dull if is_companded => (Id::DriveMatch, values.get(Id::DriveMatch) + MATCH_STEP_DB),
             _ => return None,
         };
         let parameter = id.parameter();
@@ -57,9 +59,9 @@ mod tests {
     use super::*;
 
     /// Clicks until there is nothing left to click.
-    fn clicks(fault: Fault, mut values: Values) -> Vec<(Id, f64)> {
+    fn clicks(fault: Diagnosis, mut values: Values) -> Vec<(Id, f64)> {
         let mut done = vec![];
-        while let Some(cure) = Cure::of(fault, &values) {
+        while let Some(cure) = Suggestion::of(fault, &values) {
             values.set(cure.id as usize, cure.plain).expect("in range");
             assert!(cure.words.contains(cure.id.parameter().name), "{}", cure.words);
             done.push((cure.id, cure.plain));
@@ -73,7 +75,7 @@ mod tests {
         let mut paper = Values::default();
         paper.set_text("dynamics_mode", "paper").expect("known");
         paper.set_text("scaling_alpha", "1").expect("known");
-        let buzzing = clicks(Fault::Buzzes, paper);
+        let buzzing = clicks(Diagnosis::Buzzes, paper);
         let by_hand = [(Id::ScalingAlpha, 0.5), (Id::ScalingAlpha, 0.0)];
         assert_eq!(buzzing[0], (Id::ScalingAuto, 1.0));
         assert_eq!(buzzing[1..3], by_hand);
@@ -81,17 +83,18 @@ mod tests {
         assert_eq!(buzzing[3].0, Id::DynamicsMode);
         let mut companded = Values::default();
         companded.set_text("scaling_alpha", "1").expect("known");
-        assert_eq!(clicks(Fault::Buzzes, companded), by_hand);
-        assert_eq!(clicks(Fault::MayBuzz, paper), [(Id::ScalingAuto, 1.0)]);
-        assert_eq!(clicks(Fault::MayBuzz, companded), [(Id::ScalingAlpha, 0.5)]);
-        for fault in [Fault::Wanders, Fault::Sudden, Fault::Dull] {
+        assert_eq!(clicks(Diagnosis::Buzzes, companded), by_hand);
+        assert_eq!(clicks(Diagnosis::MayBuzz, paper), [(Id::ScalingAuto, 1.0)]);
+        assert_eq!(clicks(Diagnosis::MayBuzz, companded), [(Id::ScalingAlpha, 0.5)]);
+        for fault in [Diagnosis::Wanders, Diagnosis::Sudden, Diagnosis::Dull] {
             assert_eq!(clicks(fault, paper), [], "there is nothing to turn in the paper's mode");
             assert!(!clicks(fault, Values::default()).is_empty(), "{fault:?}");
         }
-        assert_eq!(clicks(Fault::Wanders, Values::default()).last(), Some(&(Id::Dynamics, 1.0)));
+        assert_eq!(clicks(Diagnosis::Wanders, Values::default()).last(), Some(&(Id::Dynamics, 1.0)));
         for mut values in [paper, companded] {
             values.set_text("texture_level", "off").expect("known");
-            for fault in [Fault::Buzzes, Fault::MayBuzz, Fault::Wanders, Fault::Sudden, Fault::Dull] {
+            for fault in [Diagnosis::Buzzes, Diagnosis::MayBuzz, Diagnosis::Wanders, Diagnosis::Sudden, Diagnosis::Dull]
+            {
                 assert_eq!(clicks(fault, values), [], "{fault:?} is not the texture's");
             }
         }

@@ -6,7 +6,7 @@ use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, Ui, V
 
 use super::super::theme;
 use crate::analysis::bands::{BANDS, decibels};
-use crate::analysis::portrait::COLUMNS as PORTRAIT_COLUMNS;
+use crate::analysis::recording_overview::COLUMNS as PORTRAIT_COLUMNS;
 use crate::analysis::{FLOOR_DB, Portrait};
 
 /// Columns that are kept: eight seconds.
@@ -17,7 +17,7 @@ const RANGE_DB: f32 = 70.0;
 const FORGET_DB: f32 = 0.01;
 
 /// A running spectrogram.
-pub struct Course {
+pub struct Spectrogram {
     name: &'static str,
     columns: Vec<[f32; BANDS]>,
     /// Where the next column goes, and how many are not in the picture yet.
@@ -27,7 +27,7 @@ pub struct Course {
     picture: Option<TextureHandle>,
 }
 
-impl Course {
+impl Spectrogram {
     /// An empty one.
     pub fn new(name: &'static str) -> Self {
         let columns = vec![[FLOOR_DB; BANDS]; COLUMNS];

@@ -5,7 +5,7 @@ use crate::vortex::SeenSource;
 
 /// One thing that an engine has done.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Trace {
+pub enum Telemetry {
     /// A window of extension has found its noise factor beta (§4, Algorithm 1).
     Beta(f32),
     /// A window of texture was matched on the level below the top (§5.2).

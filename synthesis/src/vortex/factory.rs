@@ -90,13 +90,13 @@ pub fn banks(sample_rate_hz: f64) -> Result<Banks, Error> {
 mod tests {
     use super::*;
     use crate::controls::VortexControls;
-    use crate::vortex::{Layout, Vortex};
+    use crate::vortex::{SpeakerLayout, Vortex};
 
     #[test]
     fn gas_of_medium_speed_gives_a_tenth_of_full_scale() {
         let sample_rate_hz = 48_000.0;
         for (which, bank) in banks(sample_rate_hz).unwrap().into_iter().enumerate() {
-            let mut vortex = Vortex::new(sample_rate_hz, Layout::Mono, 500).unwrap();
+            let mut vortex = Vortex::new(sample_rate_hz, SpeakerLayout::Mono, 500).unwrap();
             drop(vortex.swap_bank(Some(bank)));
             vortex.reset(0);
             let controls = VortexControls { speed_m_s: 8.0, level: OUTPUT_PER_PA[which], ..VortexControls::default() };

@@ -7,7 +7,7 @@ use crate::fft::{self, Complex64, ComplexTransform};
 
 /// The chirp transform (Bluestein 1970): bins of a transform of `bins` samples, at the cost of
 /// transforms as long as signal and wanted bins together. Exact but for rounding.
-pub(super) struct Zoom {
+pub(super) struct ChirpZ {
     fourier: ComplexTransform,
     /// Factors on the input.
     before: Vec<Complex64>,
@@ -18,7 +18,7 @@ pub(super) struct Zoom {
     work: Vec<Complex64>,
 }
 
-impl Zoom {
+impl ChirpZ {
     /// For signals of at most `samples` samples, and the bins in `wanted` of `bins`.
     pub fn new(bins: usize, wanted: Range<usize>, samples: usize) -> Self {
         let len = (samples + wanted.len()).next_power_of_two();
@@ -68,7 +68,7 @@ mod tests {
         long.resize(bins, Complex64::default());
         ComplexTransform::new(bins).forward(&mut long);
         let mut found = vec![Complex64::default(); wanted.len()];
-        Zoom::new(bins, wanted.clone(), signal.len()).transform(signal.iter().copied(), &mut found);
+        ChirpZ::new(bins, wanted.clone(), signal.len()).transform(signal.iter().copied(), &mut found);
         for (found, expected) in found.iter().zip(&long[wanted]) {
             assert!((found - expected).norm() < 1e-11, "{found} instead of {expected}");
         }

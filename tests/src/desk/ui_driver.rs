@@ -11,8 +11,8 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-use super::parcel::Parcel;
-use super::{Desk, Map, PATIENCE, Picture};
+use super::drag_source::Parcel;
+use super::{Map, PATIENCE, Picture, TestDisplay};
 use crate::flame;
 use crate::live::{Clock, Live};
 
@@ -28,10 +28,10 @@ const WHEEL_UP: u8 = 4;
 
 /// A hand on mouse and keyboard, over a window in the screen's upper left corner, while the plugin plays. Things are called
 /// by the names that the window's map has for them.
-pub struct Hand<'a> {
+pub struct UiDriver<'a> {
     connection: RustConnection,
     keycodes: HashMap<u32, u8>,
-    desk: &'a Desk,
+    desk: &'a TestDisplay,
     /// The window.
     pub window: EditorWindow,
     /// The plugin.
@@ -42,9 +42,9 @@ pub struct Hand<'a> {
     sound: Vec<Vec<f32>>,
 }
 
-impl<'a> Hand<'a> {
+impl<'a> UiDriver<'a> {
     /// A hand over a window that is drawn; playing goes on at `position`.
-    pub fn new(desk: &'a Desk, window: EditorWindow, live: &'a mut Live, position: i64) -> Self {
+    pub fn new(desk: &'a TestDisplay, window: EditorWindow, live: &'a mut Live, position: i64) -> Self {
         let (connection, _) = x11rb::connect(None).expect("a display");
         let (first, last) = (connection.setup().min_keycode, connection.setup().max_keycode);
         let mapping =
@@ -87,7 +87,7 @@ impl<'a> Hand<'a> {
         let began = Instant::now();
         while !is_true(self) {
             if began.elapsed() > PATIENCE {
-                self.photograph("unexpected");
+                self.screenshot("unexpected");
                 panic!("{what}: not within {PATIENCE:?}");
             }
             self.pass();
@@ -104,7 +104,7 @@ impl<'a> Hand<'a> {
                 return *place;
             }
             if began.elapsed() > PATIENCE {
-                self.photograph("unexpected");
+                self.screenshot("unexpected");
                 panic!("{thing} is not to be seen: {map:?}");
             }
             self.pass();
@@ -283,7 +283,7 @@ impl<'a> Hand<'a> {
                 }
             }
             if began.elapsed() > PATIENCE {
-                self.photograph("unexpected");
+                self.screenshot("unexpected");
                 panic!("{what}: {id} is {value}");
             }
         }
@@ -303,8 +303,8 @@ impl<'a> Hand<'a> {
     }
 
     /// Keeps a picture of the window.
-    pub fn photograph(&self, name: &str) -> Picture {
-        Desk::photograph(&self.window, name)
+    pub fn screenshot(&self, name: &str) -> Picture {
+        TestDisplay::screenshot(&self.window, name)
     }
 
     /// Resizes the window as its user does by the host's frame, and waits until all of it is drawn.
