@@ -63,7 +63,7 @@ pub struct Parameter {
     pub kind: Kind,
     /// Whether it may change while sound runs.
     pub automatable: bool,
-    /// Whether it decides sizes and latency (see [`pyrophone_synthesis::Structure`]).
+    /// Whether it decides sizes and latency (see [`pyrophone_synthesis::EngineConfig`]).
     pub structure: bool,
     /// The value of Chadwick & James 2011 as a plain value, where the paper has one.
     pub paper: Option<f64>,

@@ -144,7 +144,7 @@ struct PackedField {
 pub struct Learned {
     /// Sample rate in Hz.
     pub sample_rate_hz: f64,
-    /// Pyramid levels at 44.1 kHz ([`pyrophone_synthesis::Structure::levels`]).
+    /// Pyramid levels at 44.1 kHz ([`pyrophone_synthesis::EngineConfig::levels`]).
     pub levels: usize,
     /// Whether they are of the companded mode.
     pub companded: bool,

@@ -5,7 +5,7 @@
 //! | [`bands`] | the frequencies of all plots |
 //! | [`analyser`] | a running spectrum |
 //! | [`fidelity`] | how near the output is to the recording, and how well it follows the drive |
-//! | [`portrait`] | a whole recording at a glance |
+//! | [`recording_overview`] | a whole recording at a glance |
 //! | [`range`] | whether matching two ranges of amplitudes is likely to buzz |
 
 pub mod analyser;

@@ -14,8 +14,8 @@
 //! | [`meter_bridge`] | level meters; solo and mute of layers |
 //! | [`listen`] | monitoring one sound alone, a burst, [recording](take) what is played and saving it |
 //!
-//! [`midi`] is what the window has to do with MIDI controllers. [`cure`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
-//! sound, [`hand`] moves parameters and [`history`] keeps what it did, [`theme`] is how it looks, [`dialog`] the system's file dialog,
+//! [`midi`] is what the window has to do with MIDI controllers. [`suggestion`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
+//! sound, [`param_editor`] moves parameters and [`history`] keeps what it did, [`theme`] is how it looks, [`dialog`] the system's file dialog,
 //! [`mod@drop`] takes files that are dropped, [`drag`] gives sounds to other programs, [`task`] work with files, [`map`] tells tests where things are.
 
 pub mod controls;

@@ -10,7 +10,7 @@ pub struct Channels {
     pub input: usize,
     /// Channels of the sidechain, 0-10; 0 = not connected.
     pub sidechain: usize,
-    /// Channels of the output, 1-10, at least as many as of the input; [`Layout`](crate::vortex::Layout) tells their loudspeakers. That of
+    /// Channels of the output, 1-10, at least as many as of the input; [`SpeakerLayout`](crate::vortex::SpeakerLayout) tells their loudspeakers. That of
     /// low-frequency effects passes the input's own.
     pub output: usize,
 }

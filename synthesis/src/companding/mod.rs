@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Loudness looks ahead within the latency that the effect has anyway. The paper (Chadwick & James 2011, §5.3)
-//! maps amplitudes window by window instead; see [`crate::structure::Dynamics`].
+//! maps amplitudes window by window instead; see [`crate::structure::MatchingMode`].
 //!
 //! | module | does |
 //! |---|---|
@@ -134,7 +134,7 @@ pub struct Companding {
     latency_samples: i64,
     /// Samples taken since reset.
     now: i64,
-    /// Loudnesses told in the last call of [`flatten`](Self::flatten).
+    /// Loudnesses told in the last call of [`compress`](Self::compress).
     told: Vec<f64>,
     relative: Interpolator,
     /// Loudness relative to the drive's level, of the samples that the last call of [`expand`](Self::expand) made.
@@ -242,7 +242,7 @@ impl Companding {
         self.learned = learned.and_then(Distribution::loudness);
     }
 
-    /// Loudnesses told in the last call of [`flatten`](Self::flatten), for learning them.
+    /// Loudnesses told in the last call of [`compress`](Self::compress), for learning them.
     pub fn told(&self) -> &[f64] {
         &self.told
     }

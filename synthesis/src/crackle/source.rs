@@ -12,7 +12,7 @@ pub struct Sources<'a> {
     pub gains: [f64; SLOTS],
     /// Factor on those of fuels.
     pub fuel_gain: f64,
-    /// Those of the fuels that burn, in their order ([`Fuel::place`]); may be empty.
+    /// Those of the fuels that burn, in their order (`Fuel::place`); may be empty.
     pub fuels: &'a [Crackles],
 }
 

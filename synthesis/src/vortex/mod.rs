@@ -20,7 +20,7 @@
 //! | [`layout`] | receivers and channels |
 //! | `seen` | where sources stand, to be drawn |
 //! | `microphone` | the largest pressure |
-//! | [`shipped`] | the textures that come with the engines |
+//! | [`factory`] | the textures that come with the engines |
 
 pub mod bank;
 pub mod factory;
