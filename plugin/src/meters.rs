@@ -2,24 +2,25 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
+use atomic_float::AtomicF32;
+
 use pyrophone_synthesis::chain;
 
-/// A level that holds the largest magnitude until it is read. Magnitudes are not negative, so
-/// their bits are ordered as they are.
+/// A level that holds the largest magnitude until it is read.
 #[derive(Debug, Default)]
-pub struct Peak(AtomicU32);
+pub struct Peak(AtomicF32);
 
 impl Peak {
     /// Raises the level to `magnitude`, if that is larger.
     pub fn raise(&self, magnitude: f32) {
         if magnitude > 0.0 {
-            self.0.fetch_max(magnitude.to_bits(), Ordering::Relaxed);
+            self.0.fetch_max(magnitude, Ordering::Relaxed);
         }
     }
 
     /// The level since the last call, which is then cleared.
     pub fn take(&self) -> f32 {
-        f32::from_bits(self.0.swap(0, Ordering::Relaxed))
+        self.0.swap(0.0, Ordering::Relaxed)
     }
 }
 
@@ -50,10 +51,10 @@ pub struct Meters {
     pub output: Peak,
     cancels: AtomicBool,
     late_steps: AtomicU32,
-    scaling_alpha_bits: AtomicU32,
+    scaling_alpha: AtomicF32,
     sidechain_channels: AtomicU32,
     latency_samples: AtomicU32,
-    sample_rate_bits: AtomicU32,
+    sample_rate_hz: AtomicF32,
 }
 
 impl Meters {
@@ -75,7 +76,7 @@ impl Meters {
             peak.raise(magnitude);
         }
         self.cancels.store(measured.cancels, Ordering::Relaxed);
-        self.scaling_alpha_bits.store(measured.scaling_alpha.to_bits(), Ordering::Relaxed);
+        self.scaling_alpha.store(measured.scaling_alpha, Ordering::Relaxed);
         self.late_steps.fetch_add(u32::try_from(measured.late_steps).unwrap_or(u32::MAX), Ordering::Relaxed);
     }
 
@@ -86,7 +87,7 @@ impl Meters {
 
     /// How far texture maps amplitudes, 0-1: Scaling alpha, or what a buzz has left of it.
     pub fn scaling_alpha(&self) -> f32 {
-        f32::from_bits(self.scaling_alpha_bits.load(Ordering::Relaxed))
+        self.scaling_alpha.load(Ordering::Relaxed)
     }
 
     /// Steps of the live gas that came too late since the activation.
@@ -106,14 +107,14 @@ impl Meters {
 
     /// Takes over what an activation has decided.
     pub fn set_engine(&self, sample_rate_hz: f32, latency_samples: u32) {
-        self.sample_rate_bits.store(sample_rate_hz.to_bits(), Ordering::Relaxed);
+        self.sample_rate_hz.store(sample_rate_hz, Ordering::Relaxed);
         self.latency_samples.store(latency_samples, Ordering::Relaxed);
         self.late_steps.store(0, Ordering::Relaxed);
     }
 
     /// Latency in samples and sample rate in Hz, once there was an activation.
     pub fn engine(&self) -> Option<(u32, f32)> {
-        let sample_rate_hz = f32::from_bits(self.sample_rate_bits.load(Ordering::Relaxed));
+        let sample_rate_hz = self.sample_rate_hz.load(Ordering::Relaxed);
         (sample_rate_hz > 0.0).then(|| (self.latency_samples.load(Ordering::Relaxed), sample_rate_hz))
     }
 }

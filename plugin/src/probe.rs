@@ -4,6 +4,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use atomic_float::AtomicF32;
 use pyrophone_synthesis::chain::Telemetry;
 use pyrophone_synthesis::controls::MixControls;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
@@ -61,8 +62,8 @@ struct Shared {
     /// Frames that had no room since a window began to look.
     lost: AtomicU32,
     /// What the engines need of the time that they have: of the last blocks, and the most since it was asked.
-    load: AtomicU32,
-    worst_load: AtomicU32,
+    load: AtomicF32,
+    worst_load: AtomicF32,
 }
 
 impl Shared {
@@ -156,9 +157,9 @@ impl ProbeIn {
     pub fn tell_load(&self, load: f32) {
         if load.is_finite() && load >= 0.0 {
             // A second or so of blocks.
-            let before = f32::from_bits(self.shared.load.load(Ordering::Relaxed));
-            self.shared.load.store((before + 0.02 * (load - before)).to_bits(), Ordering::Relaxed);
-            self.shared.worst_load.fetch_max(load.to_bits(), Ordering::Relaxed);
+            let before = self.shared.load.load(Ordering::Relaxed);
+            self.shared.load.store(before + 0.02 * (load - before), Ordering::Relaxed);
+            self.shared.worst_load.fetch_max(load, Ordering::Relaxed);
         }
     }
 }
@@ -225,8 +226,8 @@ impl ProbeOut {
 
     /// Part of their time that blocks take, smoothed, and the most since the last call.
     pub fn load(&self) -> (f32, f32) {
-        let worst = self.shared.worst_load.swap(0, Ordering::Relaxed);
-        (f32::from_bits(self.shared.load.load(Ordering::Relaxed)), f32::from_bits(worst))
+        let worst = self.shared.worst_load.swap(0.0, Ordering::Relaxed);
+        (self.shared.load.load(Ordering::Relaxed), worst)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use atomic_float::AtomicF64;
 use nice_plug_core::editor::dpi::{LogicalSize, NativeSize};
 
 /// The smallest window in which everything can be reached, in points: width and height.
@@ -17,14 +18,14 @@ pub struct WindowSize {
     /// Width and height, 32 bits each.
     bits: AtomicU64,
     /// Pixels of a point on the last window's screen; 0 before there was one.
-    scale_bits: AtomicU64,
+    scale: AtomicF64,
     /// Whether a session has brought it and no window had it yet.
     is_new: AtomicBool,
 }
 
 impl Default for WindowSize {
     fn default() -> Self {
-        Self { bits: AtomicU64::new(pack(SIZE)), scale_bits: AtomicU64::new(0), is_new: AtomicBool::new(false) }
+        Self { bits: AtomicU64::new(pack(SIZE)), scale: AtomicF64::new(0.0), is_new: AtomicBool::new(false) }
     }
 }
 
@@ -74,13 +75,13 @@ impl WindowSize {
 
     /// Pixels of a point.
     pub(crate) fn set_scale(&self, scale: f64) {
-        self.scale_bits.store(scale.to_bits(), Ordering::Relaxed);
+        self.scale.store(scale, Ordering::Relaxed);
     }
 
     /// As hosts count it. They ask before there is a window, too.
     pub(crate) fn native(&self) -> NativeSize<u32> {
         let [width, height] = self.get();
-        let scale = match f64::from_bits(self.scale_bits.load(Ordering::Relaxed)) {
+        let scale = match self.scale.load(Ordering::Relaxed) {
             scale if scale > 0.0 => scale,
             _ => desktop_scale(),
         };

@@ -1,6 +1,6 @@
 //! Sources whose places and speeds a simulation has told.
 
-use super::SPEED_OF_SOUND_M_S;
+use super::acoustics::SPEED_OF_SOUND_M_S;
 use crate::error::Error;
 
 /// Sources that move faster than this have been put elsewhere: they fade out and in again instead of being heard to

@@ -11,7 +11,9 @@
 //! | `level` | the rows and the level of a speed |
 //! | [`field`] | places and speeds that a simulation told; `field_file`: as bytes |
 //! | [`live`] | a flow that is simulated while it sounds |
-//! | `hop` | what happens within a hop |
+//! | `renderer` | hops on the host's timeline |
+//! | `hop`, `render_hop` | what a hop is decided to be, and how it is summed |
+//! | `acoustics` | constants of sound in air |
 //! | `source` | what a seed decides of a source |
 //! | `motion` | which of these two tells the sources |
 //! | `moving` | controls without jumps |
@@ -22,6 +24,7 @@
 //! | `microphone` | the largest pressure |
 //! | [`factory`] | the textures that come with the engines |
 
+mod acoustics;
 pub mod bank;
 pub mod factory;
 pub mod field;
@@ -34,269 +37,19 @@ mod microphone;
 mod motion;
 mod moving;
 mod read;
+mod render_hop;
+mod renderer;
 mod seen;
 mod source;
 pub mod texture;
 mod upsampler;
 
+pub use acoustics::{NEAR_M, SPEED_OF_SOUND_M_S};
 pub use bank::Bank;
 pub use factory::TEXTURES;
 pub use field::{End, SpeedField};
 pub use layout::SpeakerLayout;
 pub use live::{Asked, Simulator};
+pub use renderer::{MOST_SOURCES, Vortex};
 pub use seen::SeenSource;
 pub use texture::VortexTexture;
-
-use std::sync::Arc;
-
-use crate::controls::{DriveControls, Flow, VortexControls};
-use crate::drive::envelope::Envelope;
-use crate::error::{Error, in_range, within};
-use hop::Hop;
-use layout::Panner;
-use live::Live;
-use moving::ControlSnapshot;
-use read::Reader;
-use source::Source;
-use upsampler::Upsampler;
-
-/// Speed of sound in m/s.
-pub const SPEED_OF_SOUND_M_S: f64 = 343.0;
-
-/// Radius in m of the near field: pressure falls with sqrt(r^2 + `NEAR_M`^2) instead of r, so that it stays finite at
-/// the source. From 2 m on that is less than 0.07 dB.
-pub const NEAR_M: f64 = 0.25;
-
-/// Most sources of a renderer.
-pub const MOST_SOURCES: usize = 16_384;
-
-/// Samples of a hop at about 48 kHz; at other rates it lasts about as long.
-const HOP: f64 = 128.0;
-
-/// Hops over which what sounded before an exchange dies away.
-const FAREWELL_HOPS: usize = 2;
-
-/// Drive beyond this magnitude is a broken signal.
-const LARGEST_DRIVE: f64 = 1e4;
-
-/// What is left of a full-scale drive, in nepers, where there is no threshold: the envelope's own end.
-const SILENCE_NEPERS: f64 = 27.7;
-
-/// The renderer of vortex sound.
-///
-/// Hops stand on multiples of their length on the host's timeline. What a hop sounds like is decided at its first sample; its
-/// sources are then summed a few at a time, as the hop goes by, and heard in the next one: so the load is as even as blocks
-/// are. Output does not depend on how blocks are cut, and, given constant controls and flow, is a function of the position.
-/// Speeds by envelope follow it one hop (2.7 ms) late.
-#[derive(Debug)]
-pub struct Vortex {
-    sample_rate_hz: f64,
-    hop: usize,
-    /// Samples of the output per sample that sources are summed at.
-    factor: usize,
-    channels: usize,
-    panner: Panner,
-    bank: Option<Arc<Bank>>,
-    field: Option<Arc<SpeedField>>,
-    live: Option<Live>,
-    sources: Vec<Source>,
-    envelope: Envelope,
-    /// The envelope after the last sample.
-    envelope_now: f64,
-    follow: Vec<f64>,
-    moving: ControlSnapshot,
-    reader: Reader,
-    present: Hop,
-    /// Pressures of the hop by channel, at the lower rate.
-    pressures: Vec<Vec<f32>>,
-    raise: Upsampler,
-    /// Pressures of a channel at the output's rate.
-    raised: Vec<f32>,
-    /// The last hop's output by channel.
-    ready: Vec<Vec<f64>>,
-    /// Position of the next sample.
-    position: i64,
-    /// Whether nothing has been rendered since reset.
-    is_fresh: bool,
-    /// What told the speeds in the last hop.
-    flow: Flow,
-    /// Whether a bank or field that is heard was exchanged during the last hop.
-    is_exchanged: bool,
-    /// Last pressures before an exchange and their slopes per sample; hops since.
-    farewell: Vec<[f32; 2]>,
-    farewell_hop: usize,
-}
-
-impl Vortex {
-    /// A renderer at position 0, without bank and field: it is silent until it gets a bank.
-    ///
-    /// Fails where `sample_rate_hz` is not 8,000-384,000, or `sources`, the most that it will render, not 1-16,384.
-    pub fn new(sample_rate_hz: f64, layout: SpeakerLayout, sources: usize) -> Result<Self, Error> {
-        in_range("sample rate in Hz", sample_rate_hz, 8_000.0, 384_000.0)?;
-        in_range("number of sources", sources as f64, 1.0, MOST_SOURCES as f64)?;
-        let hop = (HOP * maths::pow(2.0, maths::log2(sample_rate_hz / 48_000.0).round())) as usize;
-        let factor = upsampler::factor(sample_rate_hz);
-        let (channels, summed) = (layout.channels(), hop / factor);
-        Ok(Self {
-            sample_rate_hz,
-            hop,
-            factor,
-            channels,
-            panner: Panner::new(layout),
-            bank: None,
-            field: None,
-            live: None,
-            sources: vec![Source::default(); sources],
-            envelope: Envelope::new(sample_rate_hz),
-            envelope_now: 0.0,
-            follow: vec![0.0; hop],
-            moving: ControlSnapshot::new(sample_rate_hz / hop as f64),
-            reader: Reader::new(summed),
-            present: Hop::default(),
-            pressures: vec![vec![0.0; summed]; channels],
-            raise: Upsampler::new(factor, channels, summed),
-            raised: vec![0.0; hop],
-            ready: vec![vec![0.0; hop]; channels],
-            position: 0,
-            is_fresh: true,
-            flow: Flow::Envelope,
-            is_exchanged: false,
-            farewell: vec![[0.0; 2]; channels],
-            farewell_hop: FAREWELL_HOPS,
-        })
-    }
-
-    /// Delay of the output in samples, a function of the sample rate alone: a hop, and the filter that raises the rate.
-    pub fn latency_samples(&self) -> usize {
-        self.hop + self.raise.latency_samples()
-    }
-
-    /// Samples for which output may differ from 0 after a full-scale drive has ended: the envelope's release down to
-    /// its threshold, and what has been on its way. None where a field drives the sources, which ends never.
-    pub fn tail_samples(&self, controls: &VortexControls) -> Option<usize> {
-        let release_s = within(controls.release_s, 1e-3, 5.0);
-        let nepers = (-maths::ln(within(controls.threshold, 0.0, 1.0))).clamp(0.0, SILENCE_NEPERS);
-        let release = (release_s * nepers * self.sample_rate_hz).ceil() as usize;
-        (controls.flow == Flow::Envelope)
-            .then_some(release + (2 + FAREWELL_HOPS) * self.hop + 2 * self.latency_samples())
-    }
-
-    /// Samples of a hop, a function of the sample rate alone.
-    pub fn hop_samples(&self) -> usize {
-        self.hop
-    }
-
-    /// Number of channels.
-    pub fn channels(&self) -> usize {
-        self.channels
-    }
-
-    /// Most sources that are rendered.
-    pub fn sources(&self) -> usize {
-        self.sources.len()
-    }
-
-    /// Exchanges the bank and returns the one before. From the next hop on the new one fades in; one of another sample
-    /// rate stays silent.
-    pub fn swap_bank(&mut self, bank: Option<Arc<Bank>>) -> Option<Arc<Bank>> {
-        self.sum_rest();
-        self.is_exchanged = true;
-        std::mem::replace(&mut self.bank, bank)
-    }
-
-    /// Exchanges the speed field and returns the one before. From the next hop on the new one fades in.
-    pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
-        self.sum_rest();
-        self.is_exchanged |= self.flow == Flow::Field;
-        std::mem::replace(&mut self.field, field)
-    }
-
-    /// Takes a simulation for [`Flow::Live`], whose sources stand at `places`, in m to the right, to the front and up from
-    /// where the controls place the middle. Its steps last [`live_step_s`](Self::live_step_s). Not for the audio thread.
-    ///
-    /// Fails without a place, and where one is no number or farther than 100 km.
-    pub fn set_simulator(&mut self, simulator: Box<dyn Simulator>, places: &[[f32; 3]]) -> Result<(), Error> {
-        self.sum_rest();
-        self.live = Some(Live::new(simulator, places, live::hops_per_step(self.sample_rate_hz, self.hop))?);
-        Ok(())
-    }
-
-    /// Seconds that a step of a live simulation lasts, about 1/60.
-    pub fn live_step_s(&self) -> f64 {
-        live::hops_per_step(self.sample_rate_hz, self.hop) as f64 * self.hop as f64 / self.sample_rate_hz
-    }
-
-    /// Steps of the live simulation that came too late since the last call.
-    pub fn take_late(&mut self) -> u64 {
-        self.live.as_mut().map_or(0, Live::take_late)
-    }
-
-    /// Back to silence; the next sample stands at `position` on the host's timeline. Bank and field stay.
-    pub fn reset(&mut self, position: i64) {
-        // Room for centuries of sound on either side, whose places in the period are still exact enough.
-        self.position = position.clamp(-(1 << 50), 1 << 50);
-        self.envelope.reset();
-        self.envelope_now = 0.0;
-        self.ready.iter_mut().for_each(|channel| channel.fill(0.0));
-        self.is_fresh = true;
-        self.is_exchanged = false;
-        self.farewell_hop = FAREWELL_HOPS;
-        self.raise.reset();
-        self.present = Hop::default();
-        if let Some(live) = &mut self.live {
-            live.reset();
-        }
-    }
-
-    /// Lets `samples` go by unheard, at next to no cost; what comes next begins as after a [`reset`](Self::reset).
-    pub fn skip(&mut self, samples: usize) {
-        if !self.is_fresh {
-            self.reset(self.position);
-        }
-        self.position += samples as i64;
-    }
-
-    /// Renders one block of any length into `outputs`, whose channels are as long as `drive`; channels that the layout
-    /// does not have stay silent. A hop works with the `controls` in force at its first sample. Where a field tells the
-    /// speeds, `drive` is of no account but for its length.
-    pub fn process(&mut self, drive: &[f64], controls: &VortexControls, outputs: &mut [&mut [f64]]) {
-        let count = outputs.iter().map(|channel| channel.len()).fold(drive.len(), usize::min);
-        let follow = DriveControls {
-            attack_s: controls.attack_s,
-            release_s: controls.release_s,
-            threshold: controls.threshold,
-            ..DriveControls::default()
-        };
-        let mut done = 0;
-        while done < count {
-            let into = self.position.rem_euclid(self.hop as i64) as usize;
-            if self.is_fresh {
-                self.start(self.position - into as i64, controls);
-            } else if into == 0 {
-                self.begin(self.position, controls);
-            }
-            let step = (self.hop - into).min(count - done);
-            let envelope = &mut self.follow[..step];
-            for (kept, sample) in envelope.iter_mut().zip(&drive[done..]) {
-                *kept = if sample.is_nan() { 0.0 } else { sample.clamp(-LARGEST_DRIVE, LARGEST_DRIVE) };
-            }
-            self.envelope.process(&follow, envelope);
-            self.envelope_now = envelope.last().copied().unwrap_or(0.0);
-            for (channel, output) in outputs.iter_mut().enumerate() {
-                let output = &mut output[done..done + step];
-                match self.ready.get(channel) {
-                    Some(ready) => output.copy_from_slice(&ready[into..into + step]),
-                    None => output.fill(0.0),
-                }
-            }
-            if into + step == self.hop {
-                self.sum_rest();
-                self.finish();
-            } else {
-                self.sum(self.present.sources * (into + step) / self.hop);
-            }
-            done += step;
-            self.position += step as i64;
-        }
-    }
-}

@@ -1,6 +1,6 @@
 //! Controls as the hops see them: within their ranges, and without jumps.
 
-use super::NEAR_M;
+use super::acoustics::NEAR_M;
 use crate::controls::VortexControls;
 use crate::error::within;
 use crate::smoothed::Smoothed;

@@ -1,6 +1,6 @@
 //! Where sources stand, for whoever draws them.
 
-use super::Vortex;
+use super::renderer::Vortex;
 
 /// A source as it was at the end of the last hop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

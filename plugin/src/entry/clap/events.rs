@@ -11,23 +11,11 @@ use clap_sys::events::{
     clap_output_events,
 };
 
-use super::controllers::{Messages, Place, event_of};
-use super::params::shift;
-use super::plugin::Guard;
+use super::controllers::{Place, event_of};
+use super::guard::Guard;
+use super::scale::shift;
+use super::scratch::{IN_USE, Scratch};
 use crate::controllers::Controllers;
-
-/// Events that may be in use at once: the framework looks at one and at the next.
-const IN_USE: usize = 4;
-
-/// Room for events of our own in the call under way.
-#[derive(Default)]
-pub struct Scratch {
-    events: [Option<clap_event_param_value>; IN_USE],
-    messages: Messages,
-}
-
-// SAFETY: what an event points to is the host's and only passed through within a call.
-unsafe impl Send for Scratch {}
 
 struct Incoming<'a> {
     host: &'a clap_input_events,

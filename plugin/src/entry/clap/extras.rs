@@ -13,7 +13,7 @@ use clap_sys::id::clap_id;
 use clap_sys::plugin::clap_plugin;
 use pyrophone_settings::PARAMETERS;
 
-use super::plugin::Guard;
+use super::guard::Guard;
 use crate::entry::indication::Automation;
 use crate::entry::instance::index_of_numeric;
 

@@ -2,8 +2,9 @@
 //!
 //! | module | is |
 //! |---|---|
-//! | [`plugin`] | the effect as the host holds it |
+//! | [`plugin`], [`guard`] | the effect as the host holds it, and what every extension starts from |
 //! | [`params`], [`events`] | parameters, and the events that carry their values |
+//! | [`scale`], [`scratch`] | their values as hosts count them, and room for events of our own |
 //! | [`controllers`] | MIDI controllers that move them |
 //! | [`ports`] | layouts and loudspeakers |
 //! | [`saving`] | states, and presets loaded by a host |
@@ -15,11 +16,14 @@ mod controllers;
 mod discovery;
 mod events;
 mod extras;
+mod guard;
 mod host_menu;
 mod params;
 mod plugin;
 mod ports;
 mod saving;
+mod scale;
+mod scratch;
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::OnceLock;
@@ -97,5 +101,5 @@ unsafe extern "C" fn create(
         return std::ptr::null();
     }
     // SAFETY: the host outlives its plug-ins.
-    unsafe { plugin::Guard::create(host) }
+    unsafe { plugin::create(host) }
 }

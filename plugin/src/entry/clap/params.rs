@@ -13,7 +13,8 @@ use clap_sys::plugin::clap_plugin;
 use pyrophone_settings::{Kind, PARAMETERS};
 
 use super::events;
-use super::plugin::Guard;
+use super::guard::Guard;
+use super::scale::shift;
 use crate::entry::instance::index_of_numeric;
 
 /// Parameters, with the framework's behind them.
@@ -25,16 +26,6 @@ pub static PARAMS: clap_plugin_params = clap_plugin_params {
     text_to_value: Some(text_to_value),
     flush: Some(flush),
 };
-
-/// By how much a parameter's values are larger for the host than for the framework; none where they are the same;
-/// real-time safe.
-pub fn shift(id: clap_id) -> Option<f64> {
-    let parameter = &PARAMETERS[index_of_numeric(id)?];
-    match parameter.kind {
-        Kind::Int { low, .. } if low != 0 && !parameter.automatable => Some(f64::from(low)),
-        _ => None,
-    }
-}
 
 /// Steps as whole numbers: the framework multiplies 32-bit shares (6.0000001).
 fn whole(index: usize, value: f64) -> f64 {

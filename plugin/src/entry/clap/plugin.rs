@@ -6,17 +6,17 @@ use std::sync::Mutex;
 use std::sync::TryLockError;
 
 use clap_sys::audio_buffer::clap_audio_buffer;
-use clap_sys::ext::audio_ports::{CLAP_EXT_AUDIO_PORTS, clap_plugin_audio_ports};
-use clap_sys::ext::audio_ports_config::{CLAP_EXT_AUDIO_PORTS_CONFIG, clap_plugin_audio_ports_config};
+use clap_sys::ext::audio_ports::CLAP_EXT_AUDIO_PORTS;
+use clap_sys::ext::audio_ports_config::CLAP_EXT_AUDIO_PORTS_CONFIG;
 use clap_sys::ext::configurable_audio_ports::{
     CLAP_EXT_CONFIGURABLE_AUDIO_PORTS, CLAP_EXT_CONFIGURABLE_AUDIO_PORTS_COMPAT,
 };
 use clap_sys::ext::context_menu::{CLAP_EXT_CONTEXT_MENU, CLAP_EXT_CONTEXT_MENU_COMPAT};
 use clap_sys::ext::latency::{CLAP_EXT_LATENCY, clap_host_latency, clap_plugin_latency};
 use clap_sys::ext::param_indication::{CLAP_EXT_PARAM_INDICATION, CLAP_EXT_PARAM_INDICATION_COMPAT};
-use clap_sys::ext::params::{CLAP_EXT_PARAMS, clap_plugin_params};
+use clap_sys::ext::params::CLAP_EXT_PARAMS;
 use clap_sys::ext::preset_load::{CLAP_EXT_PRESET_LOAD, CLAP_EXT_PRESET_LOAD_COMPAT};
-use clap_sys::ext::state::{CLAP_EXT_STATE, clap_plugin_state};
+use clap_sys::ext::state::CLAP_EXT_STATE;
 use clap_sys::ext::state_context::CLAP_EXT_STATE_CONTEXT;
 use clap_sys::ext::surround::{CLAP_EXT_SURROUND, CLAP_EXT_SURROUND_COMPAT};
 use clap_sys::host::clap_host;
@@ -24,115 +24,38 @@ use clap_sys::plugin::clap_plugin;
 use clap_sys::process::{CLAP_PROCESS_ERROR, clap_process, clap_process_status};
 use nice_plug::wrapper::clap::Wrapper;
 
+use super::guard::Guard;
 use super::host_menu::ClapMenu;
 use super::{events, extras, params, ports, saving};
 use crate::Pyrophone;
 use crate::entry::buses::{Buses, MAX_INPUTS};
-use crate::entry::instance::{self, Instance};
+use crate::entry::instance;
 
-/// Guards the framework's plug-in. It has the same data pointer, by which the framework's functions find their own,
-/// so that those which need no guard are simply called with it.
-#[repr(C)]
-pub struct Guard {
-    /// What the host calls. It comes first: a pointer to it is a pointer to the guard.
-    clap: clap_plugin,
-    /// The framework's functions.
-    inner: clap_plugin,
-    pub(super) host: *const clap_host,
-    pub(super) instance: Instance,
-    pub(super) events: Mutex<events::Scratch>,
-    /// Used by the audio thread while active, exchanged by the main thread while not: never waited for.
-    buses: Mutex<Option<Buses>>,
-}
-
-impl Guard {
-    /// A new plug-in; null where the framework makes none.
-    ///
-    /// # Safety
-    /// The host outlives the plug-in.
-    pub unsafe fn create(host: *const clap_host) -> *const clap_plugin {
-        // SAFETY: by the caller's word.
-        let wrapper = unsafe { Wrapper::<Pyrophone>::new(host) };
-        let Some(instance) = instance::take_announced() else { return std::ptr::null() };
-        // The framework's `destroy` takes this reference back.
-        let wrapper = Arc::into_raw(wrapper);
-        // SAFETY: alive until it is destroyed; its functions and data pointer do not change any more.
-        let inner = unsafe { *(*wrapper).clap_plugin.as_ptr() };
-        let clap = clap_plugin {
-            desc: super::descriptor().clap_plugin_descriptor(),
-            destroy: Some(destroy),
-            activate: Some(activate),
-            process: Some(process),
-            get_extension: Some(get_extension),
-            ..inner
-        };
-        let (events, buses) = (Mutex::default(), Mutex::new(None));
-        // SAFETY: it is taken away again before the plug-in is destroyed, which the host outlives.
-        instance.params.host_menu.set_provider(Some(Box::new(unsafe { ClapMenu::new(host) })));
-        let guard = Box::new(Self { clap, inner, host, instance, events, buses });
-        std::ptr::from_ref(&Box::leak(guard).clap)
-    }
-
-    /// The guard of a plug-in.
-    ///
-    /// # Safety
-    /// `plugin` is null or was made by [`create`](Self::create) and is not destroyed.
-    pub unsafe fn of<'a>(plugin: *const clap_plugin) -> Option<&'a Self> {
-        // SAFETY: by the caller's word, and the guard begins with what the host calls.
-        unsafe { plugin.cast::<Self>().as_ref() }
-    }
-
-    /// The pointer that the framework's functions are called with.
-    pub fn plugin(&self) -> *const clap_plugin {
-        &self.clap
-    }
-
-    /// An extension of the framework's.
-    ///
-    /// # Safety
-    /// `T` is the extension's type.
-    unsafe fn inner_extension<T>(&self, id: &CStr) -> Option<&T> {
-        let get = self.inner.get_extension?;
-        // SAFETY: a live plug-in; by the caller's word.
-        unsafe { get(self.plugin(), id.as_ptr()).cast::<T>().as_ref() }
-    }
-
-    /// The framework's parameters.
-    pub fn params(&self) -> Option<&clap_plugin_params> {
-        // SAFETY: the id's type.
-        unsafe { self.inner_extension(CLAP_EXT_PARAMS) }
-    }
-
-    /// The framework's states.
-    pub fn state(&self) -> Option<&clap_plugin_state> {
-        // SAFETY: the id's type.
-        unsafe { self.inner_extension(CLAP_EXT_STATE) }
-    }
-
-    /// The framework's ports.
-    pub fn audio_ports(&self) -> Option<&clap_plugin_audio_ports> {
-        // SAFETY: the id's type.
-        unsafe { self.inner_extension(CLAP_EXT_AUDIO_PORTS) }
-    }
-
-    /// The framework's layouts.
-    pub fn audio_ports_config(&self) -> Option<&clap_plugin_audio_ports_config> {
-        // SAFETY: the id's type.
-        unsafe { self.inner_extension(CLAP_EXT_AUDIO_PORTS_CONFIG) }
-    }
-
-    /// An extension of the host's.
-    ///
-    /// # Safety
-    /// `T` is the extension's type, and the plug-in is initialised.
-    pub unsafe fn host_extension<T>(&self, id: &CStr) -> Option<&T> {
-        // SAFETY: the host outlives its plug-ins; by the caller's word.
-        unsafe { ((*self.host).get_extension?)(self.host, id.as_ptr()).cast::<T>().as_ref() }
-    }
-
-    fn latency_samples(&self) -> u32 {
-        self.instance.meters.engine().map_or(0, |(latency_samples, _)| latency_samples)
-    }
+/// A new plug-in; null where the framework makes none.
+///
+/// # Safety
+/// The host outlives the plug-in.
+pub unsafe fn create(host: *const clap_host) -> *const clap_plugin {
+    // SAFETY: by the caller's word.
+    let wrapper = unsafe { Wrapper::<Pyrophone>::new(host) };
+    let Some(instance) = instance::take_announced() else { return std::ptr::null() };
+    // The framework's `destroy` takes this reference back.
+    let wrapper = Arc::into_raw(wrapper);
+    // SAFETY: alive until it is destroyed; its functions and data pointer do not change any more.
+    let inner = unsafe { *(*wrapper).clap_plugin.as_ptr() };
+    let clap = clap_plugin {
+        desc: super::descriptor().clap_plugin_descriptor(),
+        destroy: Some(destroy),
+        activate: Some(activate),
+        process: Some(process),
+        get_extension: Some(get_extension),
+        ..inner
+    };
+    let (events, buses) = (Mutex::default(), Mutex::new(None));
+    // SAFETY: it is taken away again before the plug-in is destroyed, which the host outlives.
+    instance.params.host_menu.set_provider(Some(Box::new(unsafe { ClapMenu::new(host) })));
+    let guard = Box::new(Guard { clap, inner, host, instance, events, buses });
+    std::ptr::from_ref(&Box::leak(guard).clap)
 }
 
 unsafe extern "C" fn destroy(plugin: *const clap_plugin) {

@@ -15,7 +15,7 @@ use clap_sys::id::clap_id;
 use clap_sys::plugin::clap_plugin;
 use nice_plug::prelude::{AudioIOLayout, NonZeroU32, Plugin};
 
-use super::plugin::Guard;
+use super::guard::Guard;
 use crate::Pyrophone;
 use crate::entry::buses::{Declared, MAX_INPUTS};
 

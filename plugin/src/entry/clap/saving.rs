@@ -16,7 +16,7 @@ use clap_sys::plugin::clap_plugin;
 use clap_sys::stream::{clap_istream, clap_ostream};
 use pyrophone_settings::Preset;
 
-use super::plugin::Guard;
+use super::guard::Guard;
 use crate::entry::state;
 
 /// States.

@@ -3,8 +3,9 @@
 //! Each controller is a hidden parameter, to which every MIDI channel of it is mapped. Where a block moves one, the
 //! framework gets values of the parameters that follow it, beside the host's own, and the host is told what came of it.
 
-use std::sync::atomic::{AtomicI32, AtomicPtr, AtomicU16, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicI32, AtomicPtr, AtomicU16, AtomicU32, Ordering};
 
+use atomic_float::AtomicF64;
 use pyrophone_settings::COUNT;
 use pyrophone_settings::controller_file::CONTROLLERS;
 use vst3::Steinberg::Vst::{
@@ -49,14 +50,14 @@ pub fn describe(number: u8, info: &mut ParameterInfo) {
 struct Queue {
     id: ParamID,
     offsets: [AtomicI32; MOST],
-    values: [AtomicU64; MOST],
+    values: [AtomicF64; MOST],
     count: AtomicU32,
 }
 
 impl Queue {
     fn new(id: ParamID) -> Self {
         let (offsets, values) =
-            (std::array::from_fn(|_| AtomicI32::new(0)), std::array::from_fn(|_| AtomicU64::new(0)));
+            (std::array::from_fn(|_| AtomicI32::new(0)), std::array::from_fn(|_| AtomicF64::new(0.0)));
         Self { id, offsets, values, count: AtomicU32::new(0) }
     }
 
@@ -64,13 +65,13 @@ impl Queue {
         let count = self.count.load(Ordering::Relaxed) as usize;
         let place = count.min(MOST - 1);
         self.offsets[place].store(offset, Ordering::Relaxed);
-        self.values[place].store(value.to_bits(), Ordering::Relaxed);
+        self.values[place].store(value, Ordering::Relaxed);
         self.count.store(place as u32 + 1, Ordering::Relaxed);
     }
 
     fn point(&self, place: usize) -> Option<(int32, f64)> {
         let is_there = place < self.count.load(Ordering::Relaxed) as usize;
-        let value = || f64::from_bits(self.values[place].load(Ordering::Relaxed));
+        let value = || self.values[place].load(Ordering::Relaxed);
         is_there.then(|| (self.offsets[place].load(Ordering::Relaxed), value()))
     }
 
@@ -170,8 +171,8 @@ impl IParameterChangesTrait for Changes {
 
 /// Controllers of an instance: where they stand, and what they move in the block under way.
 pub struct ControllerInput {
-    /// Positions as bits, by number.
-    positions: [AtomicU64; CONTROLLERS as usize],
+    /// Positions, by number.
+    positions: [AtomicF64; CONTROLLERS as usize],
     changes: ComWrapper<Changes>,
 }
 
@@ -186,20 +187,20 @@ impl Default for ControllerInput {
             moved: std::array::from_fn(|_| AtomicU16::new(0)),
             moved_count: AtomicU32::new(0),
         };
-        Self { positions: std::array::from_fn(|_| AtomicU64::new(0)), changes: ComWrapper::new(changes) }
+        Self { positions: std::array::from_fn(|_| AtomicF64::new(0.0)), changes: ComWrapper::new(changes) }
     }
 }
 
 impl ControllerInput {
     /// Where a controller stands, 0-1.
     pub fn position(&self, number: u8) -> f64 {
-        f64::from_bits(self.positions[usize::from(number)].load(Ordering::Relaxed))
+        self.positions[usize::from(number)].load(Ordering::Relaxed)
     }
 
     /// Notes where a controller stands; a parameter that waits for one takes it. Real-time safe.
     pub fn set_position(&self, controllers: &Controllers, number: u8, position: f64) {
         controllers.hear(number);
-        self.positions[usize::from(number)].store(position.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+        self.positions[usize::from(number)].store(position.clamp(0.0, 1.0), Ordering::Relaxed);
     }
 
     /// Reads a block's changes and gives those that the framework is to have; real-time safe.

@@ -6,6 +6,7 @@
 
 use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering};
 
+use atomic_float::AtomicF32;
 use pyrophone_settings::PARAMETERS;
 
 /// Bits of no normalised value: not a number.
@@ -19,8 +20,8 @@ const TOLD: usize = 32;
 struct Slot {
     bits: AtomicU64,
     blocks: AtomicU8,
-    /// The latest values that the host was told, as bits of 32-bit floats, and how many there were.
-    told: [AtomicU32; TOLD],
+    /// The latest values that the host was told, as 32-bit floats, and how many there were.
+    told: [AtomicF32; TOLD],
     told_count: AtomicU32,
 }
 
@@ -29,7 +30,7 @@ impl Slot {
         Self {
             bits: AtomicU64::new(NONE),
             blocks: AtomicU8::new(0),
-            told: std::array::from_fn(|_| AtomicU32::new(f32::NAN.to_bits())),
+            told: std::array::from_fn(|_| AtomicF32::new(f32::NAN)),
             told_count: AtomicU32::new(0),
         }
     }
@@ -61,14 +62,13 @@ impl PendingValues {
     pub fn tell(&self, index: usize, normalised: f64) {
         let slot = &self.0[index];
         let place = slot.told_count.fetch_add(1, Ordering::Relaxed) as usize % TOLD;
-        slot.told[place].store((normalised as f32).to_bits(), Ordering::Relaxed);
+        slot.told[place].store(normalised as f32, Ordering::Relaxed);
         slot.bits.store(NONE, Ordering::Release);
     }
 
     /// Whether a value that the host sets is one that it was told not long ago.
     pub fn is_echo(&self, index: usize, normalised: f64) -> bool {
-        let is_it =
-            |told: &AtomicU32| (f64::from(f32::from_bits(told.load(Ordering::Relaxed))) - normalised).abs() < 1e-6;
+        let is_it = |told: &AtomicF32| (f64::from(told.load(Ordering::Relaxed)) - normalised).abs() < 1e-6;
         self.0[index].told.iter().any(is_it)
     }
 

@@ -6,8 +6,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, SymmetricEigen};
 use rayon::prelude::*;
 
-use super::AXES_MAX;
 use super::lanes::{Lanes, Machine, STAGE, Work};
+use super::sizes::AXES_MAX;
 use crate::texture::feature::Features;
 
 /// At most this many windows, evenly spread, are used to find the axes.

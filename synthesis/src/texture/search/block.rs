@@ -1,7 +1,7 @@
 //! Bounds of sixteen boxes.
 
 use super::lanes::{Lanes, STAGE};
-use super::{AXES_MAX, LANES};
+use super::sizes::{AXES_MAX, LANES};
 
 /// Squared distances from `point` to sixteen boxes, each axis with its lower and its upper faces,
 /// and which are at most `limit`; not complete once none is.

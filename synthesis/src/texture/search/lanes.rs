@@ -4,7 +4,7 @@
 //! All round alike, so that a search within a budget goes the same way on every machine. Bounds allow for the rounding.
 
 use super::codes::{CHUNK, Frame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
-use super::{AXES_MAX, LANES};
+use super::sizes::{AXES_MAX, LANES};
 
 /// Bounds are checked against the limit after every so many axes.
 pub const STAGE: usize = 8;

@@ -17,32 +17,28 @@
 
 mod axes;
 mod block;
+mod coded;
 mod codes;
 mod frontier;
 mod lanes;
 mod query;
 mod shells;
+mod sizes;
 mod tree;
 
 use bitcode::{Decode, Encode};
 use std::ops::Range;
 
 pub use query::{Budget, COMPARISON_COST, SearchResult, Searcher};
+pub use tree::Step;
 
 use super::feature::Features;
 use crate::Error;
 use crate::bulk::bulk_fields;
 use axes::Axes;
 use shells::Shell;
+use sizes::AXES_MAX;
 use tree::Tree;
-
-/// Windows of a leaf, and children of a node.
-const LANES: usize = 16;
-/// Most numbers kept per window.
-const AXES_MAX: usize = 48;
-
-/// Told parts done that add up to 1; may call it off.
-pub type Step<'a> = &'a (dyn Fn(f32) -> Result<(), Error> + Sync);
 
 /// An index over the windows of one level.
 #[derive(Debug, Encode, Decode)]

@@ -1,13 +1,14 @@
 //! Finding the nearest window: exactly, or with a bound on the work.
 
+use super::Index;
 use super::axes::Projection;
 use super::block::box_bounds;
-use super::codes::Coded;
+use super::coded::Coded;
 use super::frontier::Frontier;
 use super::lanes::{Lanes, Machine, Work};
 use super::shells::{SHELLS, Shell};
+use super::sizes::{AXES_MAX, LANES};
 use super::tree::{Child, Kind};
-use super::{AXES_MAX, Index, LANES};
 use crate::texture::feature::Features;
 
 /// How much work a search may do.

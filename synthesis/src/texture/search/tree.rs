@@ -5,9 +5,12 @@ use rayon::prelude::*;
 
 use super::codes::{Frame, QUAD, Quad, Scale, code_of, first_axes, half_step_for, middle_and_half, square};
 use super::lanes::Lanes;
-use super::{LANES, Step};
+use super::sizes::LANES;
 use crate::Error;
 use crate::bulk::bulk_fields;
+
+/// Told parts done that add up to 1; may call it off.
+pub type Step<'a> = &'a (dyn Fn(f32) -> Result<(), Error> + Sync);
 
 /// A node, or a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Encode, Decode)]

@@ -1,0 +1,16 @@
+//! The host's scale of values and the framework's.
+
+use clap_sys::id::clap_id;
+use pyrophone_settings::{Kind, PARAMETERS};
+
+use crate::entry::instance::index_of_numeric;
+
+/// By how much a parameter's values are larger for the host than for the framework; none where they are the same;
+/// real-time safe.
+pub fn shift(id: clap_id) -> Option<f64> {
+    let parameter = &PARAMETERS[index_of_numeric(id)?];
+    match parameter.kind {
+        Kind::Int { low, .. } if low != 0 && !parameter.automatable => Some(f64::from(low)),
+        _ => None,
+    }
+}

@@ -1,0 +1,263 @@
+//! Rendering of a hop: it is decided, its sources are summed a few at a time, and it is made ready to be heard.
+
+use super::acoustics::SPEED_OF_SOUND_M_S;
+use super::bank::Bank;
+use super::hop::Hop;
+use super::layout::MOST_CHANNELS;
+use super::level::Blend;
+use super::microphone::limited;
+use super::motion::Motion;
+use super::read::{Gain, Part};
+use super::renderer::{FAREWELL_HOPS, Vortex};
+use super::source::{Edge, Identity, Source};
+use crate::controls::{Flow, VortexControls};
+use crate::error::within;
+
+/// Part of the speed of sound at which a source's distance follows a jump at most.
+const FASTEST: f64 = 0.5;
+
+/// What a source is summed by.
+struct Summing<'a> {
+    hop: Hop,
+    bank: &'a Bank,
+    motion: Motion<'a>,
+}
+
+impl Vortex {
+    /// Starts to sound with the hop at `start`.
+    pub(super) fn start(&mut self, start: i64, controls: &VortexControls) {
+        self.is_fresh = false;
+        self.is_exchanged = false;
+        self.moving.jump(controls);
+        // It starts in its midst: the hop before is heard during this one, and the one before that is what the filter has heard.
+        for (back, is_fresh) in [(2, true), (1, false)] {
+            self.decide(start - back * self.hop as i64, controls, is_fresh);
+            self.sum_rest();
+            self.finish();
+        }
+        self.begin(start, controls);
+    }
+
+    /// Begins the hop at `start`.
+    pub(super) fn begin(&mut self, start: i64, controls: &VortexControls) {
+        if std::mem::take(&mut self.is_exchanged) {
+            self.sources.iter_mut().for_each(|source| source.presence = 0.0);
+            for (farewell, pressures) in self.farewell.iter_mut().zip(&self.pressures) {
+                if let [.., before, last] = pressures[..] {
+                    *farewell = [last, last - before];
+                }
+            }
+            self.farewell_hop = 0;
+        }
+        self.decide(start, controls, false);
+        if let Some(live) = &mut self.live {
+            if controls.flow == Flow::Live { live.advance(self.present.speed_m_s) } else { live.stop() }
+        }
+    }
+
+    /// Decides what the hop at `start` sounds like.
+    fn decide(&mut self, start: i64, controls: &VortexControls, is_fresh: bool) {
+        self.flow = controls.flow;
+        let identity = Identity { seed: controls.seed, flow: controls.flow };
+        let before = self.moving.now();
+        let frame = self.moving.next(controls);
+        let speed_m_s = frame.speed_m_s * maths::pow(self.envelope_now, frame.curve);
+        let ends = [start, start + self.hop as i64];
+        let offset_s = within(controls.field_offset_s, -3600.0, 3600.0);
+        let place = |at: i64| at as f64 / self.sample_rate_hz + offset_s;
+        let moments = self.field.as_deref().map(|field| ends.map(|at| field.place(place(at))));
+        let wanted = match controls.flow {
+            Flow::Envelope => controls.count,
+            Flow::Field => self.field.as_ref().map_or(0, |field| field.sources()),
+            Flow::Live => self.live.as_ref().map_or(0, |live| live.sources()),
+        };
+        let wanted = wanted.min(self.sources.len());
+        if is_fresh {
+            for (index, source) in self.sources.iter_mut().enumerate() {
+                *source = Source::new(index, identity);
+                source.presence = f32::from(u8::from(index < wanted));
+            }
+        }
+        let heard = self.sources.iter().rposition(|source| source.presence > 0.0).map_or(0, |last| last + 1);
+        let reference = |bank: &Bank| bank.levels().ln_gain(frame.ln_reference as f32);
+        self.present = Hop {
+            start,
+            before,
+            stand: frame.place.stand(),
+            identity,
+            moments,
+            wanted,
+            speed_m_s,
+            ln_speed: if self.envelope_now > 0.0 { maths::ln(speed_m_s) as f32 } else { f32::NEG_INFINITY },
+            ln_reference: self.bank.as_deref().map_or(0.0, reference),
+            stays: frame.place == before.place && !is_fresh,
+            is_fresh,
+            sources: wanted.max(heard),
+            summed: 0,
+            frame,
+        };
+        self.pressures.iter_mut().for_each(|channel| channel.fill(0.0));
+    }
+
+    /// Sums what is left of the hop.
+    pub(super) fn sum_rest(&mut self) {
+        self.sum(self.present.sources);
+    }
+
+    /// Sums the hop's sources up to number `until`.
+    pub(super) fn sum(&mut self, until: usize) {
+        let hop = self.present;
+        let range = hop.summed..until.min(hop.sources);
+        if range.is_empty() {
+            return;
+        }
+        self.present.summed = range.end;
+        // Out of the way of what changes meanwhile; nothing is taken from the heap.
+        let (field, live, bank) = (self.field.take(), self.live.take(), self.bank.take());
+        let mut sources = std::mem::take(&mut self.sources);
+        let motion = Motion { field: field.as_deref().zip(hop.moments), live: live.as_ref() };
+        let bank_here = bank.as_deref().filter(|bank| bank.sample_rate_hz() == self.sample_rate_hz);
+        let summing = bank_here.map(|bank| Summing { hop, bank, motion });
+        let number = hop.start.div_euclid(self.hop as i64);
+        for (index, source) in sources[range.clone()].iter_mut().enumerate() {
+            let index = range.start + index;
+            let present = source.turn(index, number, index < hop.wanted, hop.identity);
+            if let Some(summing) = summing.as_ref().filter(|_| present > 0.0 || source.presence > 0.0) {
+                self.sum_source(summing, index, source, present);
+            }
+        }
+        self.sources = sources;
+        (self.field, self.live, self.bank) = (field, live, bank);
+    }
+
+    /// Adds one source, whose presence was `present` at the hop's start.
+    fn sum_source(&mut self, summing: &Summing<'_>, index: usize, source: &mut Source, present: f32) {
+        let Summing { hop, bank, .. } = summing;
+        source.vary(hop.frame.variation as f32);
+        if hop.is_fresh {
+            source.edge = self.edge(summing, false, index, source, false);
+        }
+        let heard = present > 0.0 && source.edge.gains.iter().any(|gain| *gain != 0.0);
+        let end = self.edge(summing, true, index, source, heard);
+        // What was not heard may have stood anywhere.
+        let start = if heard { source.edge } else { Edge { gains: [0.0; MOST_CHANNELS], ..end } };
+        source.edge = end;
+
+        let mut rows = [(0, 0.0, 0.0); 4];
+        let mut count = 0;
+        for (row, weight) in start.blend.rows() {
+            rows[count] = (row, weight, 0.0);
+            count += 1;
+        }
+        for (row, weight) in end.blend.rows() {
+            match rows[..count].iter_mut().find(|(known, ..)| *known == row) {
+                Some((_, _, to)) => *to = weight,
+                None => {
+                    rows[count] = (row, 0.0, weight);
+                    count += 1;
+                }
+            }
+        }
+        let mut gains = [Gain { channel: 0, from: 0.0, to: 0.0 }; MOST_CHANNELS];
+        let mut audible = 0;
+        for (channel, (from, to)) in start.gains.iter().zip(end.gains).take(self.channels).enumerate() {
+            let gain = Gain { channel, from: present * from, to: source.presence * to };
+            if gain.from != 0.0 || gain.to != 0.0 {
+                gains[audible] = gain;
+                audible += 1;
+            }
+        }
+        if count == 0 || audible == 0 {
+            return;
+        }
+
+        let period = bank.period() as f64;
+        let rate_hz = source.pace * bank.rate_hz();
+        let steps_per_m = rate_hz / SPEED_OF_SOUND_M_S;
+        let turns = hop.start as f64 * (rate_hz / self.sample_rate_hz);
+        let begun = turns - period * (turns / period).floor();
+        let at = begun + source.offset * period - start.distance_m * steps_per_m;
+        let at = at - period * (at / period).floor();
+        // Rounding may reach the period itself.
+        let first = (at as usize).min(bank.period() - 1);
+        let nearer = (start.distance_m - end.distance_m) / self.hop as f64;
+        let step = self.factor as f64 * (rate_hz / self.sample_rate_hz + nearer * steps_per_m);
+        let mut parts = [Part { series: &[], from: 0.0, change: 0.0 }; 4];
+        for (part, (row, from, to)) in parts.iter_mut().zip(&rows[..count]) {
+            let (scale, series) = bank.series(*row, source.direction, first);
+            *part = Part { series, from: scale * from, change: scale * (to - from) };
+        }
+        let phase = (at - first as f64).max(0.0) as f32;
+        self.reader.process(&parts[..count], phase, step as f32, &gains[..audible], &mut self.pressures);
+    }
+
+    /// What a source sounds like at the start of the hop, or at its `end`; `heard` tells whether its edge is what it sounded
+    /// like before.
+    fn edge(&self, summing: &Summing<'_>, end: bool, index: usize, source: &Source, heard: bool) -> Edge {
+        let Summing { hop, bank, motion } = summing;
+        let stand = &hop.stand;
+        let edge = &source.edge;
+        let (position, ln_speed, presence) = if source.identity.flow == Flow::Envelope {
+            (None, hop.ln_speed + source.ln_deviation, 1.0)
+        } else if let Some(told) = motion.at(source.identity.flow, index, end) {
+            let speed_m_s = (hop.frame.field_speed * told.speed_m_s) as f32;
+            (Some(stand.at(told.position)), maths::ln(speed_m_s), told.presence)
+        } else {
+            return Edge { distance_m: edge.distance_m, ..Edge::default() };
+        };
+        let blend = bank.levels().at(edge.blend.row, ln_speed, hop.frame.range as f32, hop.ln_reference);
+        let moves = position.is_some_and(|position| position != edge.position) || presence != edge.told;
+        if heard && edge.settled && hop.stays && !moves {
+            return Edge { blend, ..*edge };
+        }
+        let position = position.unwrap_or_else(|| stand.in_ball(source.ball));
+        let distance_m = position.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let level = (presence * stand.attenuation(distance_m)) as f32;
+        let gains = self.panner.gains(position).map(|gain| level * gain);
+        // A distance that jumps is walked: the time that a source is heard at must go on.
+        let walk = FASTEST * SPEED_OF_SOUND_M_S * self.hop as f64 / self.sample_rate_hz;
+        let delayed_m =
+            if heard { edge.distance_m + (distance_m - edge.distance_m).clamp(-walk, walk) } else { distance_m };
+        let settled = delayed_m == distance_m;
+        Edge { blend, gains, position, told: presence, distance_m: delayed_m, settled }
+    }
+
+    /// From the hop's pressures to output: what an exchange left, the output's rate, the microphone and the level.
+    pub(super) fn finish(&mut self) {
+        self.declick_tail();
+        let Hop { before: from, frame: to, .. } = &self.present;
+        let per_sample = 1.0 / self.hop as f64;
+        for (channel, (pressures, ready)) in self.pressures.iter().zip(&mut self.ready).enumerate() {
+            self.raise.process(channel, pressures, &mut self.raised);
+            for (n, (pressure, out)) in self.raised.iter().zip(ready.iter_mut()).enumerate() {
+                let part = n as f64 * per_sample;
+                let level = from.level + part * (to.level - from.level);
+                let most = from.max_pressure_pa + part * (to.max_pressure_pa - from.max_pressure_pa);
+                *out = level * limited(f64::from(*pressure), most);
+            }
+        }
+    }
+
+    /// What was heard before an exchange goes on as it went, but not for long.
+    fn declick_tail(&mut self) {
+        if self.farewell_hop == FAREWELL_HOPS {
+            return;
+        }
+        for (pressures, [last, slope]) in self.pressures.iter_mut().zip(&self.farewell) {
+            let samples = pressures.len() as f32;
+            for (n, pressure) in pressures.iter_mut().enumerate() {
+                let hops = self.farewell_hop as f32 + n as f32 / samples;
+                let went_on = slope * (1.0 + hops * samples) * maths::exp(-16.0 * hops);
+                *pressure += (last + went_on) * maths::square(1.0 - hops / FAREWELL_HOPS as f32);
+            }
+        }
+        self.farewell_hop += 1;
+    }
+}
+
+impl Blend {
+    /// The rows that sound, with their amplitudes.
+    fn rows(self) -> impl Iterator<Item = (usize, f32)> {
+        (self.row..).zip(self.weights).filter(|(_, weight)| *weight > 0.0)
+    }
+}
