@@ -1,20 +1,26 @@
-//! A fingerprint of the engines' source, by which what an earlier build has kept on disk is told from what this one makes.
+//! A fingerprint of all source that a dictionary depends on, by which what an earlier build has kept on disk is told from what
+//! this one makes.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
+/// From a file's bytes to a dictionary: decoding and resampling, transforms, learning, and the way here.
+const SOURCES: [&str; 4] = ["../recording/src", "../maths/src", "../synthesis/src", "src"];
+
 fn main() {
-    println!("cargo:rerun-if-changed=src");
-    let mut files = BTreeSet::new();
-    collect(Path::new("src"), &mut files);
-    assert!(!files.is_empty(), "there is no source below src");
     let mut hasher = DefaultHasher::new();
-    for file in &files {
-        // The text alone decides: where a checkout lies does not matter.
-        file.hash(&mut hasher);
-        fs::read(file).unwrap_or_default().hash(&mut hasher);
+    for folder in SOURCES {
+        println!("cargo:rerun-if-changed={folder}");
+        let mut files = BTreeSet::new();
+        collect(Path::new(folder), &mut files);
+        assert!(!files.is_empty(), "there is no source below {folder}");
+        for file in &files {
+            // The text alone decides: where a checkout lies does not matter.
+            file.hash(&mut hasher);
+            fs::read(file).unwrap_or_default().hash(&mut hasher);
+        }
     }
     println!("cargo:rustc-env=PYROPHONE_BUILD_FINGERPRINT={:016x}", hasher.finish());
 }

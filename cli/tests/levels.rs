@@ -18,6 +18,14 @@ const MOST_DBTP: f64 = -1.0;
 const SECONDS: [f64; 2] = [5.0, 20.0];
 /// Of so many presets one is heard in every run; all in the long tests.
 const STRIDE: usize = 12;
+/// Drives of the reference data, and the recordings that are heard with them.
+const REFERENCE: [(&str, &str); 5] = [
+    ("burning_brick", "training/burning_brick.wav"),
+    ("dragon", "recordings/chimney.flac"),
+    ("dragon", "training/dragon.wav"),
+    ("dragon", "recordings/esc_camp.flac"),
+    ("torch", "training/torch.wav"),
+];
 /// Samples on either side from which a value between two samples is found, and places between two at which it is.
 const REACH: i64 = 16;
 const PLACES: i64 = 4;
@@ -100,21 +108,22 @@ fn presets_over_the_reference_data_stay_below_minus_1_dbtp() {
     let Some(folder) = reference() else { return };
     let studio = Studio(tempfile::tempdir().unwrap());
     let mut loud = Vec::new();
-    for preset in Preset::factory().unwrap().into_iter().step_by(if is_soak() { 1 } else { STRIDE }) {
+    let presets = Preset::factory().unwrap().into_iter();
+    for (number, preset) in presets.step_by(if is_soak() { 1 } else { STRIDE }).enumerate() {
         let drive = |name: &str| match burns(&preset) {
             true => "--seconds 12".to_owned(),
             false => format!("--input {}", file(&folder, &format!("signals/{name}.wav"))),
         };
-        for name in ["burning_brick", "dragon", "torch"] {
-            let recording = file(&folder, &format!("training/{name}.wav"));
-            loud.extend(studio.too_loud(&preset, &format!("{} --recording {recording}", drive(name))));
-        }
-        for name in ["chimney", "esc_camp"] {
-            // The paper's mode plays a recording as loud as it is.
-            if !is_paper(&preset) {
-                let recording = file(&folder, &format!("recordings/{name}.flac"));
-                loud.extend(studio.too_loud(&preset, &format!("{} --recording {recording}", drive("dragon"))));
+        for (place, (drive_name, recording)) in REFERENCE.into_iter().enumerate() {
+            // The paper's mode plays a recording as loud as it is: only its own are below full scale.
+            let is_foreign = recording.ends_with(".flac");
+            // Two recordings for each preset, others for the next; all for all in the long tests only.
+            let is_next = (number + place).is_multiple_of(REFERENCE.len() / 2);
+            if is_foreign && is_paper(&preset) || !is_next && !is_soak() {
+                continue;
             }
+            let recording = file(&folder, recording);
+            loud.extend(studio.too_loud(&preset, &format!("{} --recording {recording}", drive(drive_name))));
         }
     }
     assert!(loud.is_empty(), "{loud:#?}");

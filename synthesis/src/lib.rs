@@ -27,6 +27,3 @@ pub mod vortex;
 pub use controls::Controls;
 pub use error::Error;
 pub use structure::EngineConfig;
-
-/// A fingerprint of this build's source: what was kept by a build with another one is made again.
-pub const BUILD: &str = env!("PYROPHONE_BUILD_FINGERPRINT");

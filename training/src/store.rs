@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crc32fast::Hasher;
-use pyrophone_synthesis::BUILD;
 use pyrophone_synthesis::texture::Dictionary;
 
 use crate::key::DictionaryKey;
@@ -18,6 +17,8 @@ use crate::key::DictionaryKey;
 /// Names another folder; where it is empty, nothing is kept.
 pub const FOLDER_VARIABLE: &str = "PYROPHONE_CACHE";
 
+/// Fingerprint of the source that dictionaries depend on: what a build with another one has kept is made again.
+const BUILD: &str = env!("PYROPHONE_BUILD_FINGERPRINT");
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"PYRODIC2";
 /// Bytes of the checksum at the end.

@@ -23,6 +23,8 @@ const PLUGIN: &str = "pyrophone-plugin";
 
 /// Tells end-to-end tests which build to take.
 const BUILD: &str = "PYROPHONE_BUILD";
+/// Names the folder in which dictionaries are kept.
+const CACHE: &str = "PYROPHONE_CACHE";
 
 /// Environment variable that enables the long tests.
 const SOAK: (&str, &str) = ("PYROPHONE_SOAK", "1");
@@ -34,7 +36,9 @@ pub fn run() -> Result<ExitCode> {
 
     // All at once, and just as the runner wants it: other sets of packages would have their dependencies built again.
     if tally.step("building", build_tests) && tally.step("bundles", || bundle::wrap(Profile::Dev).map(drop)) {
-        all_tests(&mut tally, &[(BUILD, "debug")], &["--workspace"])?;
+        // What many tests learn alike is learnt once for all, and again whenever the source that it depends on has changed.
+        let learnt = project::target_dir().join("tmp/learnt");
+        all_tests(&mut tally, &[(BUILD, "debug"), (CACHE, &learnt.to_string_lossy())], &["--workspace"])?;
         validators::run(&mut tally)?;
         elsewhere::test(&mut tally)?;
     }
@@ -57,8 +61,12 @@ pub fn soak() -> Result<ExitCode> {
     let arguments = ["--release", "--package", "xtask", "--bin", "xtask-sound", "scenes::"];
     tally.cargo_test("soak of scenes", &[SOAK], &arguments)?;
     let mut arguments = vec!["--release", "--package", ENGINES, "--package", PLUGIN];
-    arguments.extend(["realtime", "chain", "extend_stream"].into_iter().flat_map(|test| ["--test", test]));
+    arguments
+        .extend(["realtime", "chain", "extend_stream", "extend_golden"].into_iter().flat_map(|test| ["--test", test]));
     tally.cargo_test("soak of the engines", &[SOAK], &arguments)?;
+    let mut arguments = vec!["--release", "--package", "pyrophone-settings", "--package", COMMAND_LINE];
+    arguments.extend(["macros", "levels", "digests"].into_iter().flat_map(|test| ["--test", test]));
+    tally.cargo_test("soak of presets and macros", &[SOAK], &arguments)?;
     match instructions::obstacle() {
         None => {
             tally.step("instruction counts", instructions::compare);

@@ -180,7 +180,7 @@ impl Dictionary {
         Ok(dictionary)
     }
 
-    /// Writes the dictionary, to be read back by [`read_from`](Self::read_from) of the same [build](crate::BUILD) on the same
+    /// Writes the dictionary, to be read back by [`read_from`](Self::read_from) of the same build on the same
     /// machine: it is a copy of what is in memory, not a file format.
     ///
     /// # Errors

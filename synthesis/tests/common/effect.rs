@@ -1,7 +1,8 @@
 //! The whole effect, played through in blocks.
 #![allow(dead_code)]
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
@@ -22,8 +23,15 @@ pub fn dictionary(rate_hz: f64, structure: &EngineConfig, channels: usize) -> Ar
     dictionary_of(11, rate_hz, structure, channels)
 }
 
-/// The same, of another seed.
+/// The same, of another seed. Learning takes longer than most tests: each is learnt once by a process.
 pub fn dictionary_of(seed: u64, rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<Dictionary> {
+    static LEARNT: Mutex<BTreeMap<String, Arc<Dictionary>>> = Mutex::new(BTreeMap::new());
+    let key = format!("{seed} {rate_hz} {structure:?} {channels}");
+    let mut learnt = LEARNT.lock().unwrap_or_else(PoisonError::into_inner);
+    Arc::clone(learnt.entry(key).or_insert_with(|| learn(seed, rate_hz, structure, channels)))
+}
+
+fn learn(seed: u64, rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<Dictionary> {
     let mut random = Random::new(seed);
     let recording: Vec<Vec<f64>> = (0..channels).map(|_| signal(&mut random, 1, 30_000)).collect();
     let shape = PyramidConfig::at_rate(structure, rate_hz);
