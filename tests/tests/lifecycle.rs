@@ -107,7 +107,7 @@ fn every_activation_starts_afresh() {
 fn idle_activations_do_no_harm() {
     for format in Format::ALL {
         let mut plugin = open(format);
-        for cycle in 0..rounds(16, 60) {
+        for cycle in 0..rounds(8, 60) {
             let sample_rate = [44_100.0, 96_000.0, 8_000.0, 192_000.0][cycle % 4];
             let configuration =
                 Configuration { sample_rate, max_block: 1 + cycle * 100, layout: STEREO, offline: false };

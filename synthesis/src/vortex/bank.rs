@@ -6,6 +6,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use super::level::Levels;
 use super::texture::{COMPONENTS, Row, VortexTexture, directivity};
 use super::upsampler::top_hz;
@@ -80,26 +82,25 @@ impl Bank {
             let reason = format!("it would take {} MB, but {} MB are the most", bytes >> 20, MOST_BYTES >> 20);
             return Err(Error::VortexTexture { reason });
         }
-        let mut oversample = Oversample::new(steps, top_hz(sample_rate_hz) / texture.sample_rate_hz());
-        let mut scales = Vec::with_capacity(texture.rows().len() * DIRECTIONS);
-        let mut series = Vec::with_capacity(bytes / size_of::<i16>());
-        for row in texture.rows() {
-            for direction in directions() {
-                let coefficients = oversample.process(row, direction);
-                let largest = largest(coefficients);
-                let scale = if largest > 0.0 { largest / f64::from(i16::MAX) } else { 1.0 };
-                scales.push(scale as f32);
-                let begin = series.len();
-                series.resize(begin + period, 0);
-                pulp::Arch::new().dispatch(Quantise { values: coefficients, scale, to: &mut series[begin..] });
-                while series.len() < begin + stride {
-                    let missing = begin + stride - series.len();
-                    series.extend_from_within(begin..begin + period.min(missing));
-                }
-            }
-        }
+        let top = top_hz(sample_rate_hz) / texture.sample_rate_hz();
+        let rows = texture.rows();
+        let mut series = vec![0; rows.len() * DIRECTIONS * stride];
+        // Hosts wait for it in their main thread: rows are made side by side.
+        let scales: Vec<[f32; DIRECTIONS]> = series
+            .par_chunks_mut(DIRECTIONS * stride)
+            .zip(rows)
+            .map_init(|| Oversample::new(steps, top), |oversample, (to, row)| oversample.fill(row, period, to))
+            .collect();
         let rate_hz = OVERSAMPLING as f64 * texture.sample_rate_hz();
-        Ok(Self { sample_rate_hz, rate_hz, period, stride, levels: Levels::new(texture.rows()), scales, series })
+        Ok(Self {
+            sample_rate_hz,
+            rate_hz,
+            period,
+            stride,
+            levels: Levels::new(rows),
+            scales: scales.into_flattened(),
+            series,
+        })
     }
 
     /// The output's rate that it was made for, in Hz.
@@ -198,6 +199,23 @@ impl Oversample {
             if heard { share * 3.0 / (2.0 + maths::cos(TAU * turn)) / steps as f64 } else { 0.0 }
         };
         Self { low: Transform::new(steps), high: Transform::new(raised), gains: (0..=steps / 2).map(gain).collect() }
+    }
+
+    /// Fills `to` with what `row` sends in all directions, one stride after the other, and answers with the scale of each.
+    fn fill(&mut self, row: &Row, period: usize, to: &mut [i16]) -> [f32; DIRECTIONS] {
+        let stride = to.len() / DIRECTIONS;
+        let mut strides = to.chunks_exact_mut(stride);
+        directions().map(|direction| {
+            let coefficients = self.process(row, direction);
+            let largest = largest(coefficients);
+            let scale = if largest > 0.0 { largest / f64::from(i16::MAX) } else { 1.0 };
+            if let Some(to) = strides.next() {
+                pulp::Arch::new().dispatch(Quantise { values: coefficients, scale, to: &mut to[..period] });
+                // A read that crosses the period's end goes on in its beginning.
+                (period..stride).for_each(|step| to[step] = to[step - period]);
+            }
+            scale as f32
+        })
     }
 
     /// The coefficients of what `row` sends in `direction`.
