@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 use pyrophone_settings::macros::{MACROS, Macro};
 use pyrophone_settings::{Id, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
-use pyrophone_synthesis::fft::real_forward;
+use pyrophone_synthesis::fft::RealTransform;
 use pyrophone_synthesis::noise::White;
 use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
@@ -91,13 +91,12 @@ fn play(line: &Macro, amount: f64, off: &[&str]) -> Heard {
 /// Power by frequency bin, and the width of a bin in Hz.
 fn spectrum(signal: &[f64]) -> (Vec<f64>, f64) {
     const LENGTH: usize = 4096;
-    let transform = real_forward(LENGTH);
-    let (mut bins, mut power) = (transform.make_output_vec(), vec![0.0; LENGTH / 2 + 1]);
+    let transform = RealTransform::new(LENGTH);
+    let mut power = vec![0.0; transform.bins()];
     for start in (0..signal.len() - LENGTH).step_by(LENGTH / 2) {
         let window = |n: usize| (std::f64::consts::PI * n as f64 / LENGTH as f64).sin().powi(2);
-        let mut piece: Vec<f64> = (0..LENGTH).map(|n| window(n) * signal[start + n]).collect();
-        transform.process(&mut piece, &mut bins).unwrap();
-        power.iter_mut().zip(&bins).for_each(|(power, bin)| *power += bin.norm_sqr());
+        let piece: Vec<f64> = (0..LENGTH).map(|n| window(n) * signal[start + n]).collect();
+        power.iter_mut().zip(&transform.spectrum(&piece)).for_each(|(power, bin)| *power += bin.norm_sqr());
     }
     (power, RATE_HZ / LENGTH as f64)
 }

@@ -11,7 +11,7 @@ use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::Extend;
 use pyrophone_synthesis::extend::noise::NoiseSource;
 use pyrophone_synthesis::extend::reference;
-use pyrophone_synthesis::fft;
+use pyrophone_synthesis::fft::ComplexTransform;
 
 const GOLDENS: [(&str, &str); 5] =
     [("burning_brick", "2.5"), ("burning_brick", "3.0"), ("burning_brick", "3.5"), ("dragon", "2.5"), ("torch", "3.0")];
@@ -30,7 +30,7 @@ impl GoldenNoise {
         let (_, upper) = reference::blend_ramps(&axis, 165.0, 195.0);
         let mut noise = reference::noise_spectrum(&axis, alpha, &mut reference::Pcg32::new(42));
         noise.iter_mut().zip(&upper).for_each(|(bin, upper)| *bin *= upper);
-        fft::inverse(bins).process(&mut noise);
+        ComplexTransform::new(bins).inverse(&mut noise);
         Self {
             samples: noise[..samples].iter().map(|sample| 2.0 * sample.re / bins as f64).collect(),
             level: 180f64.powf(-alpha / 2.0) / (bins as f64).sqrt(),

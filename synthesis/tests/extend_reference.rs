@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use common::{read_f64, read_wav, reference_dir};
 use pyrophone_synthesis::Error;
 use pyrophone_synthesis::extend::reference::*;
-use pyrophone_synthesis::fft::{self, Complex64};
+use pyrophone_synthesis::fft::{Complex64, ComplexTransform};
 
 const RATE_HZ: f64 = 44_100.0;
 
@@ -65,7 +65,7 @@ fn one_beta_matches() {
     const BINS: usize = 256;
     let mut drive: Vec<Complex64> =
         (0..BINS).map(|n| n as f64 / RATE_HZ).map(|t| ((-30.0 * t).exp() * (TAU * 120.0 * t).sin()).into()).collect();
-    fft::forward(BINS).process(&mut drive);
+    ComplexTransform::new(BINS).forward(&mut drive);
     let axis = frequency_axis(BINS, RATE_HZ);
     let (lower, upper) = blend_ramps(&axis, 165.0, 195.0);
     let mut phases = Pcg32::new(7);

@@ -1,6 +1,6 @@
 //! Power over frequency.
 
-use pyrophone_synthesis::fft::real_forward;
+use pyrophone_synthesis::fft::RealTransform;
 
 /// Longest and shortest window in samples.
 const WINDOWS: (usize, usize) = (1 << 15, 1 << 10);
@@ -20,18 +20,16 @@ impl Spectrum {
         let window: Vec<f64> =
             (0..size).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / size as f64).cos()).collect();
         let energy: f64 = window.iter().map(|x| x * x).sum();
-        let transform = real_forward(size);
-        let (mut time, mut frequency) = (transform.make_input_vec(), transform.make_output_vec());
+        let transform = RealTransform::new(size);
+        let mut time = vec![0.0; size];
         let mut bins = vec![0.0; size / 2 + 1];
         let starts: Vec<usize> = (0..=samples.len().saturating_sub(size)).step_by(size / 2).collect();
         for start in &starts {
             for (n, (slot, window)) in time.iter_mut().zip(&window).enumerate() {
                 *slot = samples.get(start + n).map_or(0.0, |sample| f64::from(*sample) * window);
             }
-            // Both buffers are of the transform's own making.
-            if transform.process(&mut time, &mut frequency).is_ok() {
-                bins.iter_mut().zip(&frequency).for_each(|(bin, value)| *bin += value.norm_sqr());
-            }
+            let frequency = transform.spectrum(&time);
+            bins.iter_mut().zip(&frequency).for_each(|(bin, value)| *bin += value.norm_sqr());
         }
         let scale = 2.0 / (energy * f64::from(sample_rate_hz) * starts.len().max(1) as f64);
         bins.iter_mut().for_each(|bin| *bin *= scale);

@@ -1,14 +1,13 @@
 //! A running spectrum.
 
-use std::sync::Arc;
-
-use pyrophone_synthesis::fft::{Complex32, RealToComplex, real_forward_f32};
+use pyrophone_synthesis::fft::{Complex64, RealTransform};
 
 use super::bands::{BANDS, Bands};
 
 /// Power density by band, of a window that moves over a signal in steps.
 pub struct Analyser {
-    transform: Arc<dyn RealToComplex<f32>>,
+    transform: RealTransform,
+    room: Vec<f64>,
     window: Vec<f32>,
     /// From squared magnitude to density.
     scale: f32,
@@ -18,8 +17,8 @@ pub struct Analyser {
     next: usize,
     until_step: usize,
     step: usize,
-    time: Vec<f32>,
-    spectrum: Vec<Complex32>,
+    time: Vec<f64>,
+    spectrum: Vec<Complex64>,
     power: Vec<f32>,
     density: [f32; BANDS],
 }
@@ -32,7 +31,7 @@ impl Analyser {
             .map(|n| (0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / length as f64).cos()) as f32)
             .collect();
         let energy: f32 = window.iter().map(|w| w * w).sum();
-        let transform = real_forward_f32(length);
+        let transform = RealTransform::new(length);
         let bins = length / 2 + 1;
         let step = ((step_s * sample_rate_hz).round() as usize).clamp(1, length);
         Self {
@@ -42,8 +41,9 @@ impl Analyser {
             next: 0,
             until_step: step,
             step,
-            time: transform.make_input_vec(),
-            spectrum: transform.make_output_vec(),
+            time: vec![0.0; length],
+            spectrum: vec![Complex64::default(); transform.bins()],
+            room: vec![0.0; transform.room()],
             power: vec![0.0; bins],
             density: [0.0; BANDS],
             window,
@@ -69,12 +69,11 @@ impl Analyser {
         self.until_step = self.step;
         let (newer, older) = self.past.split_at(self.next);
         for ((out, sample), weight) in self.time.iter_mut().zip(older.iter().chain(newer)).zip(&self.window) {
-            *out = sample * weight;
+            *out = f64::from(sample * weight);
         }
-        // Lengths are the plan's own.
-        self.transform.process(&mut self.time, &mut self.spectrum).ok()?;
+        self.transform.forward(&self.time, &mut self.spectrum, &mut self.room);
         for (power, bin) in self.power.iter_mut().zip(&self.spectrum) {
-            *power = bin.norm_sqr() * self.scale;
+            *power = bin.norm_sqr() as f32 * self.scale;
         }
         self.bands.gather(&self.power, &mut self.density);
         Some(&self.density)

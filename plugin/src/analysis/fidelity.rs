@@ -3,9 +3,8 @@
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
-use pyrophone_synthesis::fft::{Complex32, RealToComplex, real_forward_f32};
+use pyrophone_synthesis::fft::{Complex64, RealTransform};
 
 /// Over how many seconds figures are told.
 const MEMORY_S: f64 = 8.0;
@@ -99,13 +98,14 @@ impl Crackle {
 /// Tones in a sound: how far its spectrum stands above its own neighbourhood, as the 99th percentile from 500 Hz to
 /// 10 kHz. Noise has some 2 dB; a buzz has more.
 pub struct Lines {
-    transform: Arc<dyn RealToComplex<f32>>,
+    transform: RealTransform,
+    room: Vec<f64>,
     window: Vec<f32>,
     past: Vec<f32>,
     next: usize,
     until_step: usize,
-    time: Vec<f32>,
-    spectrum: Vec<Complex32>,
+    time: Vec<f64>,
+    spectrum: Vec<Complex64>,
     power: Vec<f32>,
     part: f32,
     steps: usize,
@@ -130,15 +130,16 @@ impl Lines {
             let angle = TAU * n as f64 / length as f64;
             (0.35875 - 0.48829 * angle.cos() + 0.14128 * (2.0 * angle).cos() - 0.01168 * (3.0 * angle).cos()) as f32
         });
-        let transform = real_forward_f32(length);
+        let transform = RealTransform::new(length);
         let step_s = length as f64 / Self::OVERLAP as f64 / rate_hz;
         Self {
             window: window.collect(),
             past: vec![0.0; length],
             next: 0,
             until_step: length,
-            time: transform.make_input_vec(),
-            spectrum: transform.make_output_vec(),
+            time: vec![0.0; length],
+            spectrum: vec![Complex64::default(); transform.bins()],
+            room: vec![0.0; transform.room()],
             power: vec![0.0; length / 2 + 1],
             part: (step_s / MEMORY_S) as f32,
             steps: 0,
@@ -158,16 +159,13 @@ impl Lines {
         self.until_step = self.past.len() / Self::OVERLAP;
         let (newer, older) = self.past.split_at(self.next);
         for ((out, sample), weight) in self.time.iter_mut().zip(older.iter().chain(newer)).zip(&self.window) {
-            *out = sample * weight;
+            *out = f64::from(sample * weight);
         }
-        // Lengths are the plan's own.
-        if self.transform.process(&mut self.time, &mut self.spectrum).is_err() {
-            return;
-        }
+        self.transform.forward(&self.time, &mut self.spectrum, &mut self.room);
         // A plain mean, until there is more than is remembered.
         let part = self.part.max(1.0 / (self.steps + 1) as f32);
         for (power, bin) in self.power.iter_mut().zip(&self.spectrum) {
-            *power += part * (bin.norm_sqr() - *power);
+            *power += part * (bin.norm_sqr() as f32 - *power);
         }
         self.steps += 1;
     }

@@ -9,7 +9,7 @@ use pyrophone_synthesis::drive::Drive;
 use pyrophone_synthesis::extend::Extend;
 use pyrophone_synthesis::extend::beta::Fit;
 use pyrophone_synthesis::extend::noise::NoiseSource;
-use pyrophone_synthesis::fft::{self, Complex64};
+use pyrophone_synthesis::fft::{Complex64, ComplexTransform};
 
 /// Outputs with the latency trimmed, and the fits of the first channel, window 0 first.
 pub struct Run {
@@ -84,14 +84,14 @@ pub fn steady_drive(samples: usize, rate_hz: f64) -> Vec<f64> {
 /// Power density (not scaled) and bin distance in Hz by Welch's method: Hann windows of `len`
 /// samples, half overlapped.
 pub fn welch(signal: &[f64], len: usize, rate_hz: f64) -> (Vec<f64>, f64) {
-    let fft = fft::forward(len);
+    let fft = ComplexTransform::new(len);
     let hann: Vec<f64> = (0..len).map(|i| 0.5 - 0.5 * (TAU * i as f64 / len as f64).cos()).collect();
     let mut power = vec![0.0; len / 2 + 1];
     let mut start = 0;
     while start + len <= signal.len() {
         let mut bins: Vec<Complex64> =
             signal[start..start + len].iter().zip(&hann).map(|(x, w)| (x * w).into()).collect();
-        fft.process(&mut bins);
+        fft.forward(&mut bins);
         power.iter_mut().zip(&bins).for_each(|(sum, bin)| *sum += bin.norm_sqr());
         start += len / 2;
     }
@@ -122,11 +122,11 @@ pub fn slope(signal: &[f64], rate_hz: f64) -> f64 {
 
 /// Levels in dB of the third octaves 250 Hz - 16 kHz, one row per whole second.
 pub fn third_octaves(signal: &[f64], rate: usize) -> Vec<Vec<f64>> {
-    let fft = fft::forward(rate);
+    let fft = ComplexTransform::new(rate);
     let rows = signal.chunks_exact(rate).map(|second| {
         let mut bins: Vec<Complex64> =
             second.iter().enumerate().map(|(i, x)| (x * (PI * i as f64 / rate as f64).sin().powi(2)).into()).collect();
-        fft.process(&mut bins);
+        fft.forward(&mut bins);
         let band = |third: i32| {
             let center = 1000.0 * 2f64.powf(f64::from(third) / 3.0);
             let (low, high) = (center * 2f64.powf(-1.0 / 6.0), center * 2f64.powf(1.0 / 6.0));

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use pyrophone_synthesis::controls::VortexControls;
-use pyrophone_synthesis::fft::{self, Complex64};
+use pyrophone_synthesis::fft::{Complex64, ComplexTransform};
 use pyrophone_synthesis::noise::White;
 use pyrophone_synthesis::vortex::texture::Row;
 use pyrophone_synthesis::vortex::{Bank, End, SpeakerLayout, SpeedField, Vortex, VortexTexture};
@@ -178,11 +178,11 @@ pub fn db(ratio: f64) -> f64 {
 /// and 1500 Hz at 48 kHz.
 pub fn lag(a: &[f64], b: &[f64], about: usize) -> (f64, f64) {
     let len = 32_768;
-    let fft = fft::forward(len);
+    let fft = ComplexTransform::new(len);
     let transform = |signal: &[f64]| {
         let hann = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / len as f64).cos();
         let mut bins: Vec<Complex64> = (0..len).map(|i| (signal[i] * hann(i)).into()).collect();
-        fft.process(&mut bins);
+        fft.forward(&mut bins);
         bins
     };
     let (a, b) = (transform(a), transform(&b[about..]));
@@ -207,7 +207,7 @@ pub fn spectrum(signal: &[f64]) -> Vec<f64> {
         0.35875 - 0.48829 * turn.cos() + 0.14128 * (2.0 * turn).cos() - 0.01168 * (3.0 * turn).cos()
     };
     let mut bins: Vec<Complex64> = signal.iter().enumerate().map(|(i, x)| (x * window(i)).into()).collect();
-    fft::forward(len).process(&mut bins);
+    ComplexTransform::new(len).forward(&mut bins);
     bins[..len / 2].iter().map(|bin| bin.norm_sqr()).collect()
 }
 
@@ -215,7 +215,7 @@ pub fn spectrum(signal: &[f64]) -> Vec<f64> {
 pub fn third_octaves(signal: &[f64], rate_hz: f64) -> Vec<f64> {
     let len = signal.len();
     let mut bins: Vec<Complex64> = signal.iter().map(|x| (*x).into()).collect();
-    fft::forward(len).process(&mut bins);
+    ComplexTransform::new(len).forward(&mut bins);
     let bin_hz = rate_hz / len as f64;
     let band = |third: i32| {
         let center = 1000.0 * 2f64.powf(f64::from(third) / 3.0);

@@ -1,6 +1,6 @@
 //! Power over frequency, and over time and frequency.
 
-use pyrophone_synthesis::fft::{Complex64, RealToComplex, real_forward};
+use pyrophone_synthesis::fft::{Complex64, RealTransform};
 
 /// Lowest and highest frequency that is shown, in Hz.
 pub const BAND_HZ: (f64, f64) = (20.0, 20_000.0);
@@ -133,7 +133,8 @@ fn mean_between(bins: &[f64], bin_hz: f64, low_hz: f64, high_hz: f64) -> f64 {
 
 /// A windowed transform of one size (Hann).
 struct Transform {
-    fft: std::sync::Arc<dyn RealToComplex<f64>>,
+    fft: RealTransform,
+    room: Vec<f64>,
     window: Vec<f64>,
     frame: Vec<f64>,
     spectrum: Vec<Complex64>,
@@ -144,13 +145,14 @@ struct Transform {
 
 impl Transform {
     fn new(size: usize, sample_rate_hz: u32) -> Self {
-        let fft = real_forward(size);
+        let fft = RealTransform::new(size);
         let window: Vec<f64> =
             (0..size).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / size as f64).cos()).collect();
         let energy: f64 = window.iter().map(|w| w * w).sum();
         Self {
-            frame: fft.make_input_vec(),
-            spectrum: fft.make_output_vec(),
+            frame: vec![0.0; size],
+            spectrum: vec![Complex64::default(); fft.bins()],
+            room: vec![0.0; fft.room()],
             fft,
             window,
             bin_hz: f64::from(sample_rate_hz) / size as f64,
@@ -164,11 +166,9 @@ impl Transform {
             let x = usize::try_from(n).ok().and_then(|n| sound.get(n)).copied().unwrap_or(0.0);
             *sample = f64::from(x) * window;
         }
-        // The buffers are the plan's own, so their sizes fit.
-        if self.fft.process(&mut self.frame, &mut self.spectrum).is_ok() {
-            for (bin, value) in bins.iter_mut().zip(&self.spectrum) {
-                *bin += self.scale * value.norm_sqr();
-            }
+        self.fft.forward(&self.frame, &mut self.spectrum, &mut self.room);
+        for (bin, value) in bins.iter_mut().zip(&self.spectrum) {
+            *bin += self.scale * value.norm_sqr();
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The character of a low-frequency flame signal in a few figures: levels, burstiness, slope.
 
-use pyrophone_synthesis::fft::{Complex64, real_forward, real_inverse};
+use pyrophone_synthesis::fft::RealTransform;
 
 /// Bands whose levels are told, in Hz: below the paper's high-pass, and the lower and upper part of what it leaves.
 pub const BANDS_HZ: [(f64, f64); 3] = [(10.0, 30.0), (30.0, 80.0), (80.0, 175.0)];
@@ -69,14 +69,13 @@ fn density(signal: &[f64], rate_hz: f64) -> (Vec<f64>, f64) {
     let size = ((WINDOW_S * rate_hz).round() as usize).max(2);
     let window: Vec<f64> =
         (0..size).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / size as f64).cos()).collect();
-    let transform = real_forward(size);
-    let (mut input, mut output) = (transform.make_input_vec(), transform.make_output_vec());
-    let mut sum = vec![0.0; output.len()];
+    let transform = RealTransform::new(size);
+    let mut input = vec![0.0; size];
+    let mut sum = vec![0.0; transform.bins()];
     let mut count = 0.0;
     for part in signal.windows(size).step_by(size / 2) {
         input.iter_mut().zip(part).zip(&window).for_each(|((x, value), weight)| *x = value * weight);
-        transform.process(&mut input, &mut output).expect("the buffers are the plan's own");
-        sum.iter_mut().zip(&output).for_each(|(sum, bin)| *sum += bin.norm_sqr());
+        sum.iter_mut().zip(&transform.spectrum(&input)).for_each(|(sum, bin)| *sum += bin.norm_sqr());
         count += 1.0;
     }
     let scale = 2.0 / (rate_hz * count * window.iter().map(|w| w * w).sum::<f64>());
@@ -86,24 +85,16 @@ fn density(signal: &[f64], rate_hz: f64) -> (Vec<f64>, f64) {
 /// The signal in [`HEARD_HZ`], without delay.
 fn band_passed(signal: &[f64], rate_hz: f64) -> Vec<f64> {
     let size = signal.len();
-    let (forward, inverse) = (real_forward(size), real_inverse(size));
-    let mut input = signal.to_vec();
-    let mut bins: Vec<Complex64> = forward.make_output_vec();
-    forward.process(&mut input, &mut bins).expect("the buffers are the plan's own");
+    let transform = RealTransform::new(size);
+    let mut bins = transform.spectrum(signal);
     for (bin, value) in bins.iter_mut().enumerate() {
         let frequency_hz = (bin as f64 * rate_hz / size as f64).max(1e-9);
         let (low, high) = (HEARD_HZ.0 / frequency_hz, frequency_hz / HEARD_HZ.1);
         *value /= (1.0 + low.powi(2 * ORDER)) * (1.0 + high.powi(2 * ORDER)) * size as f64;
     }
-    // What rounding and the response leave there would be refused.
-    bins[0].im = 0.0;
-    if size.is_multiple_of(2)
-        && let Some(last) = bins.last_mut()
-    {
-        last.im = 0.0;
-    }
-    inverse.process(&mut bins, &mut input).expect("the buffers are the plan's own");
-    input
+    let mut output = vec![0.0; size];
+    transform.inverse(&bins, &mut output, &mut vec![0.0; transform.room()]);
+    output
 }
 
 /// Rms over [`ENVELOPE_S`] around every sample; what lies outside the signal is zero.
