@@ -193,7 +193,9 @@ mod x86 {
     use bytemuck::cast;
     use pulp::x86::{V3, V4};
 
-    use super::{AXES_MAX, CHUNK, Frame, LANES, Lanes, QUAD, Quad, ROUNDER, TakenIn, first_axes, sum_of};
+    use crate::texture::search::codes::{CHUNK, Frame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
+    use crate::texture::search::lanes::{Lanes, sum_of};
+    use crate::texture::search::sizes::{AXES_MAX, LANES};
 
     /// Fetches 256 bytes.
     #[inline(always)]
