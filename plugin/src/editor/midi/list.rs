@@ -15,6 +15,9 @@ const NUMBER: f32 = 44.0;
 const REMOVE: f32 = 58.0;
 const REMOVE_ALL: f32 = 116.0;
 
+/// The button in the head is taller than the head, in points.
+const BELOW_HEAD: f32 = 6.0;
+
 /// Where an assignment holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scope {
@@ -85,7 +88,7 @@ impl MidiPanel {
         }
         self.remove_all_button(ui, title_row(rect), controllers);
         let mut removed = None;
-        within(ui, inner, "controllers", |ui| {
+        within(ui, inner.with_min_y(inner.top() + BELOW_HEAD), "controllers", |ui| {
             ScrollArea::vertical().id_salt("controllers").auto_shrink(false).show(ui, |ui| {
                 for shown in &lines {
                     if line(ui, shown) {
