@@ -49,6 +49,14 @@ impl ControllerFile {
         let lines: String = assignments.iter().map(|(id, number)| format!("{id} {number}\n")).collect();
         user_file::write(&self.file, &lines)
     }
+
+    /// Removes all assignments.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn clear(&self) -> std::io::Result<()> {
+        user_file::write(&self.file, "")
+    }
 }
 
 fn assignment(line: &str) -> Option<(String, u8)> {
@@ -78,6 +86,8 @@ mod tests {
         assert_eq!(file.read(), Assignments::from(expected));
         file.assign("alpha", None).expect("written");
         assert_eq!(file.read().into_keys().collect::<Vec<_>>(), ["macro_size"]);
+        file.clear().expect("written");
+        assert_eq!(file.read(), Assignments::new());
     }
 
     #[test]

@@ -184,7 +184,7 @@ pub const PARAMETERS: &[Parameter] = &[
         None,
         "Level of the fire matched from the recording.",
     ),
-    control("output_level", "Output level", "Levels", "dB", level(0.0), None, "Level of everything together."),
+    control("output_level", "Output level", "Levels", "dB", level(0.0), None, "Level of the whole output."),
     control(
         "alpha",
         "Alpha",
@@ -228,7 +228,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Int { low: 0, high: 65_535, default: 42 },
         None,
-        "Number of the noise: another one gives the same fire with other crackle.",
+        "Seed of the noise: another number gives different noise of the same character.",
     ),
     control(
         "extension_width",
@@ -255,7 +255,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: DYNAMIC_RANGES, default: 2 },
         Some(1.0),
-        "How the input's loudness is known: off (as it comes), learned beforehand, or estimated as it runs.",
+        "Where the input's loudness range comes from: off (not mapped), learned beforehand, or estimated during playback.",
     ),
     control(
         "gate",
@@ -282,7 +282,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: QUALITIES, default: 1 },
         Some(3.0),
-        "How long each search may take: draft, normal and high compare 256, 1024 and 4096 candidates, exact all it needs.",
+        "How long each search may take: draft, normal and high compare 256, 1024 and 4096 candidates, exact as many as it needs.",
     ),
     control(
         "texture_width",
@@ -300,7 +300,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: DRIVE_MODES, default: 0 },
         Some(0.0),
-        "What the input is: the flame's pressure, its flux, a sound whose envelope drives a rumble (envelope: the sidechain's); flame burns without any.",
+        "What drives the fire: a flame's pressure or flux, the envelope of the sidechain or of the input, or a built-in flame that needs no input.",
     ),
     control(
         "drive_gain",
@@ -309,7 +309,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "dB",
         float(-48.0, 48.0, 0.0, 1.0, 2),
         None,
-        "Level of the input before the engines; what they match and fit follows it.",
+        "Gain of the input before the engines; matching and fitting follow it.",
     ),
     control("attack", "Attack", "Drive", "ms", float(0.1, 1000.0, 5.0, 0.3, 2), None, "How fast the envelope rises."),
     control(
@@ -346,7 +346,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Toggle { default: false },
         None,
-        "The input as it is, delayed by the latency.",
+        "Passes the input through unchanged, delayed by the latency.",
     ),
     structure(
         "levels",
@@ -402,7 +402,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: DYNAMICS_MODES, default: 1 },
         0.0,
-        "Companded: matched without slow loudness, the input's put back; paper: matched as loud as it comes.",
+        "Companded: matched without slow loudness changes, which are then restored from the input; paper: matched at its own loudness.",
     ),
     control(
         "dynamics",
@@ -447,7 +447,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: FLAME_SCENES, default: 5 },
         None,
-        "Drive flame: what burns, simulated, over and over without a seam.",
+        "Drive flame: the simulated scene that burns, in a seamless loop.",
     ),
     control(
         "flame_intensity",
@@ -501,7 +501,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: VORTEX_FLOWS, default: 0 },
         None,
-        "What tells how fast the gas flows: the input's loudness, a flame's simulated motion (field), or gas that the input blows at, simulated meanwhile (live).",
+        "What sets the gas's speed: the input's loudness (envelope), a flame's simulated motion (field), or gas simulated while you listen, which the input drives (live).",
     ),
     control(
         "vortex_speed",
@@ -510,7 +510,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "m/s",
         float(0.0, 40.0, 16.0, 0.5, 2),
         None,
-        "How fast the gas flows where the input is at full scale: faster is louder and brighter. With a field, 16 is its own speed.",
+        "Speed of the gas for an input at full scale: faster is louder and brighter. With a field, 16 m/s is the field's own speed.",
     ),
     control(
         "vortex_curve",
@@ -528,7 +528,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 1.0, 0.5, 1.0, 3),
         None,
-        "How much louder fast gas is than slow gas: 1 as in nature, which is steep, 0 not at all.",
+        "How much louder fast gas is than slow gas: 1 as in nature, which is a lot; 0 not at all.",
     ),
     control(
         "vortex_variation",
@@ -546,7 +546,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Int { low: 1, high: 500, default: 64 },
         None,
-        "How many regions of gas are heard: few flutter, many roar; twice as many are 3 dB louder.",
+        "Number of sounding regions of gas: few flutter, many roar; doubling them adds 3 dB.",
     ),
     control(
         "vortex_distance",
@@ -555,7 +555,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "m",
         float(0.0, 100.0, 3.0, 0.4, 2),
         None,
-        "From the listener to the middle of the gas; as it moves, it sounds higher or lower.",
+        "Distance from the listener to the centre of the gas; changing it shifts the pitch (Doppler).",
     ),
     control(
         "vortex_spread",
@@ -591,7 +591,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(1.0, 3.0, 1.0, 1.0, 3),
         None,
-        "Power with which it gets softer with distance: 1 as in nature, 3 as Dobashi's paper prints it.",
+        "Exponent of the attenuation with distance: 1 as in nature, 3 as printed in Dobashi's paper.",
     ),
     control(
         "vortex_limit",
@@ -600,7 +600,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "dB",
         float(-48.0, 24.0, 24.0, 1.0, 1),
         None,
-        "The loudest that the microphone takes, before the layer's level: bends what is louder, as explosions are.",
+        "Soft-clips the layer at this level, before its own level control, as a microphone overloads near an explosion.",
     ),
     control(
         "vortex_seed",
@@ -609,7 +609,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Int { low: 0, high: 65_535, default: 42 },
         None,
-        "Number of the sources: another one places and times them anew.",
+        "Seed of the sources: another number places and times them differently.",
     ),
     control(
         "scaling_auto",
@@ -681,7 +681,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Toggle { default: true },
         Some(0.0),
-        "Keeps the output below full scale: bends peaks above -1 dBFS, leaves everything else as it is.",
+        "Keeps the output below full scale: soft-clips peaks above -1 dBFS and changes nothing else.",
     ),
     control(
         "loudness",
@@ -690,7 +690,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "LUFS",
         float_or_off(-60.0, -6.0, -32.0, 1.0, 1),
         None,
-        "Companded mode: loudness that every recording is brought to; off leaves it as loud as it was recorded.",
+        "Companded mode: loudness to which every recording is brought; off keeps the recording's own.",
     ),
     control(
         "fuel",
@@ -771,7 +771,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How large the fire is: large ones are deeper and slower. 0 % leaves all as it is set.",
+        "How large the fire is: large ones are deeper and slower. 0 % changes nothing.",
     ),
     control(
         "macro_fury",
@@ -780,7 +780,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How wild the fire is: how far its loudness swings. 0 % leaves all as it is set.",
+        "How wild the fire is: how far its loudness swings. 0 % changes nothing.",
     ),
     control(
         "macro_crackle",
@@ -789,7 +789,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How much it crackles: number and level of crackles. 0 % leaves all as it is set.",
+        "How much it crackles: number and level of crackles. 0 % changes nothing.",
     ),
     control(
         "macro_sharpness",
@@ -798,7 +798,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How sharp crackles are: from dull thuds of wet wood to dry snaps. 0 % leaves all as it is set.",
+        "How sharp crackles are: from dull thuds of wet wood to dry snaps. 0 % changes nothing.",
     ),
     control(
         "macro_hiss",
@@ -807,7 +807,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How much it hisses: the sound of steam and small jets, above 6 kHz. 0 % leaves all as it is set.",
+        "How much it hisses: the sound of steam and small jets, above 6 kHz. 0 % changes nothing.",
     ),
     control(
         "macro_whoosh",
@@ -816,7 +816,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How much moving gas is heard: vortex sound, added where its level is off. 0 % leaves all as it is set.",
+        "How much moving gas is heard: vortex sound, added where its level is off. 0 % changes nothing.",
     ),
     control(
         "macro_tightness",
@@ -825,7 +825,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How closely the sound follows the flame's loudness, moment by moment. 0 % leaves all as it is set.",
+        "How closely the sound follows the flame's loudness, moment by moment. 0 % changes nothing.",
     ),
     control(
         "macro_distance",
@@ -834,7 +834,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How far away the fire is: far ones are softer, duller and narrower. 0 % leaves all as it is set.",
+        "How far away the fire is: far ones are softer, duller and narrower. 0 % changes nothing.",
     ),
     control(
         "take",
@@ -843,7 +843,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Int { low: 0, high: 65_535, default: 0 },
         None,
-        "Number of the take: another one has the same character and other events; 0 plays the seeds as they are set.",
+        "Take number: every take has the same character and different events; 0 uses the seeds that are set.",
     ),
     control(
         "take_amount",
@@ -852,7 +852,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         float(0.0, 100.0, 50.0, 1.0, 1),
         None,
-        "How far a take's texture may stray from the recording's nearest moments; noise, crackles and gas are other ones at once.",
+        "How far a take's texture may stray from the best-matching moments; noise, crackles and gas differ in every take.",
     ),
     control(
         "recording_slot",

@@ -8,7 +8,7 @@ use std::process::{Command, ExitCode, Stdio};
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 
-use crate::{cargo, instructions, setup};
+use crate::{bundle, cargo, instructions, setup};
 
 /// The package with the benches; each is a program that prints tables.
 const PACKAGE: &str = "pyrophone-synthesis";
@@ -19,11 +19,14 @@ const END: &str = "<!-- end of figures -->\n";
 /// Markers of the costs in the page.
 const COST_BEGIN: &str = "<!-- costs: cargo xtask bench all -->\n";
 const COST_END: &str = "<!-- end of costs -->\n";
+/// Markers of the window's costs in the page.
+const WINDOW_BEGIN: &str = "<!-- window: cargo xtask bench window -->\n";
+const WINDOW_END: &str = "<!-- end of window -->\n";
 
 /// Options of `cargo xtask bench`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Only this one; `all` and `search` also write their tables into docs/performance.md
+    /// Only this one; `all`, `search` and `window` also write their tables into docs/performance.md
     bench: Option<Bench>,
     /// Options of `scenes`; see `bench scenes --help`
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
@@ -42,7 +45,7 @@ enum Bench {
     Flame,
     /// Accuracy of the steps between a simulation's frames (PYROPHONE_REFERENCE names the folder of the reference cache)
     Upsample,
-    /// The editor's window, frame by frame
+    /// The editor's window: frame by frame, and on a screen (Xvfb) as the process pays for it
     Window,
     /// Loading a recording, for the first time and in a session that is opened again
     Reload,
@@ -65,6 +68,9 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if args.bench == Some(Bench::Instructions) {
         instructions::keep()?;
         return Ok(ExitCode::SUCCESS);
+    }
+    if args.bench == Some(Bench::Window) {
+        return window();
     }
     let is_wanted = |bench: Bench| args.bench.is_none_or(|only| only == bench);
     for (bench, package, name) in [
@@ -101,6 +107,30 @@ fn costs() -> Result<ExitCode> {
     table.push('\n');
     table.push_str(&instructions::table()?);
     keep(&table, COST_BEGIN, COST_END)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The window: frame by frame without a screen, then as the process pays for it on one, with and without rasterising.
+fn window() -> Result<ExitCode> {
+    setup::ensure(&setup::TEST)?;
+    let mut figures =
+        printed(cargo::command().args(["bench", "--quiet", "--package", "pyrophone-plugin", "--bench", "window"]))?;
+    bundle::bundle(bundle::Profile::Release)?;
+    figures.push_str("\n### On a screen\n\n");
+    for is_rasterised in [true, false] {
+        let mut test = cargo::command();
+        test.args(["test", "--quiet", "--release", "--package", "pyrophone-tests", "--test", "editor_cost", "--"]);
+        test.args(["--ignored", "--nocapture"]);
+        if !is_rasterised {
+            // Mesa draws nothing then: what is left is the editor's own part and the driver's.
+            test.env("GALLIUM_NOOP", "1");
+        }
+        let rows = printed(&mut test)?;
+        let head = if is_rasterised { 0 } else { 2 };
+        let rows = rows.lines().filter(|line| line.starts_with('|')).skip(head);
+        figures.extend(rows.map(|line| format!("{line}\n")));
+    }
+    keep(&figures, WINDOW_BEGIN, WINDOW_END)?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -41,7 +41,7 @@ enum Command {
     },
     /// Build the release bundles and copy them to where hosts look for plugins
     Install(install::Args),
-    /// Remove what `install` has put there
+    /// Remove what `install` copied
     Uninstall(uninstall::Args),
     /// Make the packages that users download, in target/packages
     Package(package::Args),
@@ -51,7 +51,7 @@ enum Command {
     /// Build everything, make fire and write a page to hear and see it; see `demo --help`
     #[command(disable_help_flag = true)]
     Demo(Forwarded),
-    /// Simulate anew the flames that burn in the plugin without any input; see `drives --help`
+    /// Simulate the built-in flames again, which burn in the plugin without any input; see `drives --help`
     #[command(disable_help_flag = true)]
     Drives(Forwarded),
     /// Write a blind listening test as one HTML file; see `listen --help`
@@ -60,20 +60,20 @@ enum Command {
     /// Score results against their recordings and write docs/sound.md; see `score --help`
     #[command(disable_help_flag = true)]
     Score(Forwarded),
-    /// Record anew the vortex-sound textures that are shipped; see `vortex --help`
+    /// Record the shipped vortex-sound textures again; see `vortex --help`
     #[command(disable_help_flag = true)]
     Vortex(Forwarded),
-    /// Everything that must pass
+    /// Run everything that must pass
     Test,
-    /// The long tests
+    /// Run the long tests
     Soak,
-    /// Validators of others over the bundles, as `test` runs them: those that are in PATH
+    /// Run third-party validators over the bundles, as `test` does: those that are in PATH
     Validate {
         /// Build optimised, as for use in a host
         #[arg(long)]
         release: bool,
     },
-    /// Real-time factors and worst blocks, as tables
+    /// Print real-time factors and worst blocks as tables
     Bench(bench::Args),
 }
 

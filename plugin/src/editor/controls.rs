@@ -12,7 +12,7 @@ use super::widgets::{KNOB, PICK_WIDTH, choice, knob, toggle};
 /// A page of the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Page {
-    /// What is played with: flame, layers, macros, takes.
+    /// Performing: flame, layers, macros, takes.
     #[default]
     Play,
     /// What every engine does, and all its parameters.
@@ -40,10 +40,10 @@ impl Page {
     /// What is on it.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::Play => "What is played with: flame, layers, macros, takes",
-            Self::Engines => "What every engine does, and all its parameters",
-            Self::Space => "The whoosh of moving gas, and where it is",
-            Self::Setup => "Sizes of the engines, which decide latency; and what is set once",
+            Self::Play => "Performing: flame, layers, macros, takes",
+            Self::Engines => "What each engine is doing, and all its parameters",
+            Self::Space => "The whoosh of moving gas, and where it comes from",
+            Self::Setup => "Engine sizes, which decide the latency; MIDI controllers",
         }
     }
 
@@ -52,7 +52,7 @@ impl Page {
         // Which parameter is where does not change: it is not looked up with every frame.
         static ENGINES: LazyLock<[Group; 7]> = LazyLock::new(|| {
             [
-                Group::new("Drive", "what goes in"),
+                Group::new("Drive", "the input"),
                 Group::new("Levels", "what is heard"),
                 Group::new("Extension", "noise above the cutoff"),
                 Group::new("Flame", "the built-in flame (drive flame)"),
@@ -69,7 +69,7 @@ impl Page {
             ]
         });
         static SETUP: LazyLock<[Group; 1]> = LazyLock::new(|| {
-            [Group::new("Structure", "sizes of the engines: a change restarts them and may change the latency")]
+            [Group::new("Structure", "engine sizes: a change restarts the engines and may change the latency")]
         });
         match self {
             Self::Play => &[],

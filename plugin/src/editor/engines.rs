@@ -1,4 +1,4 @@
-//! The pages of the engines: spectra and what the engines do above, their parameters below.
+//! The Engines page: spectra and what the engines do above, their parameters below.
 
 use egui::Rect;
 use pyrophone_settings::Id;
@@ -12,6 +12,11 @@ use super::{GAP, listen, meter_bridge, part, theme};
 /// Heights of the recording's words without and with a message, in points.
 const WORDS: f32 = 80.0;
 const MESSAGE: f32 = 30.0;
+/// Width below which one of the rows of words breaks in two, the height of that, and the least height of sounds and words
+/// together at which there is room for it, in points.
+const ROOM_FOR_ROWS: f32 = 400.0;
+const ROW: f32 = 26.0;
+const ROOM_FOR_FOUR_ROWS: f32 = 220.0;
 /// Width of the meters, in points.
 const METERS: f32 = 190.0;
 /// Height that the parameters like to have, in points.
@@ -20,8 +25,14 @@ const CONTROLS: f32 = 388.0;
 const ENGINES: f32 = 84.0;
 const ROOM_FOR_ENGINES: f32 = 270.0;
 
-/// A page.
-pub fn show(ui: &mut egui::Ui, rest: Rect, page: Page, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+/// Draws the page.
+pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+    let controls = pictures(ui, rest, parts, hand);
+    part(ui, controls, "controls", |ui| controls::show(ui, Page::Engines, hand));
+}
+
+/// Draws spectra, sounds, meters and what the engines do in the upper part of `rest`; gives the place below them.
+pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) -> Rect {
     // Pictures take what the parameters leave, and at least two fifths.
     let split = rest.top() + (rest.height() - CONTROLS).clamp(0.4 * rest.height(), 0.62 * rest.height());
     let (upper, lower) = rest.split_top_bottom_at_y(split);
@@ -42,8 +53,7 @@ pub fn show(ui: &mut egui::Ui, rest: Rect, page: Page, parts: &mut Parts<'_>, ha
     part(ui, listen::place(meters), "listen", |ui| {
         parts.listen.show(ui, parts.monitor, parts.loader, parts.view, hand);
     });
-    let controls = lower.with_min_y(lower.top() + GAP);
-    part(ui, controls, "controls", |ui| controls::show(ui, page, hand));
+    lower.with_min_y(lower.top() + GAP)
 }
 
 /// What the engines do: extension's factors, texture's levels, and how loudness is matched.
@@ -60,9 +70,9 @@ fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &ParamEditor<
     parts.monitor.levels.show(ui, place(1.0));
     parts.monitor.dynamics.show(ui, place(2.0), recording.as_deref(), learned);
     let explanations = [
-        "Noise factor of every window of extension (beta of Chadwick & James, Algorithm 1): by how much the noise was scaled to go on where the flame ends",
-        "The levels of texture synthesis, the coarsest on top: that one is the flame's own, all others come from the recording",
-        "What part of the flame's windows (blue) and of the recording's (grey) lie below which level; the line is the present window, from its level to the one it is brought to",
+        "Noise factor of each window of extension (beta of Chadwick & James, Algorithm 1): the gain with which the noise continues where the flame ends",
+        "The levels of texture synthesis, coarsest at the top: the coarsest is the flame's own, all others come from the recording",
+        "Share of the flame's windows (blue) and of the recording's (grey) below each level; the line leads from the current window's level to the one it is mapped to",
     ];
     for (index, words) in explanations.into_iter().enumerate() {
         let id = egui::Id::unique(("engines", index));
@@ -75,7 +85,8 @@ fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Param
     let view = parts.view;
     let cancels = parts.meters.input_cancels();
     let has_message = view.error.is_some() || view.notice.is_some() || cancels;
-    let height = WORDS + if has_message { MESSAGE } else { 0.0 };
+    let is_broken = rect.width() < ROOM_FOR_ROWS && rect.height() >= ROOM_FOR_FOUR_ROWS;
+    let height = WORDS + if is_broken { ROW } else { 0.0 } + if has_message { MESSAGE } else { 0.0 };
     let words = rect.with_min_y(rect.bottom() - height);
     let course = (rect.height() - height - 4.0 * GAP) / 4.0;
     let row = |index: f32| {
@@ -89,7 +100,7 @@ fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Param
     part(ui, words, "recording", |ui| {
         parts.recording.show(ui, parts.loader, hand, view);
         if cancels && view.error.is_none() {
-            let warning = "The input's channels cancel each other: turn one's phase, or use mono.";
+            let warning = "The input's channels cancel each other: invert one of them, or use mono.";
             ui.label(egui::RichText::new(warning).font(theme::small()).color(theme::ALARM));
         }
     });

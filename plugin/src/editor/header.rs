@@ -82,7 +82,7 @@ fn history(ui: &mut Ui, hand: &mut ParamEditor<'_>) {
     let keys = |key| move |input: &mut egui::InputState| input.consume_key(egui::Modifiers::COMMAND, key);
     let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo"));
     map::note(ui, "button.Undo", undo.rect);
-    let undo = undo.on_hover_text("Ctrl+Z: takes back what you did last; what the host automates stays");
+    let undo = undo.on_hover_text("Ctrl+Z: undoes your last change; the host's automation stays");
     if undo.clicked() || ui.input_mut(keys(egui::Key::Z)) {
         hand.undo();
     }
@@ -101,7 +101,7 @@ fn history(ui: &mut Ui, hand: &mut ParamEditor<'_>) {
         }
     }
     let (from, to) = if hand.history.is_b() { ("B", "A") } else { ("A", "B") };
-    let copy = ui.button(format!("{from}›{to}")).on_hover_text(format!("Copies {from}, which sounds, to {to}"));
+    let copy = ui.button(format!("{from}›{to}")).on_hover_text(format!("Copies {from}, the active setting, to {to}"));
     map::note(ui, "button.Copy", copy.rect);
     if copy.clicked() {
         hand.copy();
@@ -127,7 +127,7 @@ fn cost(ui: &mut Ui, meters: &Meters, (load, worst): (f32, f32)) {
     let fits = |text: &String| ui.painter().layout_no_wrap(text.clone(), theme::small(), color).size().x <= room;
     let Some(text) = forms.iter().find(|text| fits(text)) else { return };
     ui.label(RichText::new(text).font(theme::small()).color(color)).on_hover_text(format!(
-        "Latency: {samples} samples. Load: part of their time that blocks take, and the costliest of the last second ({:.0} %). Late: steps of the live gas that were not there in time; blocks of 512 samples or less leave time for them.",
+        "Latency: {samples} samples. Load: share of its time that a block takes on average, and the most expensive block of the last second ({:.0} %). Late: steps of live gas that arrived too late; use blocks of 512 samples or fewer.",
         100.0 * worst
     ));
 }

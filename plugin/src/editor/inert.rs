@@ -146,7 +146,7 @@ impl Situation<'_> {
         let follows = matches!(drive.mode, DriveMode::Envelope | DriveMode::InputEnvelope)
             || self.controls.mix.vortex != 0.0 && self.controls.vortex.flow != Flow::Field;
         let is_envelope = matches!(id, "attack" | "release" | "threshold");
-        (is_envelope && !follows).then_some("Nothing follows an envelope: Drive is not one, and no vortex sound does")
+        (is_envelope && !follows).then_some("Nothing follows an envelope: neither Drive nor vortex sound is set to one")
     }
 
     fn levels(&self, id: &str) -> Option<&'static str> {
@@ -165,7 +165,7 @@ impl Situation<'_> {
         match id {
             "macro_crackle" | "macro_sharpness" => self.crackle(),
             "macro_tightness" => self.texture("").filter(|_| self.crackle().is_some()),
-            "take_amount" if self.values.get(Id::Take) == 0.0 => Some("Take 0 plays the seeds as they are set"),
+            "take_amount" if self.values.get(Id::Take) == 0.0 => Some("Take 0 uses the seeds that are set"),
             _ => None,
         }
     }

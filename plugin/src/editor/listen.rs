@@ -142,8 +142,7 @@ impl ListenPanel {
         let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
         let burst = ui.add_enabled(!burns && self.rate_hz.is_some(), Button::new("Burst"));
         map::note(ui, "button.Burst", burst.rect);
-        let hint =
-            "Adds a burst of flame to what comes in, to try settings with. Not where a built-in flame burns already.";
+        let hint = "Adds a burst of flame to the input, to try settings with. Has no effect on a built-in flame.";
         if burst.on_hover_text(hint).clicked() {
             monitor.burst();
         }
@@ -169,7 +168,8 @@ impl ListenPanel {
         let text = if is_on { RichText::new("Stop").color(theme::ALARM) } else { RichText::new("Record") };
         let button = ui.add_enabled(self.rate_hz.is_some(), Button::new(text).selected(is_on));
         map::note(ui, "button.Record", button.rect);
-        let hint = "Keeps flame and output, in time with each other, until it is pressed again: five minutes at most. Then save them.";
+        let hint =
+            "Captures flame and output, aligned, until you press it again: five minutes at most. Then save them.";
         if button.on_hover_text(hint).clicked() {
             self.message = None;
             match self.rate_hz {
@@ -193,7 +193,7 @@ impl ListenPanel {
             return;
         }
         let Some(path) = take_path() else {
-            self.message = Some(("There is no folder to keep takes in: save it instead".to_owned(), true));
+            self.message = Some(("There is no folder for takes: save it instead".to_owned(), true));
             return;
         };
         let (channels, rate_hz) = (monitor.take.output(), self.rate_hz.unwrap_or(44_100.0) as u32);
@@ -226,9 +226,7 @@ impl ListenPanel {
             }
         });
         map::note(ui, "button.Save sound", menu.response.rect);
-        menu.response.on_hover_text(
-            "Flame and output as they were recorded, or the part of the recording that is learnt from, as WAV",
-        );
+        menu.response.on_hover_text("Save the captured flame or output, or the selected part of the recording, as WAV");
     }
 }
 
@@ -236,9 +234,9 @@ impl ListenPanel {
 pub fn monitoring(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &View) {
     let heard = monitor.listen();
     for (name, listen, hint) in [
-        ("flame", Listen::Drive, "Hear what drives the engines, alone"),
-        ("rec.", Listen::Recording, "Hear the part of the recording that is learnt from, over and over"),
-        ("output", Listen::Output, "Hear the output, as always"),
+        ("flame", Listen::Drive, "Hear only the signal that drives the engines"),
+        ("rec.", Listen::Recording, "Hear the selected part of the recording, looped"),
+        ("output", Listen::Output, "Hear the output, as usual"),
     ] {
         let is_there = listen != Listen::Recording || view.recording.is_some();
         let is_heard = heard == listen;

@@ -1,6 +1,6 @@
 //! The meters side by side, with solo and mute of the layers below them.
 
-use egui::{Align2, Button, Pos2, Rect, RichText, Ui, Vec2};
+use egui::{Align2, Button, FontFamily, FontId, Pos2, Rect, RichText, Ui, Vec2};
 
 use super::levels::{FLOOR_DB, LAYER_NAMES, Levels, Meter};
 use super::{map, theme};
@@ -9,6 +9,8 @@ use crate::probe::LAYERS;
 /// The highest level shown, in dB.
 const TOP_DB: f32 = 6.0;
 const METERS: usize = LAYERS + 3;
+/// Width of a meter that has room for its name in the usual size, in points.
+const ROOM_FOR_NAMES: f32 = 22.0;
 /// Height of a button below a meter, in points.
 const BUTTON: f32 = 15.0;
 
@@ -71,8 +73,11 @@ fn bars(ui: &Ui, rect: Rect, levels: &Levels) {
             _ => theme::EMBER,
         };
         painter.rect_filled(bar(bottom, height(level.shown_db)), 1.0, color);
-        let name = if step < 22.0 && meter == Meter::Drive { "dr" } else { meter.name() };
-        painter.text(Pos2::new(middle, bottom + 2.0), Align2::CENTER_TOP, name, theme::small(), theme::WEAK);
+        let is_narrow = step < ROOM_FOR_NAMES;
+        let name = if is_narrow && meter == Meter::Drive { "dr" } else { meter.name() };
+        // Narrow meters stand so close that names of the usual size would run into each other.
+        let font = if is_narrow { FontId::new(8.5, FontFamily::Proportional) } else { theme::small() };
+        painter.text(Pos2::new(middle, bottom + 2.0), Align2::CENTER_TOP, name, font, theme::WEAK);
         if level.shown_db > FLOOR_DB {
             let (at, text) = (Pos2::new(middle, rect.top() + 2.0), format!("{:.0}", level.shown_db));
             painter.text(at, Align2::CENTER_TOP, text, theme::small(), theme::TEXT);

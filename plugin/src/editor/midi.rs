@@ -1,20 +1,32 @@
-//! MIDI controllers: what is being learnt, and keeping what was learnt for instances to come.
+//! MIDI controllers: what is being learnt, [what moves what](list), and keeping it for instances to come.
+
+pub mod list;
+
+use std::io;
 
 use egui::{Align2, Key, Pos2, Rect, Ui, Vec2};
+use pyrophone_settings::controller_file::Assignments;
 use pyrophone_settings::{COUNT, ControllerFile, PARAMETERS};
 
 use super::task::Task;
 use super::{map, theme};
 use crate::controllers::Controllers;
 
+/// Controllers of an instance, by the parameter's place in the table.
+type Numbers = [Option<u8>; COUNT];
+
 /// Follows an instance's controllers while its window is open.
 #[derive(Default)]
 pub struct MidiPanel {
     file: Option<ControllerFile>,
-    /// Controllers as they were in the last frame, by place in the table; none before the first.
-    seen: Option<[Option<u8>; COUNT]>,
-    /// Writes the file.
-    task: Option<Task<()>>,
+    /// What the file held when it was last read.
+    kept: Assignments,
+    /// Controllers as they were in the last frame; none before the first.
+    seen: Option<Numbers>,
+    /// Writes the file, if there is something to write, and reads it.
+    task: Option<Task<Assignments>>,
+    /// Whether the next press on **Remove all** removes them.
+    clears: bool,
 }
 
 impl MidiPanel {
@@ -23,14 +35,21 @@ impl MidiPanel {
         Self { file, ..Self::default() }
     }
 
-    /// Begins anew: what was assigned without a window is the session's alone.
+    /// Begins anew: what was assigned without a window is the session's alone. Other instances may have written the file.
     pub fn open(&mut self) {
-        self.seen = None;
+        (self.seen, self.clears) = (None, false);
+        self.work(|_| Ok(()));
     }
 
     /// Keeps what was assigned since the last frame, says what is being learnt, and lets Escape call that off.
     pub fn show(&mut self, ui: &Ui, all: Rect, controllers: &Controllers) {
-        let now: [Option<u8>; COUNT] = std::array::from_fn(|index| controllers.number(index));
+        if let Some(kept) = self.task.as_mut().and_then(Task::poll) {
+            (self.kept, self.task) = (kept, None);
+        }
+        if self.task.is_some() {
+            ui.ctx().request_repaint_after_secs(0.1);
+        }
+        let now = numbers(controllers);
         let before = self.seen.replace(now).unwrap_or(now);
         let changed: Vec<(&'static str, Option<u8>)> = (0..COUNT)
             .filter(|index| now[*index] != before[*index])
@@ -38,7 +57,7 @@ impl MidiPanel {
             .collect();
         // A session that was loaded changes many at once; hands change one.
         if let [(id, number)] = changed[..] {
-            self.keep(id, number);
+            self.work(move |file| file.assign(id, number));
         }
         let Some(learner) = controllers.learner() else { return };
         if ui.input(|input| input.key_pressed(Key::Escape)) {
@@ -49,13 +68,22 @@ impl MidiPanel {
         ui.ctx().request_repaint_after_secs(0.1);
     }
 
-    fn keep(&mut self, id: &'static str, number: Option<u8>) {
+    /// Changes the file, then reads it, on a thread of its own.
+    fn work(&mut self, change: impl FnOnce(&ControllerFile) -> io::Result<()> + Send + 'static) {
         let Some(file) = self.file.clone() else { return };
-        // The one before is waited for: both write the same file. That it cannot be written is no fault worth a word; the
-        // session has it.
+        // The one before is waited for: both write the same file.
         self.task = None;
-        self.task = Task::start("pyrophone-midi", move || drop(file.assign(id, number)), || {});
+        let work = move || {
+            // That it cannot be written is no fault worth a word: the session has it, and the list shows what the file has.
+            let _ = change(&file);
+            file.read()
+        };
+        self.task = Task::start("pyrophone-midi", work, || {});
     }
+}
+
+fn numbers(controllers: &Controllers) -> Numbers {
+    std::array::from_fn(|index| controllers.number(index))
 }
 
 fn say(ui: &Ui, all: Rect, words: &str) {

@@ -7,7 +7,8 @@
 //! | [`presets`] | the list of presets; saving them |
 //! | [`play`] | the first page: flame, output, recording, layers, macros, takes |
 //! | [`space`] | vortex sound from above, and what places it |
-//! | [`engines`] | the other pages: pictures of what the engines do, and their parameters |
+//! | [`engines`] | pictures of what the engines do, and their parameters |
+//! | [`setup`] | sizes of the engines, and the MIDI controllers that move parameters |
 //! | [`plots`] | spectra with handles, running spectrograms, the recording's outline, what the engines do |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
 //! | [`controls`] | parameters by page, as [`widgets`] |
@@ -38,6 +39,7 @@ pub mod play;
 pub mod plots;
 pub mod presets;
 pub mod recording;
+pub mod setup;
 pub mod space;
 pub mod suggestion;
 pub mod take;
@@ -240,7 +242,8 @@ impl Window {
         match self.header.page {
             Page::Play => play::show(ui, rest, &mut parts, &mut hand),
             Page::Space => space::show(ui, rest, &mut parts, &mut hand),
-            page => engines::show(ui, rest, page, &mut parts, &mut hand),
+            Page::Engines => engines::show(ui, rest, &mut parts, &mut hand),
+            Page::Setup => setup::show(ui, rest, &mut parts, &mut self.midi, &mut hand),
         }
         self.monitor.silence(self.levels.silenced());
         self.midi.show(ui, all, &self.params.controllers);

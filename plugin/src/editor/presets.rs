@@ -94,13 +94,13 @@ impl Presets {
             button.on_hover_text(hint).clicked()
         };
         ui.spacing_mut().item_spacing.x = 2.0;
-        let is_back = step(ui, "‹", "Previous preset", "The preset before this one in the list");
+        let is_back = step(ui, "‹", "Previous preset", "Previous preset");
         let width = width.clamp(NAME_WIDTH.0, NAME_WIDTH.1);
         let button =
             ui.add(Button::new(shown).min_size(Vec2::new(width, 0.0)).truncate().selected(self.list.is_open()));
-        let button = button.on_hover_text("Presets; a star: changed since");
+        let button = button.on_hover_text("Presets. A star: changed since it was chosen");
         map::note(ui, "button.Presets", button.rect);
-        let is_forth = step(ui, "›", "Next preset", "The preset after this one in the list");
+        let is_forth = step(ui, "›", "Next preset", "Next preset");
         if is_back || is_forth {
             self.step(is_forth, hand);
         }
@@ -160,7 +160,7 @@ impl Presets {
     /// Runs something with the user's library on a thread of its own.
     fn run(&mut self, work: impl FnOnce(&Library) -> Result<Done, Error> + Send + 'static) {
         let Some(library) = self.library.clone() else {
-            self.message = Some(("There is no home folder to keep presets in; set PYROPHONE_PRESETS.".into(), true));
+            self.message = Some(("There is no home folder for presets; set PYROPHONE_PRESETS.".into(), true));
             return;
         };
         let notifier = self.notifier.clone();

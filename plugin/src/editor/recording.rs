@@ -24,6 +24,8 @@ use region::{Change, Region, SHORTEST_S};
 
 /// How the names of speed fields end.
 const FIELD_EXTENSION: &str = "field";
+/// Height of a plot that has room for a name in its corner, in points.
+const ROOM_FOR_LABEL: f32 = 24.0;
 
 /// The panel, with what is typed into it.
 pub struct RecordingPanel {
@@ -113,8 +115,8 @@ impl RecordingPanel {
             self.learning(ui, loader, hand, view);
             if let Some(field) = &view.field {
                 ui.separator();
-                ui.label(RichText::new(field).color(theme::WEAK)).on_hover_text("Speed field: set Flow to field");
-                if ui.small_button("Remove").on_hover_text("Does without the speed field").clicked() {
+                ui.label(RichText::new(field).color(theme::WEAK)).on_hover_text("Speed field: used when Flow is field");
+                if ui.small_button("Remove").on_hover_text("Removes the speed field").clicked() {
                     loader.unload_field();
                 }
             }
@@ -140,9 +142,13 @@ impl RecordingPanel {
     pub fn buttons(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
         let is_missing = view.recording.is_none() && view.path.is_some() && view.progress.is_none();
         let (words, hint) = if is_missing {
-            (RichText::new("Locate…").color(theme::ALARM), "Choose where the recording is now: its part and level stay")
+            (
+                RichText::new("Locate…").color(theme::ALARM),
+                "Find the file where it is now; its selected part and level stay",
+            )
         } else {
-            let hint = "Or drop a sound file on the window; a .field file is the speed field of vortex sound";
+            let hint =
+                "You can also drop a sound file on the window, or a .field file: the speed field of vortex sound";
             (RichText::new("Load recording…"), hint)
         };
         let browse = ui.add_enabled(self.dialog.is_none(), Button::new(words));
@@ -176,7 +182,7 @@ impl RecordingPanel {
             self.take(PathBuf::from(path), loader);
         }
         if view.progress.is_some() {
-            let cancel = ui.button("Cancel").on_hover_text("Gives up what is under way; what sounds goes on");
+            let cancel = ui.button("Cancel").on_hover_text("Stops loading; the current sound continues");
             map::note(ui, "button.Cancel", cancel.rect);
             if cancel.clicked() {
                 loader.cancel();
@@ -211,18 +217,14 @@ impl RecordingPanel {
                 ui,
                 "Start",
                 seconds(&mut start_s, "from ").range(0.0..=duration_s),
-                "Where the part begins that is learnt from",
+                "Start of the part to learn from",
             );
             number(ui, "End", seconds(&mut end_s, "to ").range(0.0..=duration_s), "Where it ends");
             let gain = DragValue::new(&mut gain_db).prefix("gain ").suffix(" dB").fixed_decimals(1).speed(0.1);
-            number(
-                ui,
-                "Gain",
-                gain.range(-MAX_CUT_GAIN_DB..=MAX_CUT_GAIN_DB),
-                "How much louder the recording is taken",
-            );
+            number(ui, "Gain", gain.range(-MAX_CUT_GAIN_DB..=MAX_CUT_GAIN_DB), "Gain of the recording");
         });
-        let toggle = ui.checkbox(&mut normalise, "Normalise").on_hover_text("Brings the part to full scale first");
+        let toggle =
+            ui.checkbox(&mut normalise, "Normalise").on_hover_text("Normalises the selected part to full scale first");
         map::note(ui, "toggle.Normalise", toggle.rect);
         let mut embed = view.embed;
         let keep = ui.checkbox(&mut embed, "Embed");
@@ -247,7 +249,8 @@ impl RecordingPanel {
         self.show_outline(ui, above, loader, view);
         if let Some(portrait) = &view.portrait {
             self.course.show(ui, below, portrait);
-            if let Some(recording) = &view.recording {
+            // In a low plot the name would hide what it names.
+            if let Some(recording) = view.recording.as_ref().filter(|_| above.height() >= ROOM_FOR_LABEL) {
                 label(ui, above, recording, theme::ASH);
             }
         }
@@ -271,7 +274,7 @@ impl RecordingPanel {
             let width = above.width() - 20.0;
             let galley = painter.layout(text.to_owned(), egui::FontId::proportional(12.5), color, width);
             let place = Rect::from_center_size(centre, galley.size());
-            painter.rect_filled(place.expand(5.0), 3.0, theme::WELL.gamma_multiply(0.85));
+            painter.rect_filled(place.expand(5.0), 3.0, theme::behind_words());
             painter.galley(place.min, galley, color);
         };
         if let Some((what, done)) = &view.progress {
@@ -281,12 +284,9 @@ impl RecordingPanel {
             painter.rect_filled(bar.with_max_x(done_at), 0.0, theme::EMBER);
             word(&format!("{what} … {:.0} %", 100.0 * done), theme::TEXT);
         } else if let Some(path) = view.path.as_ref().filter(|_| view.recording.is_none()) {
-            word(
-                &format!("Not found: {path}\nLocate it where it is now. Noise stands in for it until then."),
-                theme::ALARM,
-            );
+            word(&format!("Not found: {path}\nLocate the file. Until then, noise replaces it."), theme::ALARM);
         } else if view.recording.is_none() {
-            word("Drop a recording of fire here, or load one.\nNoise stands in for it until then.", theme::WEAK);
+            word("Drop a recording of a fire here, or load one.\nUntil then, noise replaces it.", theme::WEAK);
         }
         if self.drops.as_ref().is_some_and(DropTarget::is_hovered) {
             painter.rect_stroke(above, 3.0, egui::Stroke::new(2.0, theme::EMBER), StrokeKind::Inside);
@@ -296,10 +296,10 @@ impl RecordingPanel {
     fn learning(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut ParamEditor<'_>, view: &View) {
         let learning = &loader.shared.learning;
         let is_on = learning.load(Ordering::Relaxed);
-        let text = if is_on { "Learning: press when it has played" } else { "Learn the flame" };
+        let text = if is_on { "Learning: press again after playing" } else { "Learn the flame" };
         let learn = ui.add(Button::new(text).selected(is_on));
         map::note(ui, "button.Learn the drive", learn.rect);
-        let hint = "Press, play the track once, press again: the texture then follows its loudness";
+        let hint = "Press, play the track once and press again: the texture then follows its loudness";
         if learn.on_hover_text(hint).clicked() {
             loader.shared.learned_samples.store(0, Ordering::Relaxed);
             learning.store(!is_on, Ordering::Relaxed);
@@ -311,7 +311,7 @@ impl RecordingPanel {
         }
         let from_file = ui.add_enabled(self.dialog.is_none(), Button::new("from file…"));
         map::note(ui, "button.Learn from file", from_file.rect);
-        let hint = "Learns from a sound file as if it were the track, with the drive as it is set";
+        let hint = "Learns from a sound file instead of the track, with the current drive settings";
         if from_file.on_hover_text(hint).clicked() {
             self.ask(Ask::Drive);
         }

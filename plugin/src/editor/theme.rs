@@ -30,6 +30,11 @@ pub const VIOLET: Color32 = Color32::from_rgb(0xb5, 0x97, 0xff);
 /// All is well.
 pub const WELL_DONE: Color32 = Color32::from_rgb(0x7f, 0xd8, 0x8f);
 
+/// Behind words over curves and pictures: these may show through, but must not compete.
+pub fn behind_words() -> Color32 {
+    WELL.gamma_multiply(0.92)
+}
+
 /// Corners of panels and buttons.
 pub const ROUNDING: u8 = 5;
 

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use egui::accesskit::TreeUpdate;
 use egui::epaint::{ClippedShape, ImageData, Mesh, Primitive, TextureId, Vertex};
 use egui::{Color32, ColorImage, Context, Pos2, RawInput, Rect, Vec2};
 use pyrophone::editor::Window;
@@ -19,6 +20,7 @@ pub struct Screen {
     context: Context,
     textures: HashMap<TextureId, ColorImage>,
     shapes: Vec<ClippedShape>,
+    tree: Option<TreeUpdate>,
     size: Vec2,
     frame: usize,
 }
@@ -27,7 +29,7 @@ impl Screen {
     /// An open window.
     pub fn new(window: Window) -> Self {
         let (context, textures) = (Context::default(), HashMap::new());
-        let mut screen = Self { window, context, textures, shapes: vec![], size: Vec2::ZERO, frame: 0 };
+        let mut screen = Self { window, context, textures, shapes: vec![], tree: None, size: Vec2::ZERO, frame: 0 };
         screen.window.open(&screen.context, deaf_host::context());
         screen
     }
@@ -59,8 +61,17 @@ impl Screen {
             }
         }
         output.textures_delta.clear();
+        self.tree = output.platform_output.accesskit_update.take();
         self.shapes = output.shapes.clone();
         output.shapes
+    }
+
+    /// What assistive technology would be told of a frame that is drawn now.
+    #[allow(dead_code, reason = "not every test looks at it")]
+    pub fn tree(&mut self) -> TreeUpdate {
+        self.context.enable_accesskit();
+        self.draw();
+        self.tree.take().expect("a tree")
     }
 
     /// Writes a picture of the last frame.

@@ -30,6 +30,10 @@ pub fn reference_folder() -> Option<PathBuf> {
     folder.join("signals").is_dir().then_some(folder)
 }
 
+/// Rights in the paper's signals, and in its recordings.
+const SIGNAL_RIGHTS: &str = "BSD 2-clause, J. Chadwick 2011";
+const RECORDING_RIGHTS: &str = "The Recordist, Ultimate Fire; for the paper's own release, not to be passed on";
+
 /// One example of the paper.
 struct Pair {
     slug: &'static str,
@@ -77,10 +81,10 @@ impl Pair {
         Ok(Self {
             slug,
             title,
-            input_sound: Sound::of(input.channels.clone(), input.sample_rate_hz),
+            input_sound: Sound::of(input.channels.clone(), input.sample_rate_hz, SIGNAL_RIGHTS),
             input,
             training,
-            training_sound: Sound::of(recording.channels, recording.sample_rate_hz),
+            training_sound: Sound::of(recording.channels, recording.sample_rate_hz, RECORDING_RIGHTS),
         })
     }
 
@@ -134,7 +138,7 @@ fn example(studio: &Studio, pair: &Pair) -> Result<(Section, Timing)> {
     };
     let rows = vec![input, recording, timed(extension, &extended), timed(texture, &textured)];
     let intro = "An example of the paper, from its authors' release.".to_owned();
-    Ok((Section { title: format!("The paper's {}", pair.title), intro, rows, table: None }, timing))
+    Ok((Section { title: format!("The paper's {}", pair.title), intro, rows, ..Section::default() }, timing))
 }
 
 fn exponents(studio: &Studio, pair: &Pair) -> Result<Section> {
@@ -153,7 +157,7 @@ fn exponents(studio: &Studio, pair: &Pair) -> Result<Section> {
         title: format!("Varying the exponent: {}", pair.title),
         intro: "The power of the added noise falls as frequency to the minus alpha.".into(),
         rows,
-        table: None,
+        ..Section::default()
     })
 }
 
@@ -171,7 +175,7 @@ fn crossed(studio: &Studio, pairs: &[(&Pair, &Pair)]) -> Result<Section> {
         title: "Other recordings".into(),
         intro: "The same flames, with the recordings of other examples.".into(),
         rows,
-        table: None,
+        ..Section::default()
     })
 }
 
@@ -196,7 +200,7 @@ fn dynamic_range(studio: &Studio, pair: &Pair) -> Result<Section> {
         title: format!("Dynamic range mapping: {}", pair.title),
         intro: "How far the recording's loudness is mapped onto the flame's (§5.3).".into(),
         rows,
-        table: None,
+        ..Section::default()
     })
 }
 
@@ -226,7 +230,7 @@ fn table_2(timings: &[Timing]) -> Section {
              host on this machine ({cores} cores): extension and texture run on one of them, texture with exact search; reading and \
              indexing the recording is done once, on all of them. Candle and Flame Jet are not among the data at hand."
         ),
-        rows: vec![],
         table: Some(format!("{head}{}", rows.collect::<String>())),
+        ..Section::default()
     }
 }

@@ -2,21 +2,23 @@
 
 mod analysis;
 pub mod comparisons;
+mod fire;
 mod flame;
+mod loudness;
 mod page;
 pub mod plots;
 mod signals;
 mod studio;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use pyrophone_recording::{Recording, write_wav_f32};
+use pyrophone_recording::Recording;
 use pyrophone_synthesis::controls::DriveMode;
 
 use crate::bounce::{load, preset};
 use crate::project;
-use page::Section;
+use page::{Pair, Section};
 use studio::{Beside, Job, Sound, Studio};
 
 /// Options of `cargo xtask demo`.
@@ -25,7 +27,7 @@ pub struct Args {
     /// Low-frequency flame signal, mono or stereo [default: a simulated one]
     #[arg(long, value_name = "IN.wav")]
     input: Option<PathBuf>,
-    /// Fire recording that texture draws from [default: a generated one]
+    /// Fire recording that texture draws from [default: a real one if one is found, else a generated one]
     #[arg(long, value_name = "T.wav")]
     training: Option<PathBuf>,
     /// Folder to write to [default: target/demo]
@@ -36,20 +38,16 @@ pub struct Args {
 /// Name, title and description of each factory preset.
 const PRESETS: [(&str, &str, &str); 9] = [
     (
+        "default",
+        "Default",
+        "What a new instance starts with: texture matched without slow loudness, then given the flame's loudness, over the flame's own low end.",
+    ),
+    (
         "extend",
         "Extension",
         "The flame's own low end and, above 180 Hz, noise that continues its level and slope. Needs no recording.",
     ),
-    (
-        "texture",
-        "Texture",
-        "Pieces of the recording, chosen so that they move with the flame. Gated, adapted for live use.",
-    ),
-    (
-        "default",
-        "Companded texture",
-        "The preset of a new instance: texture matched without slow loudness, then given the flame's loudness, over the flame's own low end.",
-    ),
+    ("texture", "Texture", "Pieces of the recording, chosen to follow the flame's movement, with a gate for live use."),
     (
         "texture-paper",
         "Texture, as published",
@@ -74,7 +72,7 @@ const PRESETS: [(&str, &str, &str); 9] = [
     (
         "swinging-torch",
         "Swinging torch",
-        "From a silent input: a swung torch; its whoosh is vortex sound that follows the motion.",
+        "From a silent input: a swung torch, whose whoosh is vortex sound that follows the motion.",
     ),
 ];
 
@@ -84,21 +82,20 @@ pub fn run(args: &Args) -> Result<()> {
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let studio = Studio::new(folder);
     let (heard, training) = sources(&studio, args)?;
-    let mut sections = vec![engines(&studio, args, &heard, &training)?, systems(&studio, &heard, &training)?];
+    let (engines, pair) = engines(&studio, args, &heard, &training)?;
+    let mut sections = vec![engines, systems(&studio, &heard, &training)?];
     match comparisons::reference_folder() {
         Some(reference) => sections.extend(comparisons::sections(&studio, &reference)?),
         None => eprintln!("no reference data (PYROPHONE_REFERENCE): the page has no comparisons with the paper"),
     }
     let path = studio.folder().join("index.html");
-    std::fs::write(&path, page::render(&sections)).with_context(|| path.display().to_string())?;
+    std::fs::write(&path, page::render(&pair, &sections)).with_context(|| path.display().to_string())?;
     println!("{}", path.canonicalize().unwrap_or(path).display());
     Ok(())
 }
 
-/// One input through every factory preset.
-fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Result<Section> {
-    let is_generated = args.input.is_none() || args.training.is_none();
-
+/// One input through every factory preset, and the pair of the input and what the first of them makes of it.
+fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Result<(Section, Pair)> {
     let input = &flame.recording;
     let mut rows = vec![
         studio.row(
@@ -111,7 +108,8 @@ fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Resul
         studio.row("training", "Recording", &fire.note, &fire.sound, &Beside::Training)?,
     ];
     let silence = Recording { channels: vec![vec![0.0; input.len_samples()]; 2], ..input.clone() };
-    let silence_sound = Sound::of(silence.channels.clone(), silence.sample_rate_hz);
+    let silence_sound = Sound::of(silence.channels.clone(), silence.sample_rate_hz, "");
+    let mut pair = None;
     for (name, title, note) in PRESETS {
         let values = preset(name, [])?;
         let uses_recording = name != "extend";
@@ -132,15 +130,19 @@ fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Resul
         row.facts.push(burnt.speed());
         row.facts.push(format!("preset {name}"));
         rows.push(row);
+        if pair.is_none() {
+            pair = Some(studio.pair([&flame.sound, &burnt.sound], ["input", name])?);
+        }
     }
-    let intro = if is_generated {
-        "<b class=generated>Generated</b> Sounds with this mark are not recordings: the demo simulates a flame and synthesises a \
-         crackling fire, so that there is something to hear on any machine. To use your own, run \
+    let intro = if args.input.is_none() || args.training.is_none() {
+        "Sounds marked <b class=generated>Simulated</b> or <b class=generated>Generated</b> are not recordings: the demo makes them, so \
+         that there is something to hear on any machine. To use your own, run \
          <code>cargo xtask demo --input flame.wav --training fire.wav</code>."
     } else {
         "Your sounds, bounced through the CLAP plugin with each factory preset."
     };
-    Ok(Section { title: "One flame, every engine".into(), intro: intro.into(), rows, table: None })
+    let section = Section { title: "One flame, every engine".into(), intro: intro.into(), rows, ..Section::default() };
+    Ok((section, pair.context("there are no presets")?))
 }
 
 /// A sound and its description on the page.
@@ -152,19 +154,26 @@ struct Source {
 }
 
 impl Source {
-    fn new((path, note): (PathBuf, String)) -> Result<Self> {
-        let recording = load(&path, None)?;
-        let sound = Sound::of(recording.channels.clone(), recording.sample_rate_hz);
-        Ok(Self { path, note, recording, sound })
+    fn new(found: fire::Found) -> Result<Self> {
+        let recording = load(&found.path, None)?;
+        let sound = Sound::of(recording.channels.clone(), recording.sample_rate_hz, &found.rights);
+        Ok(Self { path: found.path, note: found.note, recording, sound })
     }
 }
 
 /// Input and recording.
 fn sources(studio: &Studio, args: &Args) -> Result<(Source, Source)> {
-    let flame = source(studio, args.input.as_deref(), "flame", || {
-        Ok(vec![flame::simulate(signals::RATE_HZ, flame::SECONDS)?])
-    })?;
-    let fire = source(studio, args.training.as_deref(), "fire", || Ok(signals::fire()))?;
+    let flame = match &args.input {
+        Some(path) => fire::own(path),
+        None => fire::simulated(studio.folder())?,
+    };
+    let fire = match &args.training {
+        Some(path) => fire::own(path),
+        None => match fire::recorded(studio.folder()) {
+            Some(found) => found,
+            None => fire::generated(studio.folder())?,
+        },
+    };
     Ok((Source::new(flame)?, Source::new(fire)?))
 }
 
@@ -217,27 +226,5 @@ fn systems(studio: &Studio, flame: &Source, fire: &Source) -> Result<Section> {
         rows.push(row);
     }
     let intro = "Each system alone, with the input above, and all of them as layers of one instance.";
-    Ok(Section { title: "Three systems, side by side".into(), intro: intro.into(), rows, table: None })
-}
-
-/// The user's file, or a generated one, with its description on the page.
-fn source(
-    studio: &Studio,
-    given: Option<&Path>,
-    name: &str,
-    generate: impl FnOnce() -> Result<Vec<Vec<f32>>>,
-) -> Result<(PathBuf, String)> {
-    if let Some(path) = given {
-        let shown = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        return Ok((path.to_owned(), format!("{}.", page::escaped(&shown))));
-    }
-    let path = studio.folder().join(format!("generated-{name}.wav"));
-    write_wav_f32(&path, &generate()?, signals::RATE_HZ)?;
-    let note = match name {
-        "flame" => {
-            "<b class=generated>Simulated</b> Pressure of a fire-breathing dragon's flame, from this project's own solver (<code>pyrophone simulate dragon</code>)."
-        }
-        _ => "<b class=generated>Generated</b> Roar, hiss and bursts of crackle, in stereo.",
-    };
-    Ok((path, note.to_owned()))
+    Ok(Section { title: "Three systems, side by side".into(), intro: intro.into(), rows, ..Section::default() })
 }

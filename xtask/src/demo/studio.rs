@@ -3,36 +3,65 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use pyrophone_host::Format;
 use pyrophone_host::bounce::BlockSize;
-use pyrophone_recording::{Recording, write_file, write_wav_f32};
+use pyrophone_recording::{Recording, write_wav_f32};
 use pyrophone_settings::{Automation, Id, Values};
 
 use super::analysis::Spectrum;
-use super::page::Row;
+use super::loudness::{Listening, matched};
+use super::page::{Pair, Row, Side};
 use super::plots::{ASH, Curve, EMBER, FLAME_BLUE, spectrogram, spectrum};
 use crate::bounce::{Request, learned, play, reference};
 
-/// Peak of what is made for listening, in dB of full scale.
-const LISTENING_PEAK_DB: f64 = -1.0;
+/// Rights in a result.
+const RIGHTS_OF_RESULT: &str = "those in the sounds it was made from";
 
-/// A sound and its spectrum.
+/// A sound, its spectrum, and who may use it.
 pub struct Sound {
     channels: Vec<Vec<f32>>,
     sample_rate_hz: u32,
     spectrum: Spectrum,
+    rights: String,
 }
 
 impl Sound {
-    /// A sound at its rate.
-    pub fn of(channels: Vec<Vec<f32>>, sample_rate_hz: u32) -> Self {
+    /// A sound at its rate; `rights` is the licence that it is under.
+    pub fn of(channels: Vec<Vec<f32>>, sample_rate_hz: u32, rights: &str) -> Self {
         let spectrum = Spectrum::of(&channels, sample_rate_hz);
-        Self { channels, sample_rate_hz, spectrum }
+        Self { channels, sample_rate_hz, spectrum, rights: rights.to_owned() }
     }
 
-    fn peak(&self) -> f64 {
-        self.channels.iter().flatten().fold(0.0, |peak, x| f64::from(x.abs()).max(peak))
+    fn seconds(&self) -> f64 {
+        self.channels.first().map_or(0, Vec::len) as f64 / f64::from(self.sample_rate_hz)
+    }
+
+    /// A 16-bit WAV file, which every browser plays; rounded with triangular dither of two steps.
+    fn listening_copy(&self, gain_db: f64) -> Result<Vec<u8>> {
+        let spec = hound::WavSpec {
+            channels: self.channels.len() as u16,
+            sample_rate: self.sample_rate_hz,
+            bits_per_sample: 16,
+            sample_format: hound::SampleFormat::Int,
+        };
+        let gain = 10f64.powf(gain_db / 20.0) * f64::from(i16::MAX);
+        let dither = pyrophone_synthesis::noise::White::new(0, 0);
+        let dither = |n: i64| dither.at(n) * 0.5 / 3f64.sqrt();
+        let mut file = std::io::Cursor::new(vec![]);
+        let mut writer = hound::WavWriter::new(&mut file, spec)?;
+        let mut count = 0;
+        for index in 0..self.channels.first().map_or(0, Vec::len) {
+            for channel in &self.channels {
+                let x = f64::from(channel[index]) * gain + dither(2 * count) + dither(2 * count + 1);
+                count += 1;
+                writer.write_sample(x.round() as i16)?;
+            }
+        }
+        writer.finalize()?;
+        Ok(file.into_inner())
     }
 }
 
@@ -118,7 +147,7 @@ impl Studio {
             output_channels: job.output_channels,
         })?;
         Ok(Burnt {
-            sound: Sound::of(played.channels, job.input.sample_rate_hz),
+            sound: Sound::of(played.channels, job.input.sample_rate_hz, RIGHTS_OF_RESULT),
             loading: played.loading,
             playing: played.playing,
             seconds: job.input.duration_s(),
@@ -128,9 +157,9 @@ impl Studio {
     /// Writes a sound's files and gives its row of the page; `slug` names the files, `note` is HTML.
     pub fn row(&self, slug: &str, name: &str, note: &str, sound: &Sound, beside: &Beside<'_>) -> Result<Row> {
         eprintln!("  {name}");
-        let gain_db = LISTENING_PEAK_DB - 20.0 * sound.peak().max(1e-9).log10();
+        let [listening] = Self::listening([sound])?;
         write_wav_f32(&self.folder.join(format!("{slug}.float.wav")), &sound.channels, sound.sample_rate_hz)?;
-        self.write_listening_copy(slug, sound, gain_db)?;
+        self.write(&format!("{slug}.wav"), &sound.listening_copy(listening.gain_db)?)?;
         spectrogram(&self.folder.join(format!("{slug}.spectrogram.png")), &sound.channels, sound.sample_rate_hz)?;
         let (curves, alpha) = curves(sound, beside);
         spectrum(&self.folder.join(format!("{slug}.spectrum.png")), &curves, alpha)?;
@@ -139,36 +168,39 @@ impl Studio {
             name: name.to_owned(),
             note: note.to_owned(),
             is_source: !matches!(beside, Beside::Result { .. }),
-            facts: vec![format!("gain {gain_db:+.1} dB").replace('-', "−")],
+            duration_ms: (1000.0 * sound.seconds()).round() as u64,
+            facts: vec![played_at(listening)],
+            rights: sound.rights.clone(),
         })
     }
 
-    /// 16-bit, so that every browser plays it; rounded with triangular dither of two steps.
-    fn write_listening_copy(&self, slug: &str, sound: &Sound, gain_db: f64) -> Result<()> {
-        let spec = hound::WavSpec {
-            channels: sound.channels.len() as u16,
-            sample_rate: sound.sample_rate_hz,
-            bits_per_sample: 16,
-            sample_format: hound::SampleFormat::Int,
+    /// Two sounds at one loudness, to switch between while they play; `slugs` name their rows, whose pictures they share.
+    pub fn pair(&self, sounds: [&Sound; 2], slugs: [&str; 2]) -> Result<Pair> {
+        let listening = Self::listening(sounds)?;
+        let side = |n: usize| -> Result<Side> {
+            let wav = STANDARD.encode(sounds[n].listening_copy(listening[n].gain_db)?);
+            Ok(Side { slug: slugs[n].to_owned(), fact: played_at(listening[n]), wav })
         };
-        let gain = 10f64.powf(gain_db / 20.0) * f64::from(i16::MAX);
-        let dither = pyrophone_synthesis::noise::White::new(0, 0);
-        let dither = |n: i64| dither.at(n) * 0.5 / 3f64.sqrt();
-        let samples = sound.channels.first().map_or(0, Vec::len);
-        write_file(&self.folder.join(format!("{slug}.wav")), |file| {
-            let mut writer = hound::WavWriter::new(std::io::BufWriter::new(file), spec)?;
-            let mut count = 0;
-            for index in 0..samples {
-                for channel in &sound.channels {
-                    let x = f64::from(channel[index]) * gain + dither(2 * count) + dither(2 * count + 1);
-                    count += 1;
-                    writer.write_sample(x.round() as i16)?;
-                }
-            }
-            writer.finalize()
-        })?;
-        Ok(())
+        Ok(Pair { sides: [side(0)?, side(1)?] })
     }
+
+    /// Gains that bring sounds to one loudness.
+    fn listening<const N: usize>(sounds: [&Sound; N]) -> Result<[Listening; N]> {
+        let sounds = sounds.map(|sound| (sound.channels.as_slice(), sound.sample_rate_hz));
+        let found = matched(&sounds)?;
+        found.try_into().ok().context("as many loudnesses as sounds")
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> Result<()> {
+        let path = self.folder.join(name);
+        std::fs::write(&path, bytes).with_context(|| path.display().to_string())
+    }
+}
+
+/// The loudness of a player, and the gain that it takes, in words.
+fn played_at(Listening { gain_db, lufs }: Listening) -> String {
+    let loudness = lufs.map_or_else(|| "too quiet for LUFS".to_owned(), |lufs| format!("{lufs:.1} LUFS"));
+    format!("{loudness} at gain {gain_db:+.1} dB").replace('-', "−")
 }
 
 /// The curves of a sound's spectrum plot, its own last and so on top.

@@ -20,6 +20,9 @@ const LEAST_TILE: Vec2 = Vec2::new(42.0, 40.0);
 const TILES_PER_ROW: usize = 4;
 /// Height of a meter that lies on its side, in points.
 const METER: f32 = 8.0;
+/// Height of the list of sounds with the meter and a word below it, and the largest of the trace, in points.
+const LIST_AND_METER: f32 = ROW + GAP + METER + 32.0;
+const HIGHEST_TRACE: f32 = 260.0;
 
 /// Where the flame comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,13 +34,8 @@ enum Source {
 
 impl Source {
     const ALL: [(Self, &'static str, &'static str, &'static str); 3] = [
-        (
-            Self::Track,
-            "Track",
-            "pressure",
-            "The sound on this track is the flame, or any sound whose loudness it follows",
-        ),
-        (Self::Sidechain, "Sidechain", "envelope", "The loudness of the sidechain moves the flame"),
+        (Self::Track, "Track", "pressure", "The flame is the sound on this track, or follows its loudness"),
+        (Self::Sidechain, "Sidechain", "envelope", "The flame follows the loudness of the sidechain"),
         (Self::BuiltIn, "Built-in", "flame", "A simulated flame burns without any input"),
     ];
 
@@ -55,8 +53,13 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
     let inner = section(ui, rect, "FLAME", "what it follows");
     let radius = (0.075 * inner.height()).clamp(13.0, 24.0);
     let knobs = 2.0 * radius + 36.0;
-    let trace = (0.13 * inner.height()).clamp(14.0, 44.0);
     let source = Source::of(hand.get(Id::DriveMode) as usize);
+    // Scenes need the room that is otherwise the trace's.
+    let spare = inner.height() - knobs - ROW - LIST_AND_METER - 3.0 * GAP;
+    let trace = match source {
+        Source::BuiltIn => (0.13 * inner.height()).clamp(14.0, 44.0),
+        Source::Track | Source::Sidechain => spare.clamp(14.0, HIGHEST_TRACE),
+    };
     sources(ui, inner.with_max_y(inner.top() + ROW), source, hand);
 
     let trace_at = inner.with_min_y(inner.bottom() - trace);

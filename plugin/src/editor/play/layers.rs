@@ -94,8 +94,7 @@ fn peak(ui: &Ui, rect: Rect, line: &Line, levels: &mut Levels) {
     if line.meter == Meter::Output {
         let lamp = ui.interact(rect, Place::unique("clip lamp"), Sense::click());
         map::note(ui, "clip lamp", rect);
-        if lamp.on_hover_text("The loudest of late in dB; clip: full scale was reached. A click puts it out.").clicked()
-        {
+        if lamp.on_hover_text("Recent peak in dB. Clip: full scale was reached; click to clear.").clicked() {
             levels.forgive();
         }
     }
@@ -105,9 +104,9 @@ fn peak(ui: &Ui, rect: Rect, line: &Line, levels: &mut Levels) {
 fn monitoring(ui: &mut Ui, rect: Rect, parts: &Parts<'_>) {
     let heard = parts.monitor.listen();
     for (place, (name, listen, hint)) in columns(rect, 3, 3.0).zip([
-        ("Output", Listen::Output, "Hear the output, as always"),
-        ("Flame", Listen::Drive, "Hear the flame alone, which drives the engines"),
-        ("Recording", Listen::Recording, "Hear the part of the recording that is learnt from, over and over"),
+        ("Output", Listen::Output, "Hear the output, as usual"),
+        ("Flame", Listen::Drive, "Hear only the flame that drives the engines"),
+        ("Recording", Listen::Recording, "Hear the selected part of the recording, looped"),
     ]) {
         let is_there = listen != Listen::Recording || parts.view.recording.is_some();
         let waits = heard == listen && listen == Listen::Recording && !parts.view.has_tape;

@@ -49,7 +49,7 @@ fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>)
     }
     let place = Rect::from_center_size(rect.center(), Vec2::new(150.0, 26.0));
     let button = filled(ui, place, "Light a built-in fire", "Light", false, true);
-    if button.on_hover_text("Nothing comes in. Burns a simulated campfire instead of the track.").clicked() {
+    if button.on_hover_text("There is no input: burn a simulated campfire instead of the track").clicked() {
         let flame = DRIVE_MODES.iter().position(|mode| *mode == "flame").unwrap_or(0);
         hand.set_once(Id::DriveMode as usize, flame as f64);
     }

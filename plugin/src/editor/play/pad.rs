@@ -57,7 +57,7 @@ impl Pad {
                     }
                 });
                 map::note(ui, format_args!("pad axis {axis}"), list.response.rect);
-                list.response.on_hover_text(["What the pad moves across", "What the pad moves up and down"][axis]);
+                list.response.on_hover_text(["Macro on the horizontal axis", "Macro on the vertical axis"][axis]);
             });
             if self.axes[axis] != before {
                 self.let_go(hand);
@@ -92,7 +92,7 @@ impl Pad {
         }
         if !response.dragged() {
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
-            response.on_hover_text("Drag to perform: two macros at once. Double click: both to 0 %.");
+            response.on_hover_text("Drag to move two macros at once. Double-click to set both to 0 %.");
         }
     }
 

@@ -1,6 +1,6 @@
 //! Takes: the same character, other events; and recording what is played.
 
-use egui::{Align2, Id as Place, Pos2, Rect, ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
+use egui::{Align2, Id as Place, Pos2, Rect, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 use pyrophone_settings::Id;
 
 use super::super::param_editor::ParamEditor;
@@ -18,11 +18,11 @@ const FOOT: f32 = 50.0;
 
 /// The panel.
 pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
-    let inner = section(ui, rect, "VARIATIONS", "other events");
+    let inner = section(ui, rect, "VARIATIONS", "same fire, different events");
     let top = inner.with_max_y(inner.top() + ROW);
     let (new, amount) = top.split_left_right_at_fraction(0.5);
     let button = filled(ui, new.with_max_x(new.right() - 2.0), "New take", "New take", false, true);
-    let hint = "Changes the one seed that all chance depends on: same character, other events";
+    let hint = "Changes the seed behind everything random: same character, different events";
     if button.on_hover_text(hint).clicked() {
         let take = hand.params.takes.add();
         hand.set_once(Id::Take as usize, f64::from(take));
@@ -90,6 +90,7 @@ fn line(ui: &mut Ui, name: &str, note: &str, take: u16, is_now: bool) -> bool {
     painter.add(Shape::convex_polygon(triangle.to_vec(), color, Stroke::NONE));
     let words = if is_now { theme::TEXT } else { theme::WEAK };
     painter.text(at + Vec2::new(14.0, 0.0), Align2::LEFT_CENTER, name, theme::small(), words);
+    response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_now, format!("{name}, {note}")));
     let right = Pos2::new(rect.right() - 6.0, rect.center().y);
     painter.text(right, Align2::RIGHT_CENTER, note, theme::small(), theme::WEAK);
     response.on_hover_text("Hear this take").clicked()

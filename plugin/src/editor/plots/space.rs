@@ -139,7 +139,7 @@ impl Space {
             self.held = None;
             indices.into_iter().for_each(|index| hand.end(index));
         }
-        response.on_hover_text("Drag: distance and azimuth of the middle of the sources. The circle is their spread.");
+        response.on_hover_text("Drag to set distance and azimuth of the sources' centre. The circle is their spread.");
     }
 }
 

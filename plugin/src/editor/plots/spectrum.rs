@@ -265,7 +265,7 @@ fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS]
     let grip_hz = cutoff_hz * (end_hz / cutoff_hz).powf(0.35);
     let grip = Pos2::new(axes.x(grip_hz), axes.y(level_at(grip_hz)).clamp(top + 8.0, bottom - 8.0));
     let tilt = |pointer: Pos2| f64::from(start_db - axes.level_db(pointer.y)) / (10.0 * decades(grip_hz));
-    let help = "Alpha: the slope with which noise continues the drive; drag up or down";
+    let help = "Alpha: the slope of the added noise; drag up or down";
     let area = Rect::from_center_size(grip, Vec2::splat(18.0));
     let is_alpha = handle("alpha", area, CursorIcon::ResizeVertical, help, Id::Alpha, &tilt);
     painter.circle_filled(grip, if is_alpha { 7.5 } else { 6.0 }, theme::EMBER);
@@ -301,7 +301,7 @@ fn readable(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Re
     let room = painter.clip_rect().right() - at.x - 8.0;
     let galley = painter.layout(text.to_owned(), theme::small(), color, room.max(40.0));
     let place = Rect::from_min_size(at, galley.size());
-    painter.rect_filled(place.expand(1.5), 2.0, theme::WELL.gamma_multiply(0.75));
+    painter.rect_filled(place.expand(1.5), 2.0, theme::behind_words());
     painter.galley(at, galley, color);
     place
 }
@@ -347,7 +347,7 @@ impl Advice {
         let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));
         let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
         map::note(ui, "button.Cure", place);
-        if ui.put(place, button).on_hover_text("Does what is advised; Undo takes it back").clicked() {
+        if ui.put(place, button).on_hover_text("Applies the suggestion; Undo reverts it").clicked() {
             hand.set_once(cure.id as usize, cure.plain);
         }
     }

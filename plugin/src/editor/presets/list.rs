@@ -257,14 +257,14 @@ impl Presets {
                     button.on_hover_text(hint).clicked()
                 };
                 let words = if self.list.deletes { "Delete for good" } else { "Delete" };
-                let hint = "Deletes the preset that was chosen, one of yours; asks once more";
+                let hint = "Deletes the selected preset, if it is yours; asks once more";
                 delete = action(words, "Delete", is_free && own.is_some(), hint);
                 let can_rename = is_free && own.as_ref().is_some_and(|(_, name)| *name != self.list.name.trim());
-                let hint = "Gives the preset that was chosen, one of yours, the name at the left";
+                let hint = "Renames the selected preset, if it is yours, to the name on the left";
                 rename = action("Rename", "Rename", can_rename, hint);
                 let can_save = is_free && !self.list.name.trim().is_empty();
                 let words = if self.list.replaces { "Replace" } else { "Save" };
-                save = action(words, "Save", can_save, "Keeps what is set now as a preset of yours")
+                save = action(words, "Save", can_save, "Saves the current settings as a preset of yours")
                     || entered && can_save;
                 let field = TextEdit::singleline(&mut self.list.name).id(egui::Id::unique(NAME));
                 let field = ui.add(field.hint_text("Preset name").desired_width(f32::INFINITY));
@@ -295,7 +295,7 @@ impl Presets {
         ui.horizontal(|ui| {
             let paper = ui
                 .button("The paper's values")
-                .on_hover_text("Chadwick & James 2011; levels, widths, seed and envelope stay as they are");
+                .on_hover_text("Chadwick & James 2011; levels, widths, seed and envelope do not change");
             map::note(ui, "button.The paper's values", paper.rect);
             if paper.clicked() {
                 let mut values = hand.values();

@@ -77,7 +77,7 @@ impl Region {
             }
         }
         if !response.dragged() {
-            response.on_hover_text("Drag: the part to learn from. Double click: all of it.");
+            response.on_hover_text("Drag to choose the part to learn from. Double-click for all of it.");
         }
         change
     }

@@ -1,6 +1,6 @@
 //! Choices and switches.
 
-use egui::{ComboBox, Response, RichText, Ui, Vec2};
+use egui::{ComboBox, Response, RichText, Role, Ui, Vec2, WidgetInfo};
 use pyrophone_settings::{PARAMETERS, Parameter};
 
 use super::super::param_editor::ParamEditor;
@@ -33,7 +33,8 @@ pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut Pa
     let mut chosen = hand.value(index) as usize;
     let before = chosen;
     let reason = hand.inert(index);
-    let shown = RichText::new(names[chosen.min(names.len() - 1)]);
+    let name = names[chosen.min(names.len() - 1)];
+    let shown = RichText::new(name);
     let shown = if reason.is_some() { shown.color(theme::TEXT.gamma_multiply(DIMMED)) } else { shown };
     let list = ComboBox::from_id_salt(parameter.id).width(width).truncate().selected_text(shown).show_ui(ui, |ui| {
         for (index, name) in names.iter().enumerate() {
@@ -42,6 +43,12 @@ pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut Pa
         }
     });
     let response = explain(list.response, parameter, reason);
+    // The toolkit's own names the choice alone, not what is chosen.
+    response.widget_info(|| {
+        let mut info = WidgetInfo::labeled(Role::ComboBox, true, parameter.name);
+        info.current_text_value = Some(name.to_owned());
+        info
+    });
     menu(&response, index, false, hand);
     map::note(ui, format_args!("choice.{}", parameter.id), response.rect);
     // Without opening the list, as the host's own menus do.

@@ -1,7 +1,7 @@
 //! A parameter's value as text, which a click makes a field.
 
 use egui::text::{CCursor, CCursorRange};
-use egui::{Align2, Color32, Id, Key, Rect, Sense, Ui};
+use egui::{Align2, Color32, Id, Key, Rect, Role, Sense, Ui, WidgetInfo};
 use pyrophone_settings::{PARAMETERS, Parameter};
 
 use super::super::param_editor::ParamEditor;
@@ -52,6 +52,11 @@ fn shown(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &ParamEdit
     let galley = ui.painter().layout_no_wrap(word.unwrap_or_else(|| text.clone()), theme::small(), color);
     let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
     ui.painter().galley(place.min, galley, color);
+    response.widget_info(|| {
+        let mut info = WidgetInfo::labeled(Role::SpinButton, true, parameter.name);
+        info.current_text_value = Some(text.clone());
+        info
+    });
     if response.on_hover_text("Click to type a value").clicked() {
         begin_typing(ui, index, &text);
     }
