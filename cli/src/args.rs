@@ -304,6 +304,12 @@ pub struct FluxArgs {
     /// Write the frames' flux as a part for flux-merge
     #[arg(long, value_name = "FILE.csv")]
     pub partial: Option<PathBuf>,
+    /// What flux-merge shall be able to make of the parts beside sound: kept in FILE.csv.extra
+    #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', requires = "partial")]
+    pub partial_with: Vec<PartialWith>,
+    /// Frames of all parts together, for --partial-with [default: all there are]
+    #[arg(long, value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true, requires = "partial_with")]
+    pub partial_of: Option<FrameList>,
     /// Interpolate frames that are missing or unreadable, instead of failing
     #[arg(long)]
     pub skip_bad: bool,
@@ -322,6 +328,12 @@ pub struct FluxArgs {
     /// Axis of the simulation that points up, for the speed field
     #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "speed_field")]
     pub up: UpAxis,
+    /// Also write a drive and its positions for each flame, told apart by connected fronts: DIR/cluster_001.wav and .csv
+    #[arg(long, value_name = "DIR", conflicts_with = "partial")]
+    pub per_cluster: Option<PathBuf>,
+    /// Flames with a drive of their own, 1-256; the quietest share one
+    #[arg(long, value_name = "N", default_value_t = 16, requires = "per_cluster", allow_negative_numbers = true)]
+    pub clusters: usize,
     /// How to fill in steps, up to 360 per second, if the simulation has fewer than 200
     #[arg(long, value_enum, default_value_t = Upsample::Auto)]
     pub upsample: Upsample,
@@ -334,6 +346,15 @@ pub struct FluxArgs {
     /// How the flux becomes sound.
     #[command(flatten)]
     pub sound: SoundArgs,
+}
+
+/// Values of `--partial-with`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PartialWith {
+    /// The speed field, for flux-merge --speed-field
+    SpeedField,
+    /// Pictures and facts, for flux-merge --report
+    Report,
 }
 
 /// Values of `--measure`.
@@ -402,6 +423,12 @@ pub struct FluxPlanArgs {
     /// An option of flux-merge, as in --merge-option=--peak-db=-12; may be repeated
     #[arg(long = "merge-option", value_name = "OPTION", allow_hyphen_values = true)]
     pub merge_options: Vec<String>,
+    /// Speed field that the job also writes
+    #[arg(long, value_name = "FILE.field")]
+    pub speed_field: Option<PathBuf>,
+    /// Folder of a report that the job also writes
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
     /// More options of flux, after --
     #[arg(last = true, value_name = "FLUX OPTIONS")]
     pub flux_options: Vec<String>,
@@ -424,6 +451,12 @@ pub struct FluxMergeArgs {
     /// Parts written by flux --partial, in any order, or folders of them
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
+    /// Also write a speed field, of parts that were measured with --partial-with speed-field
+    #[arg(long, value_name = "FILE.field")]
+    pub speed_field: Option<PathBuf>,
+    /// Axis of the simulation that points up, for the speed field
+    #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "speed_field")]
+    pub up: UpAxis,
     /// When its steps take place.
     #[command(flatten)]
     pub timeline: TimelineArgs,

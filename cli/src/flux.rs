@@ -2,10 +2,15 @@
 
 mod cache;
 mod clock;
+pub mod extras;
+pub mod facts;
 mod film;
+pub mod joining;
 mod kept;
-mod measuring;
+pub mod measuring;
 pub mod motion;
+mod per_cluster;
+pub mod pictures;
 mod retime;
 mod scale;
 mod sight;
@@ -19,19 +24,17 @@ use std::path::{Path, PathBuf};
 use pyrophone_flame::flux::{Flux, FluxShard};
 use pyrophone_flame::import::{Series, Timing};
 use pyrophone_recording::{check_not_among, write_file};
-use rayon::prelude::*;
 
+use self::extras::PartExtras;
+use self::facts::CacheFacts;
 use self::measuring::Plan;
+use self::motion::Survey;
 use self::signal::Signal;
-use crate::args::FluxArgs;
+use crate::args::{FluxArgs, PartialWith};
 use crate::error::Error;
-use crate::input;
+use crate::input::{self, in_range};
 use crate::progress::Work;
-use crate::report::{self, Picture};
 use crate::summary::Done;
-
-/// Pictures of the front in a report.
-const PICTURES: usize = 12;
 
 /// Tables of flux; other files are sounds or simulations.
 const TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "npy"];
@@ -43,8 +46,10 @@ const SOUNDS: [&str; 13] =
 /// Measures the frames of `input`, or takes its series, and writes what was asked for.
 pub fn run(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     let others: Vec<&Path> = args.partial.iter().chain(&args.speed_field).map(|path| path.as_path()).collect();
-    sound::check(&args.sound, args.timeline.rate, &others)?;
+    sound::check(&args.sound, args.timeline.rate, &others, args.per_cluster.is_some())?;
     pyrophone_flame::Front::new(args.iso.unwrap_or(0.0), args.refine)?;
+    in_range("--clusters", args.clusters as f64, 1.0, 256.0)?;
+    per_cluster::check(args)?;
     let extension = args.input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let is_series = TABLES.contains(&extension.as_str()) || SOUNDS.contains(&extension.as_str());
     if is_series && !args.input.is_dir() {
@@ -61,6 +66,7 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
         ("--frames", args.frames.is_some()),
         ("--partial", args.partial.is_some()),
         ("--mesh", args.mesh.is_some()),
+        ("--per-cluster", args.per_cluster.is_some()),
         ("--flux-csv", args.sound.flux_csv.is_some()),
         ("--speed-field", args.speed_field.is_some()),
         ("--rate", is_sound && args.timeline.rate.is_some()),
@@ -103,16 +109,20 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     for output in &outputs {
         check_not_among(output, &inputs)?;
     }
-    let Some(beside) = outputs.first().copied().or(args.sound.report.as_deref()) else { return Ok(Done::default()) };
+    let folders = args.sound.report.as_deref().or(args.per_cluster.as_deref());
+    let Some(beside) = outputs.first().copied().or(folders) else { return Ok(Done::default()) };
     // Before the long work, not behind it.
     let rate_hz = plan.rate_hz(args.timeline.rate)?;
-    if rate_hz.is_none() && args.speed_field.is_some() {
+    let needs_rate = args.speed_field.is_some() || args.per_cluster.is_some();
+    if rate_hz.is_none() && (needs_rate || holds(args, PartialWith::SpeedField)) {
         return Err(sound::no_rate(&args.input));
     }
     sound::known_rate(&args.sound, rate_hz, &args.input)?;
     check_place(args, &plan, rate_hz)?;
     let plan = plan.with_upsampler(upsampling::chosen(args, rate_hz)?);
-    let checked = units::check(&plan.sequence, &plan.selection, &plan.indices, rate_hz, work)?;
+    let indices = if holds(args, PartialWith::Report) { plan.whole.as_ref().map(|whole| &whole.indices) } else { None };
+    let indices = indices.unwrap_or(&plan.indices);
+    let checked = units::check(&plan.sequence, &plan.selection, indices, rate_hz, work)?;
     let kept = plan.measure(beside, work)?;
     let part = FluxShard {
         settings: plan.settings.clone(),
@@ -139,6 +149,11 @@ fn check_place(args: &FluxArgs, plan: &Plan, rate_hz: Option<f64>) -> Result<(),
     sound::time_reference(&args.sound, &signal.on_timeline(&args.timeline).retimed()?).map(|_| ())
 }
 
+/// Whether parts are to hold more than their table.
+fn holds(args: &FluxArgs, what: PartialWith) -> bool {
+    args.partial_with.contains(&what)
+}
+
 /// Everything that was asked for, from what was measured.
 fn write(
     args: &FluxArgs,
@@ -148,46 +163,42 @@ fn write(
     part: &FluxShard,
     work: &Work,
 ) -> Result<Done, Error> {
-    let files: Vec<PathBuf> = args.partial.iter().chain(&args.speed_field).cloned().collect();
+    let facts = CacheFacts::of(plan, &args.input, checked);
+    let mut files: Vec<PathBuf> = vec![];
     if let Some(path) = &args.partial {
+        let extras = extras(args, plan, rate_hz, facts.clone(), work)?;
         write_file(path, |file| part.write(file))?;
+        files.push(path.clone());
+        files.extend(extras.map(|extras| extras.write(path)).transpose()?);
     }
+    files.extend(args.speed_field.clone());
     let is_sound = args.sound.report.is_some() || sound::files(&args.sound).next().is_some();
-    if !is_sound && args.speed_field.is_none() {
+    if !is_sound && args.speed_field.is_none() && args.per_cluster.is_none() {
         return Ok(Done { files, ..Done::default() });
     }
     let flux = Flux::from_steps(&part.steps)?;
     sound::note_interpolated(&flux.interpolated, plan.sequence.numbering());
     let signal = Signal::of_flux(&flux, rate_hz).counted(*plan.sequence.numbering());
     let signal = signal.on_timeline(&args.timeline);
+    // What is written of its own frames; those of other parts are looked at for the merge alone.
+    let own = plan.own().ok_or(pyrophone_flame::Error::NoFrames)?;
     if let (Some(path), Some(rate_hz)) = (&args.speed_field, rate_hz) {
         let start_s = sound::time_reference(&args.sound, &signal)? as f64 / f64::from(args.sound.sample_rate);
-        motion::write_of_frames(path, plan, args.up, rate_hz, start_s, work)?;
+        let survey = Survey::new(plan, &own, rate_hz, work)?;
+        motion::write(path, &survey.field(&survey.measure(plan, work)?, args.up, rate_hz, start_s)?)?;
+    }
+    if let Some(folder) = &args.per_cluster {
+        files.extend(per_cluster::write(folder, args, plan, part, &signal, work)?);
     }
     if !is_sound {
         return Ok(Done { files, ..Done::default() });
     }
-    let surfaces = if args.sound.report.is_some() { surfaces(plan, rate_hz, work)? } else { vec![] };
-    let mut facts = vec![
-        ("Simulation".into(), args.input.display().to_string()),
-        ("Measured with".into(), plan.settings.clone()),
-        ("Interpolated".into(), format!("{} of {} frames", flux.interpolated.len(), flux.rows.len())),
-    ];
-    if let Some(sight) = &plan.sight {
-        let first =
-            format!("voxel {}; what burns in the first frame spans {}", sight.voxel_text(), sight.extent_text());
-        facts.push(("Size".into(), format!("{first} (world units)")));
+    let mut surfaces = vec![];
+    if args.sound.report.is_some() {
+        let fronts = pictures::fronts(plan, &own, work)?;
+        surfaces = pictures::draw(&fronts, plan.sequence.numbering(), rate_hz, own.span.first_file, work);
     }
-    let [x, y, z] = ["first", "second", "third"];
-    let up = match args.up {
-        crate::args::UpAxis::Y => y,
-        crate::args::UpAxis::Z => z,
-    };
-    facts
-        .push(("Axes".into(), format!("{x}, {y}, {z} as in the files; the {up} points up for the speed field (--up)")));
-    let told_hz = rate_hz.map_or("unknown".into(), |rate_hz| format!("{rate_hz} measured steps a second"));
-    facts.push(("Rate".into(), format!("{told_hz}, {}", plan.sequence.numbering())));
-    facts.extend(checked.map(|checked| ("Rate and unit".into(), checked)));
+    let facts = facts.labelled(&plan.settings, &flux, args.up, rate_hz, plan.sequence.numbering());
     let signal = match &plan.upsampler {
         Some(upsampler) => signal.upsampled(upsampler, &part.changes),
         None => signal,
@@ -197,26 +208,21 @@ fn write(
     Ok(done.with_files(files))
 }
 
-/// Pictures of the front at even distances, in one view.
-fn surfaces(plan: &Plan, rate_hz: Option<f64>, work: &Work) -> Result<Vec<(String, Picture)>, Error> {
-    let stage = work.stage("drawing");
-    let last = plan.indices.len().saturating_sub(1);
-    let count = PICTURES.min(plan.indices.len());
-    let chosen: Vec<usize> = (0..count).map(|n| plan.indices[n * last / count.saturating_sub(1).max(1)]).collect();
-    let first = plan.sequence.numbers().nth(plan.indices.first().copied().unwrap_or(0)).unwrap_or(0);
-    let drawn: Result<Vec<_>, Error> = chosen
-        .par_iter()
-        .map(|index| {
-            work.check()?;
-            // Frames that were skipped have no picture either.
-            let frame = plan.read(*index).ok();
-            Ok(frame.and_then(|frame| Some((frame.number, plan.front.mesh(&frame.field).ok()?))))
-        })
-        .collect();
-    let drawn: Vec<_> = drawn?.into_iter().flatten().collect();
-    stage.at(0.5);
-    let view = report::View::of(drawn.iter().map(|(_, mesh)| mesh));
-    let time_s = |number: i64| rate_hz.map(|rate_hz| number.saturating_sub(first) as f64 / rate_hz);
-    let label = |number: i64| format!("frame {} · {:.3} s", plan.label(number), time_s(number).unwrap_or_default());
-    Ok(drawn.par_iter().map(|(number, mesh)| (label(*number), view.draw(mesh))).collect())
+/// What a part holds beside its table; none where nothing is asked for, or where no frame of the whole is there.
+fn extras(
+    args: &FluxArgs,
+    plan: &Plan,
+    rate_hz: Option<f64>,
+    facts: CacheFacts,
+    work: &Work,
+) -> Result<Option<PartExtras>, Error> {
+    let Some(whole) = plan.whole.as_ref().filter(|_| !args.partial_with.is_empty()) else { return Ok(None) };
+    let survey = match rate_hz.filter(|_| holds(args, PartialWith::SpeedField)) {
+        Some(rate_hz) => Some(Survey::new(plan, whole, rate_hz, work)?),
+        None => None,
+    };
+    let speeds = survey.map(|survey| Ok::<_, Error>((survey, survey.measure(plan, work)?))).transpose()?;
+    let fronts = if holds(args, PartialWith::Report) { Some(pictures::fronts(plan, whole, work)?) } else { None };
+    let first_own = plan.own().map_or(i64::MAX, |own| own.span.first);
+    Ok(Some(PartExtras { span: whole.span, first_own, facts, speeds, fronts }))
 }

@@ -39,6 +39,7 @@ struct Job {
 pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
     in_range("--chunk", args.chunk as f64, 1.0, 1e9)?;
     output::check(&args.output, &[])?;
+    args.speed_field.as_deref().map_or(Ok(()), output::check_file)?;
     let sequence = Sequence::open(&args.input)?;
     let numbering = sequence.numbering();
     let ends = (sequence.numbers().next(), sequence.numbers().last());
@@ -52,7 +53,7 @@ pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
         frames: (numbering.frame_of(first), numbering.frame_of(last)),
         chunk: args.chunk,
         measure: measure_options(args),
-        merge: args.merge_options.clone(),
+        merge: merge_options(args)?,
         output,
     };
     let chunks = job.chunks().count() as u64;
@@ -85,8 +86,23 @@ fn measure_options(args: &FluxPlanArgs) -> Vec<String> {
     if args.skip_bad {
         options.push("--skip-bad".to_owned());
     }
+    let extras = [("speed-field", args.speed_field.is_some()), ("report", args.report.is_some())];
+    for (name, _) in extras.into_iter().filter(|(_, is_wanted)| *is_wanted) {
+        options.extend(["--partial-with".to_owned(), name.to_owned()]);
+    }
     options.extend(args.flux_options.iter().cloned());
     options
+}
+
+fn merge_options(args: &FluxPlanArgs) -> Result<Vec<String>, Error> {
+    let mut options = vec![];
+    for (option, path) in [("--speed-field", &args.speed_field), ("--report", &args.report)] {
+        if let Some(path) = path {
+            options.extend([option.to_owned(), absolute(path)?.display().to_string()]);
+        }
+    }
+    options.extend(args.merge_options.iter().cloned());
+    Ok(options)
 }
 
 /// A path that is the same from every folder; patterns for frames' names need not exist.

@@ -36,7 +36,7 @@ const KEEP_STEPS: u64 = 360;
 /// Simulates a scene and writes what was asked for.
 pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
     let field: Vec<&Path> = args.speed_field.iter().map(|path| path.as_path()).collect();
-    sound::check(&args.sound, None, &field)?;
+    sound::check(&args.sound, None, &field, false)?;
     let plan = Plan::new(args)?;
     let outputs = sound::files(&args.sound).chain(args.speed_field.as_deref()).chain(args.sound.report.as_deref());
     let Some(beside) = outputs.into_iter().next() else { return Ok(Done::default()) };
@@ -47,7 +47,7 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
     };
     if let Some(path) = &args.speed_field {
         let start_s = args.sound.time_reference.unwrap_or(0) as f64 / f64::from(args.sound.sample_rate);
-        let written = plan.field(&flow).and_then(|field| motion::write(path, field.starting_at(start_s)));
+        let written = plan.field(&flow).and_then(|field| motion::write(path, &field.starting_at(start_s)));
         if let Err(error) = written {
             return Err(kept.unfinished(error));
         }

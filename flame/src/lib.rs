@@ -2,6 +2,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod advection;
+pub mod clusters;
 pub mod error;
 pub mod flux;
 pub mod frame;

@@ -403,3 +403,74 @@ fn grids_of_one_name_that_lie_differently_are_refused() {
         "{message}"
     );
 }
+
+/// The numbers of Blender's `config_0001.uni` that matter: cells of the box, of the whole domain, and where the box lies.
+fn blender_config(cells: [i32; 3], base: [i32; 3], lowest: [i32; 3]) -> Vec<u8> {
+    let mut bytes = vec![0u8; 188];
+    for (at, numbers) in [(4, cells), (148, base), (160, lowest)] {
+        let numbers: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        bytes[at..at + 12].copy_from_slice(&numbers);
+    }
+    let mut gzip = flate2::write::GzEncoder::new(vec![], flate2::Compression::fast());
+    std::io::Write::write_all(&mut gzip, &bytes).unwrap();
+    gzip.finish().unwrap()
+}
+
+/// Frames of Blender's adaptive domain: each says that its voxels are the domain's size over its own cells.
+#[test]
+fn boxes_of_an_adaptive_domain_have_one_voxel_size_and_their_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let [data, config] = ["data", "config"].map(|name| folder.path().join(name));
+    std::fs::create_dir(&data).unwrap();
+    let base = [20, 20, 40];
+    let boxes = [([10, 12, 20], [5, 4, 0]), ([12, 12, 30], [4, 4, 0]), (base, [0; 3])];
+    let mut random = Random::new(5);
+    for (n, (cells, _)) in boxes.iter().enumerate() {
+        let edge = 3.0 / f64::from(cells[2]);
+        let cells: Vec<u8> = cells.iter().flat_map(|cells: &i32| cells.to_le_bytes()).collect();
+        let map = [vec![edge; 6], vec![1.0 / edge; 3], vec![1.0 / (edge * edge); 3], vec![0.5 / edge; 3]].concat();
+        let grid = |name, kind| {
+            Plan::new(name, kind).with("file_base_resolution", "vec3i", &cells).placed("UniformScaleMap", &map)
+        };
+        // Noise has two voxels to a cell, and says so.
+        let fine: Vec<u8> = boxes[n].0.iter().flat_map(|cells| (2 * cells).to_le_bytes()).collect();
+        let noise = Plan::new("noise", "float").with("file_base_resolution", "vec3i", &fine);
+        let noise = noise.placed("UniformScaleMap", &[vec![0.5 * edge; 6], vec![2.0 / edge; 9]].concat());
+        let form = Form { version: 224, compression: ZIP, half: false, offsets: true };
+        let file = write(form, &[grid("flame", "float"), grid("velocity", "vec3s"), noise], &mut random);
+        std::fs::write(data.join(format!("fluid_data_{:04}.vdb", n + 1)), file.bytes).unwrap();
+    }
+    let edges = |sequence: &Sequence| -> Vec<f64> {
+        (0..3).map(|index| sequence.describe(index).unwrap().grids[0].voxel_edges.unwrap()[0]).collect()
+    };
+    let sequence = Sequence::open(&data).unwrap();
+    // Without the folder, as the files say.
+    for (found, expected) in edges(&sequence).iter().zip([0.15, 0.1, 0.075]) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+    std::fs::create_dir(&config).unwrap();
+    for (n, (cells, lowest)) in boxes.iter().enumerate() {
+        std::fs::write(config.join(format!("config_{:04}.uni", n + 1)), blender_config(*cells, base, *lowest)).unwrap();
+    }
+    assert!(edges(&sequence).iter().all(|edge| (edge - 0.075).abs() < 1e-12), "{:?}", edges(&sequence));
+    for (index, (_, lowest)) in boxes.iter().enumerate() {
+        let frame = sequence.read(index, &Selection::default()).unwrap();
+        for transform in [frame.field.transform(), frame.velocity.transform()] {
+            let place = transform.to_world([0.0; 3]);
+            for axis in 0..3 {
+                assert!((place[axis] - 0.075 * f64::from(lowest[axis])).abs() < 1e-12, "{index}: {place:?}");
+            }
+        }
+    }
+    let noise = sequence.read_field(0, &Selection { field: "noise".into(), ..Selection::default() }).unwrap();
+    assert!((noise.transform().voxel_edges()[0] - 0.0375).abs() < 1e-12);
+    assert!((noise.transform().to_world([0.0; 3])[0] - 0.375).abs() < 1e-12);
+    // What makes no sense, or was cut, changes nothing.
+    let good = blender_config(boxes[0].0, base, boxes[0].1);
+    let absurd = blender_config(boxes[0].0, base, [15, 0, 0]);
+    let negative = blender_config([-10, 12, 20], base, [0; 3]);
+    for bytes in [&good[..good.len() / 2], b"not gzip", &absurd, &negative] {
+        std::fs::write(config.join("config_0001.uni"), bytes).unwrap();
+        assert!((edges(&sequence)[0] - 0.15).abs() < 1e-12);
+    }
+}

@@ -16,6 +16,7 @@ use super::kept::FluxCheckpoint;
 use super::sight::Sight;
 use crate::args::{FluxArgs, Measure, MeshKind, Placement};
 use crate::error::Error;
+use crate::frame_list::FrameList;
 use crate::output::make_folder;
 use crate::progress::{Work, note};
 
@@ -24,6 +25,9 @@ const SAME_RATE: f64 = 0.01;
 
 /// Frames for each thread that are measured before they are kept.
 const PORTION: usize = 4;
+
+/// Frames behind a part that the change from its last one depends on.
+const AHEAD: usize = 2;
 
 /// A measurement: of which frames, and how.
 pub struct Plan {
@@ -35,6 +39,10 @@ pub struct Plan {
     pub front: Front,
     /// Frames of the sequence that are asked for, counted from 0.
     pub indices: Vec<usize>,
+    /// The frames of all parts together, where a part needs them.
+    pub whole: Option<Whole>,
+    /// The steps of the sequence's frames, ascending.
+    numbers: Vec<i64>,
     /// Steps among those asked for that have no file.
     missing: Vec<i64>,
     /// Facts from the first good frame; none without a good one.
@@ -50,6 +58,26 @@ pub struct Plan {
     mesh_kind: MeshKind,
 }
 
+/// Frames that belong together: those of one run, or of all parts.
+#[derive(Debug, Clone)]
+pub struct Whole {
+    /// Frames of the sequence, counted from 0, ascending.
+    pub indices: Vec<usize>,
+    /// Their steps.
+    pub span: Span,
+}
+
+/// Steps from the first to the last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Span {
+    /// The first step, whether or not it has a file.
+    pub first: i64,
+    /// The last step, whether or not it has a file.
+    pub last: i64,
+    /// The first step that has a file.
+    pub first_file: i64,
+}
+
 /// Results of one step.
 struct Measured {
     row: Row,
@@ -63,9 +91,7 @@ impl Plan {
         let sequence = Sequence::open(&args.input)?;
         note_names(&sequence);
         let numbers: Vec<i64> = sequence.numbers().collect();
-        let is_wanted = |step: &i64| args.frames.as_ref().is_none_or(|list| list.holds(*step, sequence.numbering()));
-        let indices: Vec<usize> = (0..numbers.len()).filter(|index| is_wanted(&numbers[*index])).collect();
-        let missing: Vec<i64> = sequence.missing().into_iter().filter(is_wanted).collect();
+        let (indices, missing) = wanted(&sequence, args.frames.as_ref());
         check_wanted(args, &sequence, &indices, &missing)?;
         let selection = selection(args);
         let look = |index: &usize| {
@@ -94,17 +120,29 @@ impl Plan {
         if sight.is_none() && args.partial.is_none() && !indices.is_empty() && !args.skip_bad {
             note("nothing burns in any of the frames");
         }
-        let iso = sight.as_ref().map_or(args.iso.unwrap_or(0.0), |sight| sight.iso);
-        let front = Front::new(iso, args.refine)?;
         let mesh =
             args.mesh.clone().map(|folder| (folder, args.mesh_every, indices.first().map_or(0, |i| numbers[*i])));
-        let selection = super::units::scaled(selection, sight.as_ref(), args)?;
+        let whole = whole(args, &sequence, &indices)?;
+        // A part in which nothing burns yet tells how its last frame changes to the next, and how its gas moves: for both it
+        // needs the iso value and the unit that the other parts find.
+        let others: Vec<usize> = match (&sight, &whole, indices.last()) {
+            (None, Some(whole), _) => whole.indices.clone(),
+            (None, None, Some(last)) if args.partial.is_some() => (last + 1..sequence.len()).take(AHEAD).collect(),
+            _ => vec![],
+        };
+        let mut lit = others.iter().skip_while(|index| sequence.is_unlit(**index, &selection));
+        let seen_by_others = lit.find_map(|index| Sight::of(&sequence, *index, &selection, args).ok());
+        let seen = sight.as_ref().or(seen_by_others.as_ref());
+        let front = Front::new(seen.map_or(args.iso.unwrap_or(0.0), |sight| sight.iso), args.refine)?;
+        let selection = super::units::scaled(selection, &sequence, seen, args)?;
         let settings = sight.as_ref().map_or(String::new(), |sight| settings(args, sight, &selection));
         Ok(Self {
             sequence,
             selection,
             front,
             indices,
+            whole,
+            numbers,
             missing,
             sight,
             settings,
@@ -307,20 +345,26 @@ impl Plan {
         })
     }
 
-    fn of_frame(&self, index: usize, source: FlameError) -> Error {
+    /// An error with the file of the frame.
+    pub fn of_frame(&self, index: usize, source: FlameError) -> Error {
         Error::Frame { path: self.sequence.path_of(index).display().to_string(), source: Box::new(source) }
     }
 
     /// The first step that is asked for, missing ones included.
     pub fn first_frame(&self) -> Option<i64> {
-        let found = self.indices.first().and_then(|index| self.sequence.numbers().nth(*index));
-        found.into_iter().chain(self.missing.iter().copied()).min()
+        span(&self.numbers, &self.indices, &self.missing).map(|span| span.first)
     }
 
-    /// The last step that is asked for, missing ones included.
-    pub fn last_frame(&self) -> Option<i64> {
-        let found = self.indices.last().and_then(|index| self.sequence.numbers().nth(*index));
-        found.into_iter().chain(self.missing.iter().copied()).max()
+    /// The frames that are asked for; none where there are none.
+    pub fn own(&self) -> Option<Whole> {
+        let span = span(&self.numbers, &self.indices, &self.missing)?;
+        Some(Whole { indices: self.indices.clone(), span })
+    }
+
+    /// The frame of a step, if it is among these.
+    pub fn index_of(&self, step: i64, among: &[usize]) -> Option<usize> {
+        let index = self.numbers.binary_search(&step).ok()?;
+        among.binary_search(&index).is_ok().then_some(index)
     }
 
     /// The number of a step as its file names it.
@@ -336,6 +380,46 @@ impl Plan {
         };
         number.abs_diff(*first).is_multiple_of(*every).then(|| folder.join(name))
     }
+}
+
+/// The frames and the missing steps that a list holds; all without one.
+fn wanted(sequence: &Sequence, list: Option<&FrameList>) -> (Vec<usize>, Vec<i64>) {
+    let is_wanted = |step: &i64| list.is_none_or(|list| list.holds(*step, sequence.numbering()));
+    let frames = sequence.numbers().enumerate().filter(|(_, step)| is_wanted(step));
+    (frames.map(|(index, _)| index).collect(), sequence.missing().into_iter().filter(is_wanted).collect())
+}
+
+/// The frames of all parts together, where a part needs them.
+fn whole(args: &FluxArgs, sequence: &Sequence, own: &[usize]) -> Result<Option<Whole>, Error> {
+    if args.partial_with.is_empty() {
+        return Ok(None);
+    }
+    let numbers: Vec<i64> = sequence.numbers().collect();
+    let (indices, missing) = wanted(sequence, args.partial_of.as_ref());
+    let span = span(&numbers, &indices, &missing);
+    let is_outside = |index: &&usize| indices.binary_search(index).is_err();
+    match (span, own.iter().find(is_outside), &args.partial_of) {
+        (Some(span), None, _) => Ok(Some(Whole { indices, span })),
+        (None, None, None) => Ok(None),
+        (_, outside, list) => {
+            let list = list.as_ref().map(ToString::to_string).unwrap_or_default();
+            let which = outside.and_then(|index| numbers.get(*index)).map(|step| sequence.numbering().label(*step));
+            let what = which.map_or("no frame".into(), |frame| format!("not frame {frame} of this part"));
+            let shown = args.input.display();
+            Err(Error::Conflict(format!(
+                "{shown}: --partial-of is {list}, which holds {what}; name the frames of all parts together"
+            )))
+        }
+    }
+}
+
+/// First and last of these frames and of missing steps; none where no frame is there.
+fn span(numbers: &[i64], indices: &[usize], missing: &[i64]) -> Option<Span> {
+    let step = |index: Option<&usize>| index.and_then(|index| numbers.get(*index)).copied();
+    let (first_file, last_file) = (step(indices.first())?, step(indices.last())?);
+    let first = missing.first().map_or(first_file, |missing| first_file.min(*missing));
+    let last = missing.last().map_or(last_file, |missing| last_file.max(*missing));
+    Some(Span { first, last, first_file })
 }
 
 fn selection(args: &FluxArgs) -> Selection {

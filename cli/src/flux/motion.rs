@@ -1,5 +1,6 @@
 //! Speed field of a simulation, for vortex sound: how fast the gas flows, and where.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use pyrophone_flame::speed_field::{Regions, Up, stride};
@@ -8,7 +9,7 @@ use pyrophone_recording::write_file;
 use pyrophone_synthesis::vortex::{End, SpeedField};
 use rayon::prelude::*;
 
-use super::measuring::Plan;
+use super::measuring::{Plan, Span, Whole};
 use crate::args::UpAxis;
 use crate::error::Error;
 use crate::progress::Work;
@@ -16,58 +17,91 @@ use crate::progress::Work;
 /// Frames whose boxes are looked at, at even distances.
 const LOOKS: usize = 24;
 
-/// Writes the speed field of frames that come `rate_hz` times per second, the first at `start_s` of the timeline.
-pub fn write_of_frames(
-    path: &Path,
-    plan: &Plan,
-    up: UpAxis,
-    rate_hz: f64,
-    start_s: f64,
-    work: &Work,
-) -> Result<(), Error> {
-    let stage = work.stage("measuring the flow");
-    let every = stride(rate_hz);
-    let numbers: Vec<i64> = plan.sequence.numbers().collect();
-    let (first, last) = (plan.first_frame().unwrap_or(0), plan.last_frame().unwrap_or(0));
-    // By number: where a frame is missing, or cannot be read and is skipped, the flow goes on as it was.
-    let index_of = |number: i64| numbers.binary_search(&number).ok().filter(|index| plan.indices.contains(index));
-    let chosen: Vec<Option<usize>> = (first..=last).step_by(every as usize).map(index_of).collect();
-    let read = |index: &Option<usize>| work.check().map(|()| index.and_then(|index| plan.read(index).ok()));
-    let seen = |index: &Option<usize>| -> Result<_, Error> {
-        let velocity = read(index)?.map(|frame| frame.velocity);
-        Ok(velocity.map(|velocity| (velocity.transform().voxel_edges()[0], velocity.bounds())))
-    };
-    let there: Vec<Option<usize>> = chosen.iter().copied().filter(Option::is_some).collect();
-    let looks: Vec<Option<usize>> = there.iter().copied().step_by(there.len().div_ceil(LOOKS).max(1)).collect();
-    let boxes: Vec<_> = looks.par_iter().map(seen).collect::<Result<_, Error>>()?;
-    let voxel = boxes.iter().flatten().map(|(voxel, _)| *voxel).next();
-    let around = boxes.iter().flatten().filter_map(|(_, bounds)| *bounds).reduce(join);
-    let (Some(voxel), Some([low, high])) = (voxel, around) else { return Err(pyrophone_flame::Error::NoMotion.into()) };
-    // Samples stand in the middle of their voxels.
-    let (low, high) = (low.map(|x| x - 0.5 * voxel), high.map(|x| x + 0.5 * voxel));
-    let regions = Regions::new(low, high, voxel);
-    let mut steps: Vec<Vec<f32>> = Vec::with_capacity(chosen.len());
-    for portion in chosen.chunks(4 * rayon::current_num_threads()) {
-        let speeds: Result<Vec<_>, Error> = portion
-            .par_iter()
-            .map(|index| Ok(read(index)?.map(|frame| regions.mean_speeds(&frame.velocity))))
-            .collect();
-        for speeds in speeds? {
-            let last = || steps.last().cloned().unwrap_or_else(|| vec![0.0; regions.len()]);
-            let speeds = speeds.unwrap_or_else(last);
-            steps.push(speeds);
-        }
-        stage.at(steps.len() as f32 / chosen.len() as f32);
+/// Where and when a flow is measured: the same for the whole simulation and for every part of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Survey {
+    /// Steps of the whole.
+    pub span: Span,
+    /// Stride between measured steps.
+    pub every: u64,
+    /// The box that holds all motion, lowest and highest corner, and its voxel's edge; none where nothing moves.
+    pub extent: Option<[[f64; 3]; 2]>,
+    /// Edge of a voxel in that box.
+    pub voxel: f64,
+}
+
+/// Mean speeds of all regions, by step; a step that could not be read is not there.
+pub type Speeds = BTreeMap<i64, Vec<f32>>;
+
+impl Survey {
+    /// Looks at frames of the whole, whose steps come `rate_hz` times per second.
+    pub fn new(plan: &Plan, whole: &Whole, rate_hz: f64, work: &Work) -> Result<Self, Error> {
+        let survey = Self { span: whole.span, every: stride(rate_hz), extent: None, voxel: 0.0 };
+        let there: Vec<usize> = survey.steps().filter_map(|step| plan.index_of(step, &whole.indices)).collect();
+        let looks: Vec<usize> = there.iter().copied().step_by(there.len().div_ceil(LOOKS).max(1)).collect();
+        let seen = |index: &usize| -> Result<_, Error> {
+            work.check()?;
+            let velocity = plan.read(*index).ok().map(|frame| frame.velocity);
+            Ok(velocity.and_then(|velocity| Some((velocity.transform().voxel_edges()[0], velocity.bounds()?))))
+        };
+        let boxes: Vec<_> = looks.par_iter().map(seen).collect::<Result<_, Error>>()?;
+        // A frame in which nothing moves yet may have no grid, and so no voxel size.
+        let voxel = boxes.iter().flatten().map(|(voxel, _)| *voxel).next().unwrap_or_default();
+        let extent = boxes.iter().flatten().map(|(_, bounds)| *bounds).reduce(join);
+        Ok(Self { extent, voxel, ..survey })
     }
-    let up = match up {
-        UpAxis::Y => Up::Y,
-        UpAxis::Z => Up::Z,
-    };
-    let field = regions.field(&steps, rate_hz / every as f64, up, End::Clamped)?;
-    write(path, field.starting_at(start_s))
+
+    /// The measured steps, whether or not they have a file.
+    fn steps(&self) -> impl Iterator<Item = i64> + use<> {
+        (self.span.first..=self.span.last).step_by(usize::try_from(self.every).unwrap_or(usize::MAX))
+    }
+
+    /// The box cut into sub-volumes; none where nothing moves.
+    fn regions(&self) -> Option<Regions> {
+        let [low, high] = self.extent?;
+        // Samples stand in the middle of their voxels.
+        let half = 0.5 * self.voxel;
+        Some(Regions::new(low.map(|x| x - half), high.map(|x| x + half), self.voxel))
+    }
+
+    /// Measures those of its steps that the plan has.
+    pub fn measure(&self, plan: &Plan, work: &Work) -> Result<Speeds, Error> {
+        let stage = work.stage("measuring the flow");
+        let Some(regions) = self.regions() else { return Ok(Speeds::new()) };
+        let at = |step: i64| plan.index_of(step, &plan.indices).map(|index| (step, index));
+        let chosen: Vec<(i64, usize)> = self.steps().filter_map(at).collect();
+        let mut speeds = Speeds::new();
+        for (n, portion) in chosen.chunks(4 * rayon::current_num_threads()).enumerate() {
+            let measured = |(step, index): &(i64, usize)| {
+                work.check()?;
+                Ok(plan.read(*index).ok().map(|frame| (*step, regions.mean_speeds(&frame.velocity))))
+            };
+            let found: Result<Vec<_>, Error> = portion.par_iter().map(measured).collect();
+            speeds.extend(found?.into_iter().flatten());
+            stage.at((n * portion.len()) as f32 / chosen.len() as f32);
+        }
+        Ok(speeds)
+    }
+
+    /// The field of what was measured, the first step at `start_s` of the timeline. Where a step is missing, the flow
+    /// goes on as it was.
+    pub fn field(&self, speeds: &Speeds, up: UpAxis, rate_hz: f64, start_s: f64) -> Result<SpeedField, Error> {
+        let regions = self.regions().ok_or(pyrophone_flame::Error::NoMotion)?;
+        let mut steps: Vec<Vec<f32>> = vec![];
+        for step in self.steps() {
+            let last = || steps.last().cloned().unwrap_or_else(|| vec![0.0; regions.len()]);
+            let speeds = speeds.get(&step).filter(|speeds| speeds.len() == regions.len()).cloned();
+            steps.push(speeds.unwrap_or_else(last));
+        }
+        let up = match up {
+            UpAxis::Y => Up::Y,
+            UpAxis::Z => Up::Z,
+        };
+        Ok(regions.field(&steps, rate_hz / self.every as f64, up, End::Clamped)?.starting_at(start_s))
+    }
 }
 
 /// Writes a field's file.
-pub fn write(path: &Path, field: SpeedField) -> Result<(), Error> {
+pub fn write(path: &Path, field: &SpeedField) -> Result<(), Error> {
     Ok(write_file(path, |file| std::io::Write::write_all(file, &field.to_bytes()))?)
 }

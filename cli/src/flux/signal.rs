@@ -10,6 +10,7 @@ use crate::args::TimelineArgs;
 pub const LIKELY_RATE_HZ: f64 = 360.0;
 
 /// A flux with its time.
+#[derive(Clone)]
 pub struct Signal {
     /// One value per step.
     pub flux: Vec<f64>,

@@ -32,12 +32,13 @@ pub fn files(args: &SoundArgs) -> impl Iterator<Item = &Path> {
 }
 
 /// Options out of range, and outputs in each other's way, are refused before any file is read. `others` are outputs
-/// beside those of `args`.
-pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path]) -> Result<(), Error> {
+/// beside those of `args`;
+/// `has_folder` says that there is a folder of them too.
+pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path], has_folder: bool) -> Result<(), Error> {
     options(args, rate_hz.unwrap_or(LIKELY_RATE_HZ)).validate()?;
     scale::kept(args)?;
     let outputs: Vec<&Path> = files(args).chain(others.iter().copied()).collect();
-    if outputs.is_empty() && args.report.is_none() {
+    if outputs.is_empty() && args.report.is_none() && !has_folder {
         return Err(Error::Conflict("there is nothing to write; add --output OUT.wav".into()));
     }
     if let Some(sound) = &args.output {
@@ -78,7 +79,7 @@ pub fn no_rate(input: &Path) -> Error {
     ))
 }
 
-fn options(args: &SoundArgs, rate_hz: f64) -> Options {
+pub fn options(args: &SoundArgs, rate_hz: f64) -> Options {
     let kind = match args.kind {
         Kind::Pressure => pressure::Kind::Pressure,
         Kind::Envelope => pressure::Kind::Envelope,

@@ -13,11 +13,19 @@ use crate::progress::{Work, note};
 /// `MANTA::initDomain`, dt_default).
 const BLENDER_UNITS_PER_S: f64 = 2.5;
 
+/// Relative tolerance between sizes of voxels that are meant to be the same: they are written with few digits.
+const SAME_SIZE: f64 = 1e-4;
+
 /// Pairs of frames that are looked at, at even distances.
 const PAIRS: usize = 3;
 
 /// The selection with its velocity in world units per second: as given, else as is known of the program that wrote it.
-pub fn scaled(selection: Selection, sight: Option<&Sight>, args: &FluxArgs) -> Result<Selection, Error> {
+pub fn scaled(
+    selection: Selection,
+    sequence: &Sequence,
+    sight: Option<&Sight>,
+    args: &FluxArgs,
+) -> Result<Selection, Error> {
     if let Some(scale) = args.velocity_scale {
         in_range("--velocity-scale", scale, 1e-9, 1e9)?;
         return Ok(Selection { velocity_scale: scale, ..selection });
@@ -25,11 +33,29 @@ pub fn scaled(selection: Selection, sight: Option<&Sight>, args: &FluxArgs) -> R
     let Some(sight) = sight.filter(|sight| sight.is_blender && args.measure == Measure::Flux) else {
         return Ok(selection);
     };
-    let scale = BLENDER_UNITS_PER_S * sight.voxel_edges[0];
+    let edges = blender_voxels(sequence);
+    // All parts of a simulation must find the same factor, to the last digit.
+    let edge = edges.first().copied().unwrap_or(sight.voxel_edges[0]);
+    if edges.iter().any(|other| (other / edge - 1.0).abs() > SAME_SIZE) {
+        note(
+            "the voxel size changes from frame to frame, as Blender's adaptive domain writes it wrongly; put the cache's folder config back beside data, or velocities and fluxes are wrong",
+        );
+    }
+    let scale = BLENDER_UNITS_PER_S * edge;
     note(&format!(
         "the velocity is Blender's, in cells per unit of its own time; it is multiplied by 2.5 voxels ({scale:.6}), which gives world units per second at a time scale of 1; for another time scale, use --velocity-scale"
     ));
     Ok(Selection { velocity_scale: scale, ..selection })
+}
+
+/// Voxel sizes of Blender's grids in the first, the middle and the last frame of the sequence.
+fn blender_voxels(sequence: &Sequence) -> Vec<f64> {
+    let last = sequence.len().saturating_sub(1);
+    let edge = |index: usize| {
+        let grids = sequence.describe(index).ok()?.grids;
+        grids.into_iter().find(|grid| grid.is_blender).and_then(|grid| Some(grid.voxel_edges?[0]))
+    };
+    [0, last / 2, last].into_iter().filter_map(edge).collect()
 }
 
 /// Says so where smoke does not go where the gas goes, so that the rate or the velocity's unit cannot be right.

@@ -2,7 +2,7 @@
 #![allow(dead_code, missing_docs)]
 
 #[path = "../../../tests/src/skip.rs"]
-mod skip;
+pub mod skip;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -210,13 +210,13 @@ impl Front {
 const NOT_FINITE: Error = Error::NotFinite { what: "flux" };
 
 /// Half the product of two of a triangle's edges.
-fn area_vector([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
+pub(super) fn area_vector([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     let (ab, ac): ([f64; 3], [f64; 3]) = (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
     cross(ab, ac).map(|part| 0.5 * part)
 }
 
 /// A row vector times a matrix.
-fn apply(vector: [f64; 3], rows: &[[f64; 3]; 3]) -> [f64; 3] {
+pub(super) fn apply(vector: [f64; 3], rows: &[[f64; 3]; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| vector[0] * rows[0][axis] + vector[1] * rows[1][axis] + vector[2] * rows[2][axis])
 }
 

@@ -4,6 +4,7 @@
 //! make of itself, every loop consumes bytes, and no input panics.
 
 mod assemble;
+mod blender;
 pub mod budget;
 pub mod description;
 pub mod error;

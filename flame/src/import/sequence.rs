@@ -5,6 +5,7 @@ use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use super::assemble::Assembly;
+use super::blender::DomainBox;
 use super::budget::check_file_size;
 use super::description::Description;
 use super::error::{Error, FormatFault, shown_path};
@@ -215,7 +216,13 @@ impl Sequence {
         match frame.format {
             Format::Vdb => {
                 let bytes = read_whole(path)?;
-                use_it(frame.number, &mut Vdb::open(&bytes).map_err(failure)?)
+                let mut vdb = Vdb::open(&bytes).map_err(failure)?;
+                if vdb.grids().iter().any(|grid| grid.is_blender)
+                    && let Some(domain) = DomainBox::beside(path)
+                {
+                    vdb.place(&domain);
+                }
+                use_it(frame.number, &mut vdb)
             }
             Format::Npz => {
                 let (file, _) = open(path)?;

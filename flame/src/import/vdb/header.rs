@@ -83,7 +83,9 @@ pub(super) struct Metadata {
     pub half: bool,
     pub class: String,
     pub in_voxels: bool,
-    /// Only Blender's files state how many voxels the domain has.
+    /// Voxels that the grid may fill; only Blender's files say so.
+    pub cells: Option<[i32; 3]>,
+    /// Blender wrote it.
     pub is_blender: bool,
 }
 
@@ -101,13 +103,21 @@ impl Metadata {
             match (name.as_str(), kind.as_str()) {
                 ("is_saved_as_half_float", "bool") => metadata.half = truth(&name, bytes)?,
                 ("is_local_space", "bool") => metadata.in_voxels = truth(&name, bytes)?,
-                ("file_base_resolution", _) => metadata.is_blender = true,
+                ("file_base_resolution", _) => {
+                    metadata.is_blender = true;
+                    metadata.cells = three(bytes);
+                }
                 ("class", "string") => metadata.class = String::from_utf8_lossy(bytes).trim().to_owned(),
                 _ => {}
             }
         }
         Ok(metadata)
     }
+}
+
+fn three(bytes: &[u8]) -> Option<[i32; 3]> {
+    let bytes: &[u8; 12] = bytes.try_into().ok()?;
+    Some(std::array::from_fn(|n| i32::from_le_bytes(std::array::from_fn(|byte| bytes[4 * n + byte]))))
 }
 
 fn truth(name: &str, bytes: &[u8]) -> Result<bool, FormatFault> {

@@ -21,6 +21,7 @@ use self::header::{Descriptor, Header, Metadata};
 use self::kind::Kind;
 use self::tree::{Nothing, Tree};
 use self::values::{FLAGGED_VERSION, ValueLayout, ZIP};
+use super::blender::DomainBox;
 use super::budget::{Budget, check_file_size};
 use super::error::{FormatFault, damaged, shown};
 use super::model::{GridInfo, Source, check_components};
@@ -92,6 +93,18 @@ impl<'a> Vdb<'a> {
         }
         index.find_parents();
         Ok(Self { bytes, version, infos: index.infos, bodies: index.bodies, budget })
+    }
+
+    /// Places its grids in the domain of which the file holds a part.
+    pub(in crate::import) fn place(&mut self, domain: &DomainBox) {
+        for (body, info) in self.bodies.iter_mut().zip(&mut self.infos) {
+            let Ok(header) = &mut body.header else { continue };
+            let (Some(cells), Ok(transform)) = (header.metadata.cells, &header.transform) else { continue };
+            if let Some(transform) = domain.transform(cells, transform.voxel_edges()[0]) {
+                info.voxel_edges = Some(transform.voxel_edges());
+                header.transform = Ok(transform);
+            }
+        }
     }
 
     fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {

@@ -1,0 +1,186 @@
+//! The connected parts of a flame front, each measured by itself.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::measure::{Front, apply, area_vector};
+use crate::error::Error;
+use crate::frame::Frame;
+use crate::grid::{cross, dot, length};
+use crate::velocity::Probe;
+
+/// Edge of the cubes by which parts of successive steps are found to overlap, in voxels: a front is a thin shell, and moves
+/// by more than a voxel from step to step.
+const CUBE_VOXELS: f64 = 4.0;
+
+/// What is left of all that passes a part, in and out, where as much goes in as comes out.
+const ROUNDING: f64 = 1e-9;
+
+/// A connected part of a front at one step, in world units.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Cluster {
+    /// Velocity flux through the part, volume per second.
+    pub flux: f64,
+    /// The part's area.
+    pub area: f64,
+    /// Mean place of its surface, weighted by area.
+    pub centroid: [f64; 3],
+    /// Cubes of space that it passes through, and its area in each.
+    pub(crate) cubes: BTreeMap<[i64; 3], f64>,
+}
+
+impl Cluster {
+    /// Radius of the ball with the part's area.
+    pub(crate) fn radius(&self) -> f64 {
+        (self.area / (4.0 * std::f64::consts::PI)).sqrt()
+    }
+}
+
+/// Sums over a closed surface while it is walked.
+struct Sums {
+    /// Its part of the front; the centroid is not divided by the area yet.
+    cluster: Cluster,
+    passing: f64,
+    /// Volume that it encloses, in voxels: below 0 where it is the wall of a hollow.
+    volume: f64,
+    /// A corner, from which volume is counted.
+    origin: [f64; 3],
+    /// Lowest and highest index of its corners.
+    bounds: [[f64; 3]; 2],
+}
+
+impl Front {
+    /// The front's connected parts, the largest first: triangles that share a corner belong together, and hollows to the
+    /// flame around them. Their fluxes add up to [`measure`](Self::measure)'s, and so do their areas.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure), and beyond 2^32 corners.
+    pub fn clusters(&self, frame: &Frame) -> Result<Vec<Cluster>, Error> {
+        if !frame.velocity.is_finite() {
+            return Err(Error::NotFinite { what: "velocity" });
+        }
+        let mut corners = HashMap::new();
+        let mut groups = Groups::default();
+        let mut triangles = vec![];
+        self.walk(&frame.field, |_, triangle, _| {
+            let [a, b, c] = triangle.map(|corner| *corners.entry(corner.place).or_insert_with(|| groups.add()));
+            groups.join(a, b);
+            groups.join(b, c);
+            triangles.push((a, triangle.map(|corner| corner.index)));
+        })?;
+        let transform = frame.field.transform();
+        let sign = if transform.is_mirrored() { -1.0 } else { 1.0 };
+        let cofactors = transform.cofactors().map(|row| row.map(|part| sign * part));
+        let cube = CUBE_VOXELS * transform.voxel_edges().into_iter().fold(0.0, f64::max);
+        let mut velocity = Probe::new(&frame.velocity, transform);
+        let mut sums: BTreeMap<usize, Sums> = BTreeMap::new();
+        for (corner, indices) in triangles {
+            let surface = apply(area_vector(&indices), &cofactors);
+            let centre = std::array::from_fn(|axis| indices.iter().map(|index| index[axis]).sum::<f64>() / 3.0);
+            let flux = dot(velocity.at(centre), surface);
+            let (area, place) = (length(surface), transform.to_world(centre));
+            let sums = sums.entry(groups.first_of(corner)).or_insert_with(|| Sums::at(indices[0]));
+            sums.enclose(&indices);
+            sums.passing += flux.abs();
+            sums.cluster.flux += flux;
+            sums.cluster.area += area;
+            (0..3).for_each(|axis| sums.cluster.centroid[axis] += area * place[axis]);
+            *sums.cluster.cubes.entry(place.map(|x| (x / cube).floor() as i64)).or_default() += area;
+        }
+        let mut clusters: Vec<Cluster> =
+            with_hollows(sums.into_values()).into_iter().filter_map(Sums::finished).collect();
+        if clusters.iter().any(|cluster| !(cluster.flux.is_finite() && cluster.area.is_finite())) {
+            return Err(Error::NotFinite { what: "flux" });
+        }
+        // Stable: among equals the walk's order decides, which depends on the field alone.
+        clusters.sort_by(|a, b| b.area.total_cmp(&a.area));
+        Ok(clusters)
+    }
+}
+
+/// Flames with the walls of their hollows: a flame is often a shell around fuel that does not burn yet.
+fn with_hollows(sums: impl Iterator<Item = Sums>) -> Vec<Sums> {
+    let (mut outer, hollows): (Vec<Sums>, Vec<Sums>) = sums.partition(|sums| sums.volume >= 0.0);
+    let mut homeless = vec![];
+    for hollow in hollows {
+        // Of several flames around it, it belongs to the innermost.
+        let around = outer.iter_mut().filter(|sums| sums.surrounds(&hollow));
+        match around.min_by(|a, b| a.volume.total_cmp(&b.volume)) {
+            Some(flame) => flame.add(hollow),
+            None => homeless.push(hollow),
+        }
+    }
+    outer.extend(homeless);
+    outer
+}
+
+impl Sums {
+    /// Nothing yet, at a corner.
+    fn at(index: [f64; 3]) -> Self {
+        Self { cluster: Cluster::default(), passing: 0.0, volume: 0.0, origin: index, bounds: [index; 2] }
+    }
+
+    /// Adds the volume between the first corner and a triangle.
+    fn enclose(&mut self, triangle: &[[f64; 3]; 3]) {
+        let [a, b, c] = triangle.map(|index| std::array::from_fn(|axis| index[axis] - self.origin[axis]));
+        self.volume += dot(a, cross(b, c)) / 6.0;
+        for index in triangle {
+            for axis in 0..3 {
+                self.bounds[0][axis] = self.bounds[0][axis].min(index[axis]);
+                self.bounds[1][axis] = self.bounds[1][axis].max(index[axis]);
+            }
+        }
+    }
+
+    fn surrounds(&self, other: &Self) -> bool {
+        (0..3)
+            .all(|axis| self.bounds[0][axis] <= other.bounds[0][axis] && other.bounds[1][axis] <= self.bounds[1][axis])
+    }
+
+    fn add(&mut self, other: Self) {
+        self.passing += other.passing;
+        self.cluster.flux += other.cluster.flux;
+        self.cluster.area += other.cluster.area;
+        (0..3).for_each(|axis| self.cluster.centroid[axis] += other.cluster.centroid[axis]);
+        for (cube, area) in other.cluster.cubes {
+            *self.cluster.cubes.entry(cube).or_default() += area;
+        }
+    }
+
+    /// The part; none without area, which has no place.
+    fn finished(self) -> Option<Cluster> {
+        let Self { mut cluster, passing, .. } = self;
+        if cluster.flux.abs() <= ROUNDING * passing {
+            cluster.flux = 0.0;
+        }
+        cluster.centroid = cluster.centroid.map(|sum| sum / cluster.area);
+        (cluster.area != 0.0).then_some(cluster)
+    }
+}
+
+/// Disjoint groups of numbers, each known by one of its members (union-find with path halving).
+#[derive(Default)]
+struct Groups {
+    above: Vec<usize>,
+}
+
+impl Groups {
+    /// A new number, in a group of its own.
+    fn add(&mut self) -> usize {
+        self.above.push(self.above.len());
+        self.above.len() - 1
+    }
+
+    fn first_of(&mut self, mut member: usize) -> usize {
+        while self.above[member] != member {
+            self.above[member] = self.above[self.above[member]];
+            member = self.above[member];
+        }
+        member
+    }
+
+    /// The lower number stands for both, so that the order of groups is that of the walk.
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.first_of(a), self.first_of(b));
+        self.above[a.max(b)] = a.min(b);
+    }
+}
