@@ -35,6 +35,7 @@ done
 sed "s/VERSION/$version/" xtask/moduleinfo.json >"$stage/Pyrophone.vst3/Contents/Resources/moduleinfo.json"
 unite pyrophone "$stage/pyrophone"
 cargo run --quiet --release --package pyrophone-settings --example vst3_presets -- "$stage/presets/Pyrophone/Pyrophone/Factory"
+cargo xtask package --macos-licences "$stage"
 cp README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT packages/macos/install.sh "$stage/"
 
 for item in "$stage/Pyrophone.clap" "$stage/Pyrophone.vst3" "$stage/pyrophone"; do

@@ -25,6 +25,8 @@ enum Found {
     Library(&'static str),
     /// A file or a folder.
     Path(&'static str),
+    /// A module that Python imports.
+    Module(&'static str),
     /// A driver that Mesa opens by its path, in the first of these folders that exists.
     Driver(&'static str),
 }
@@ -54,7 +56,8 @@ pub const TEST: [Need; 11] = [
 pub const LINUX_PACKAGE: [Need; 5] = [
     LINKER,
     C_LIBRARY,
-    program("python3", "python3-venv"),
+    // Debian parts what makes environments from Python itself.
+    Need { found: Found::Module("ensurepip"), package: "python3-venv", purpose: PACKAGES },
     program("objdump", "binutils"),
     program("dpkg-deb", "dpkg"),
 ];
@@ -135,6 +138,7 @@ impl Need {
         match self.found {
             Found::Program(name) => is_program(name),
             Found::Path(path) => Path::new(path).exists(),
+            Found::Module(name) => imports(name),
             Found::Library(name) => library_folders().any(|folder| Path::new(&folder).join(name).exists()),
             Found::Driver(name) => library_folders().any(|folder| {
                 let folder = Path::new(&folder);
@@ -159,6 +163,13 @@ fn library_folders() -> impl Iterator<Item = String> {
 /// What is missing of these, as Debian names it.
 pub fn missing(needs: &[Need]) -> Vec<&'static str> {
     needs.iter().filter(|need| !need.is_met()).map(|need| need.package).collect()
+}
+
+/// Whether Python is there and has a module.
+fn imports(name: &str) -> bool {
+    let mut python = Command::new("python3");
+    python.args(["-c", &format!("import {name}")]).stdout(Stdio::null()).stderr(Stdio::null());
+    python.status().is_ok_and(|status| status.success())
 }
 
 /// Whether a program is in PATH.

@@ -5,14 +5,13 @@ use std::collections::BTreeMap;
 use anyhow::{Context, Result};
 
 use super::licences::{Crate, crates};
-use super::system::System;
 use crate::project;
 
-/// The bill of a system's packages. The same sources give the same bill.
-pub fn bill(system: System) -> Result<String> {
+/// The bill of the packages for these targets. The same sources give the same bill.
+pub fn bill(triples: &[&str]) -> Result<String> {
     let lock = std::fs::read_to_string(project::root().join("Cargo.lock")).context("Cargo.lock")?;
     let checksums = checksums(&lock);
-    let components: Vec<String> = crates(system)?.iter().map(|about| component(about, &checksums)).collect();
+    let components: Vec<String> = crates(triples)?.iter().map(|about| component(about, &checksums)).collect();
     let subject = object(&[
         ("type", quoted("application")),
         ("name", quoted("pyrophone")),
@@ -69,6 +68,7 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::package::TARGETS;
 
     #[test]
     fn crates_carry_their_checksums() {
@@ -88,8 +88,8 @@ mod tests {
 
     #[test]
     fn every_crate_of_the_licence_page_is_on_the_bill() {
-        for system in [System::Linux, System::Windows] {
-            let (bill, crates) = (bill(system).unwrap(), crates(system).unwrap());
+        for triples in TARGETS {
+            let (bill, crates) = (bill(triples).unwrap(), crates(triples).unwrap());
             assert_eq!(bill.matches("\"purl\"").count(), crates.len());
             assert_eq!(bill.matches("\"SHA-256\"").count(), crates.len(), "a crate without a checksum");
         }

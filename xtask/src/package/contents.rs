@@ -28,14 +28,22 @@ pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
     for document in DOCUMENTS {
         copy(&project::root().join(document), document)?;
     }
-    fs::write(stage.join("THIRD-PARTY.md"), licences::page(system)?)?;
-    fs::write(stage.join("sbom.cdx.json"), bill::bill(system)?)?;
+    write_licences(&[system.triple()], stage)?;
     for (folder, script) in scripts(system) {
         copy(&project::root().join("packages").join(folder).join(script), script)?;
     }
     write_presets(&stage.join("presets/Pyrophone/Pyrophone/Factory"))?;
     if system == System::Linux {
         write_manual(&built.program, stage)?;
+    }
+    Ok(())
+}
+
+/// Writes to a folder what a package for these targets says of others' work in it: its licences, and its bill of materials.
+pub fn write_licences(triples: &[&str], folder: &Path) -> Result<()> {
+    for (name, text) in [("THIRD-PARTY.md", licences::page(triples)?), ("sbom.cdx.json", bill::bill(triples)?)] {
+        let path = folder.join(name);
+        fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
     }
     Ok(())
 }

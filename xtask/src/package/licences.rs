@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use anyhow::{Context, Result, ensure};
 
-use super::system::System;
 use crate::cargo;
 
 /// Licences that may be passed on with a program under MIT or Apache-2.0.
@@ -27,13 +26,13 @@ const PERMITTED: [&str; 14] = [
 /// Those of the fonts in the window, whose crate names them beside its own licence.
 const FONTS: [&str; 1] = ["Ubuntu-font-1.0"];
 
-/// A page that names every crate in the packages of a system, with its licence and where it comes from.
-pub fn page(system: System) -> Result<String> {
+/// A page that names every crate in the packages for these targets, with its licence and where it comes from.
+pub fn page(triples: &[&str]) -> Result<String> {
     let mut page =
         "# What Pyrophone contains of others\n\nEach under its own licence; sources at the addresses named.\n\n\
         | crate | licence | source |\n|---|---|---|\n"
             .to_owned();
-    for Crate { name, version, licence, source } in crates(system)? {
+    for Crate { name, version, licence, source } in crates(triples)? {
         ensure!(is_permitted(&licence), "{name} is under {licence:?}, which may not be passed on; see licences.rs");
         page.push_str(&format!("| {name} {version} | {licence} | {source} |\n"));
     }
@@ -53,11 +52,12 @@ pub struct Crate {
     pub source: String,
 }
 
-/// All that is linked into plugin and command line, our own left out.
-pub fn crates(system: System) -> Result<BTreeSet<Crate>> {
+/// All that is linked into plugin and command line for any of these targets, our own left out.
+pub fn crates(triples: &[&str]) -> Result<BTreeSet<Crate>> {
     let mut tree = cargo::command();
     tree.args(["tree", "--package", "pyrophone-plugin", "--package", "pyrophone-cli", "--edges", "normal"]);
-    tree.args(["--prefix", "none", "--target", system.triple(), "--format", "{p}|{l}|{r}"]);
+    tree.args(["--prefix", "none", "--format", "{p}|{l}|{r}"]);
+    tree.args(triples.iter().flat_map(|triple| ["--target", triple]));
     let output = tree.output().context("calling cargo tree")?;
     ensure!(output.status.success(), "cargo tree failed: {}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -95,6 +95,7 @@ fn is_permitted(expression: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::package::TARGETS;
 
     #[test]
     fn expressions_are_read_as_they_are_meant() {
@@ -116,8 +117,8 @@ mod tests {
 
     #[test]
     fn everything_in_the_packages_may_be_passed_on() {
-        for system in [System::Linux, System::Windows] {
-            let page = page(system).unwrap();
+        for triples in TARGETS {
+            let page = page(triples).unwrap();
             assert!(page.lines().count() > 100, "{page}");
             assert!(page.contains("| egui 0.") && !page.contains("| pyrophone"), "{page}");
         }

@@ -27,6 +27,9 @@ pub struct Args {
     /// Make nothing, but check that plugin and command line compile for a system that cannot be linked for here
     #[arg(long, value_enum, conflicts_with = "system")]
     check: Option<Checked>,
+    /// Make nothing, but write the licences and the bill of materials of the macOS package to this folder
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["system", "check"])]
+    macos_licences: Option<PathBuf>,
 }
 
 /// A system that is only checked here.
@@ -39,10 +42,17 @@ enum Checked {
 /// Rust's names of macOS.
 const MACOS: [&str; 2] = ["aarch64-apple-darwin", "x86_64-apple-darwin"];
 
+/// The targets that are joined in the packages of each system.
+#[cfg(test)]
+const TARGETS: [&[&str]; 3] = [&["x86_64-unknown-linux-gnu"], &["x86_64-pc-windows-gnu"], &MACOS];
+
 /// Builds packages for the systems wanted, checks what they link to, and writes their checksums.
 pub fn run(args: &Args) -> Result<()> {
     if let Some(Checked::Macos) = args.check {
         return check_macos();
+    }
+    if let Some(folder) = &args.macos_licences {
+        return contents::write_licences(&MACOS, folder);
     }
     let systems = args.system.map_or_else(|| System::value_variants().to_vec(), |system| vec![system]);
     let folder = project::target_dir().join("packages");
