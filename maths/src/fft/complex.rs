@@ -1,6 +1,8 @@
 //! Transforms of complex samples.
 
 use super::chirp::Chirp;
+use pulp::{Simd, WithSimd};
+
 use super::passes::Pass;
 use super::{Complex64, Machine, Parts};
 
@@ -66,17 +68,9 @@ impl ComplexTransform {
     /// Transforms what lies in the first half of `room`, and answers where the result lies.
     pub(super) fn run<'a>(&self, room: &'a mut [f64]) -> Parts<'a> {
         let (own, rest) = room.split_at_mut(4 * self.len);
-        let [mut input, mut output] = self.halves(own);
+        let [mut input, output] = self.halves(own);
         match &self.way {
-            Way::Passes(passes) => self.machine.run(
-                #[inline(always)]
-                || {
-                    for pass in passes {
-                        pass.run(&input, &mut output);
-                        std::mem::swap(&mut input, &mut output);
-                    }
-                },
-            ),
+            Way::Passes(passes) => (input, _) = self.machine.run(AllPasses { passes, input, output }),
             Way::Chirp(chirp) => chirp.run(&mut input, rest),
         }
         input
@@ -103,5 +97,26 @@ impl ComplexTransform {
         for ((sample, re), im) in samples.iter_mut().zip(&*result.re).zip(&*result.im) {
             *sample = if is_inverse { Complex64::new(*im, *re) } else { Complex64::new(*re, *im) };
         }
+    }
+}
+
+/// All passes of a transform, from one half of the room to the other and back; what was written last comes first.
+struct AllPasses<'a, 'b> {
+    passes: &'a [Pass],
+    input: Parts<'b>,
+    output: Parts<'b>,
+}
+
+impl<'b> WithSimd for AllPasses<'_, 'b> {
+    type Output = (Parts<'b>, Parts<'b>);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let (mut input, mut output) = (self.input, self.output);
+        for pass in self.passes {
+            pass.run(simd, &input, &mut output);
+            std::mem::swap(&mut input, &mut output);
+        }
+        (input, output)
     }
 }

@@ -46,7 +46,12 @@ struct Parts<'a> {
 
 /// The width of vectors to compute with, found out once.
 #[derive(Clone, Copy)]
-struct Machine(pulp::Arch);
+struct Machine {
+    /// Vectors of 256 bits, where the processor has them: strides of four samples fill those, and not wider ones.
+    #[cfg(target_arch = "x86_64")]
+    v3: Option<pulp::x86::V3>,
+    other: pulp::Arch,
+}
 
 impl std::fmt::Debug for Machine {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -56,12 +61,20 @@ impl std::fmt::Debug for Machine {
 
 impl Machine {
     fn best() -> Self {
-        Self(pulp::Arch::new())
+        Self {
+            #[cfg(target_arch = "x86_64")]
+            v3: pulp::x86::V3::try_new(),
+            other: pulp::Arch::new(),
+        }
     }
 
-    /// Does `work`, compiled for the widest vectors here. Nothing is fused: the bits are the same at any width.
+    /// Does `work`, compiled for the vectors chosen. Nothing is fused: the bits are the same at any width.
     #[inline(always)]
-    fn run(self, work: impl FnOnce()) {
-        self.0.dispatch(work);
+    fn run<W: pulp::WithSimd>(self, work: W) -> W::Output {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(v3) = self.v3 {
+            return pulp::Simd::vectorize(v3, work);
+        }
+        self.other.dispatch(work)
     }
 }

@@ -5,16 +5,15 @@
 
 use std::f64::consts::TAU;
 
-use super::Parts;
+use pulp::{Scalar, Simd, bytemuck};
 
-/// Samples handled at once: what vectors of 256 bits hold.
-const WIDTH: usize = 4;
+use super::Parts;
 
 /// Largest radix.
 const RADIX_MAX: usize = 7;
 
-/// Several complex numbers, real and imaginary parts.
-type Numbers<const N: usize> = ([f64; N], [f64; N]);
+/// A vector of complex numbers, real and imaginary parts.
+type Numbers<S> = (<S as Simd>::f64s, <S as Simd>::f64s);
 
 /// A pass over a transform's samples.
 #[derive(Debug)]
@@ -45,64 +44,107 @@ impl Pass {
 
     /// From all samples of `input` to all of `output`.
     #[inline(always)]
-    pub fn run(&self, input: &Parts<'_>, output: &mut Parts<'_>) {
+    pub fn run<S: Simd>(&self, simd: S, input: &Parts<'_>, output: &mut Parts<'_>) {
         match self.radix {
-            2 => self.butterflies::<2>(input, output),
-            3 => self.butterflies::<3>(input, output),
-            4 => self.butterflies::<4>(input, output),
-            5 => self.butterflies::<5>(input, output),
-            _ => self.butterflies::<7>(input, output),
+            2 => self.butterflies::<S, 2>(simd, input, output),
+            3 => self.butterflies::<S, 3>(simd, input, output),
+            4 => self.butterflies::<S, 4>(simd, input, output),
+            5 => self.butterflies::<S, 5>(simd, input, output),
+            _ => self.butterflies::<S, 7>(simd, input, output),
         }
     }
 
     #[inline(always)]
-    fn butterflies<const R: usize>(&self, input: &Parts<'_>, output: &mut Parts<'_>) {
-        let count = input.re.len() / R;
+    fn butterflies<S: Simd, const R: usize>(&self, simd: S, input: &Parts<'_>, output: &mut Parts<'_>) {
         if self.stride == 1 {
-            let wide = count - count % WIDTH;
-            (0..wide).step_by(WIDTH).for_each(|p| self.side_by_side::<R, WIDTH>(input, output, p));
-            (wide..count).for_each(|p| self.side_by_side::<R, 1>(input, output, p));
-        } else if self.stride.is_multiple_of(WIDTH) {
-            self.blocks::<R, WIDTH>(input, output);
+            let count = input.re.len() / R;
+            let wide = count - count % S::F64_LANES;
+            self.side_by_side::<S, R>(simd, input, output, 0, wide);
+            self.side_by_side::<Scalar, R>(Scalar, input, output, wide, count);
+        } else if self.stride.is_multiple_of(S::F64_LANES) {
+            self.blocks::<S, R>(simd, input, output);
         } else {
-            self.blocks::<R, 1>(input, output);
+            self.blocks::<Scalar, R>(Scalar, input, output);
         }
     }
 
-    /// Butterflies of N neighbours of one transform; what comes out of one lies together.
+    /// Butterflies `from` to `to` of one transform; what comes out of one lies together.
     #[inline(always)]
-    fn side_by_side<const R: usize, const N: usize>(&self, input: &Parts<'_>, output: &mut Parts<'_>, p: usize) {
+    fn side_by_side<S: Simd, const R: usize>(
+        &self,
+        simd: S,
+        input: &Parts<'_>,
+        output: &mut Parts<'_>,
+        from: usize,
+        to: usize,
+    ) {
         let count = input.re.len() / R;
-        let samples: [Numbers<N>; R] = std::array::from_fn(|part| load(input, part * count + p));
-        let mut results = butterfly(samples, &self.turns);
-        for (result, [re, im]) in results[1..].iter_mut().zip(&self.twiddles) {
-            *result = times(*result, (several(re, p), several(im, p)));
+        let none: &[S::f64s] = &[];
+        let (mut samples, mut factors) = ([[none; 2]; R], [[none; 2]; R]);
+        for part in 0..R {
+            let range = part * count + from..part * count + to;
+            samples[part] = [S::as_simd_f64s(&input.re[range.clone()]).0, S::as_simd_f64s(&input.im[range]).0];
+            if part > 0 {
+                let [re, im] = &self.twiddles[part - 1];
+                factors[part] = [S::as_simd_f64s(&re[from..to]).0, S::as_simd_f64s(&im[from..to]).0];
+            }
         }
-        let (re, im) = (&mut output.re[R * p..][..R * N], &mut output.im[R * p..][..R * N]);
-        for at in 0..N {
-            for (part, result) in results.iter().enumerate() {
-                re[R * at + part] = result.0[at];
-                im[R * at + part] = result.1[at];
+        let written = R * S::F64_LANES;
+        let outputs = output.re[R * from..R * to].chunks_exact_mut(written);
+        let outputs = outputs.zip(output.im[R * from..R * to].chunks_exact_mut(written));
+        for (at, (to_re, to_im)) in outputs.enumerate() {
+            let mut inputs = [(samples[0][0][at], samples[0][1][at]); R];
+            for part in 1..R {
+                inputs[part] = (samples[part][0][at], samples[part][1][at]);
+            }
+            let results = butterfly::<S, R>(simd, inputs, &self.turns);
+            for part in 0..R {
+                let mut result = results[part];
+                if part > 0 {
+                    result = times(simd, result, (factors[part][0][at], factors[part][1][at]));
+                }
+                let re: &[f64] = bytemuck::cast_slice(std::slice::from_ref(&result.0));
+                let im: &[f64] = bytemuck::cast_slice(std::slice::from_ref(&result.1));
+                for lane in 0..S::F64_LANES {
+                    to_re[R * lane + part] = re[lane];
+                    to_im[R * lane + part] = im[lane];
+                }
             }
         }
     }
 
-    /// Butterflies of whole blocks of transforms side by side, N at once.
+    /// Butterflies of whole blocks of transforms side by side.
     #[inline(always)]
-    fn blocks<const R: usize, const N: usize>(&self, input: &Parts<'_>, output: &mut Parts<'_>) {
+    fn blocks<S: Simd, const R: usize>(&self, simd: S, input: &Parts<'_>, output: &mut Parts<'_>) {
         let (count, stride) = (input.re.len() / R, self.stride);
+        let vectors = stride / S::F64_LANES;
+        let none: &[S::f64s] = &[];
         for p in 0..count / stride {
-            let factors: [(f64, f64); R] = std::array::from_fn(|part| match part.checked_sub(1) {
-                Some(part) => (self.twiddles[part][0][p], self.twiddles[part][1][p]),
-                None => (1.0, 0.0),
-            });
-            for q in (0..stride).step_by(N) {
-                let samples: [Numbers<N>; R] = std::array::from_fn(|part| load(input, part * count + stride * p + q));
-                let results = butterfly(samples, &self.turns);
-                for (part, (result, factor)) in results.into_iter().zip(factors).enumerate() {
+            let mut factors = [(simd.splat_f64s(1.0), simd.splat_f64s(0.0)); R];
+            let mut samples = [(none, none); R];
+            for part in 0..R {
+                if part > 0 {
+                    let [re, im] = &self.twiddles[part - 1];
+                    factors[part] = (simd.splat_f64s(re[p]), simd.splat_f64s(im[p]));
+                }
+                let range = part * count + stride * p..part * count + stride * (p + 1);
+                let re = &S::as_simd_f64s(&input.re[range.clone()]).0[..vectors];
+                samples[part] = (re, &S::as_simd_f64s(&input.im[range]).0[..vectors]);
+            }
+            let range = stride * R * p..stride * R * (p + 1);
+            let to_re = &mut S::as_mut_simd_f64s(&mut output.re[range.clone()]).0[..R * vectors];
+            let to_im = &mut S::as_mut_simd_f64s(&mut output.im[range]).0[..R * vectors];
+            for at in 0..vectors {
+                let mut inputs = [(samples[0].0[at], samples[0].1[at]); R];
+                for part in 1..R {
+                    inputs[part] = (samples[part].0[at], samples[part].1[at]);
+                }
+                let results = butterfly::<S, R>(simd, inputs, &self.turns);
+                for part in 0..R {
                     // Of the last pass all factors are 1, as is that of the first sample.
-                    let result = if p == 0 { result } else { times(result, ([factor.0; N], [factor.1; N])) };
-                    store(output, stride * (R * p + part) + q, result);
+                    let result = if p == 0 { results[part] } else { times(simd, results[part], factors[part]) };
+                    to_re[part * vectors + at] = result.0;
+                    to_im[part * vectors + at] = result.1;
                 }
             }
         }
@@ -110,90 +152,71 @@ impl Pass {
 }
 
 #[inline(always)]
-fn several<const N: usize>(numbers: &[f64], at: usize) -> [f64; N] {
-    let numbers = &numbers[at..][..N];
-    std::array::from_fn(|lane| numbers[lane])
+fn plus<S: Simd>(simd: S, a: Numbers<S>, b: Numbers<S>) -> Numbers<S> {
+    (simd.add_f64s(a.0, b.0), simd.add_f64s(a.1, b.1))
 }
 
 #[inline(always)]
-fn load<const N: usize>(from: &Parts<'_>, at: usize) -> Numbers<N> {
-    (several(from.re, at), several(from.im, at))
+fn minus<S: Simd>(simd: S, a: Numbers<S>, b: Numbers<S>) -> Numbers<S> {
+    (simd.sub_f64s(a.0, b.0), simd.sub_f64s(a.1, b.1))
 }
 
+/// Not fused: that would round otherwise on processors that can.
 #[inline(always)]
-fn store<const N: usize>(to: &mut Parts<'_>, at: usize, numbers: Numbers<N>) {
-    to.re[at..][..N].copy_from_slice(&numbers.0);
-    to.im[at..][..N].copy_from_slice(&numbers.1);
-}
-
-#[inline(always)]
-fn each<const N: usize>(a: Numbers<N>, b: Numbers<N>, f: impl Fn(f64, f64) -> f64) -> Numbers<N> {
-    (std::array::from_fn(|lane| f(a.0[lane], b.0[lane])), std::array::from_fn(|lane| f(a.1[lane], b.1[lane])))
-}
-
-#[inline(always)]
-fn plus<const N: usize>(a: Numbers<N>, b: Numbers<N>) -> Numbers<N> {
-    each(a, b, |a, b| a + b)
-}
-
-#[inline(always)]
-fn minus<const N: usize>(a: Numbers<N>, b: Numbers<N>) -> Numbers<N> {
-    each(a, b, |a, b| a - b)
-}
-
-#[inline(always)]
-fn times<const N: usize>(a: Numbers<N>, b: Numbers<N>) -> Numbers<N> {
+fn times<S: Simd>(simd: S, a: Numbers<S>, b: Numbers<S>) -> Numbers<S> {
     (
-        std::array::from_fn(|lane| a.0[lane] * b.0[lane] - a.1[lane] * b.1[lane]),
-        std::array::from_fn(|lane| a.0[lane] * b.1[lane] + a.1[lane] * b.0[lane]),
+        simd.sub_f64s(simd.mul_f64s(a.0, b.0), simd.mul_f64s(a.1, b.1)),
+        simd.add_f64s(simd.mul_f64s(a.0, b.1), simd.mul_f64s(a.1, b.0)),
     )
 }
 
-/// Times the imaginary unit.
+/// `a` and the imaginary unit times `b`: their sum, and their difference.
 #[inline(always)]
-fn turned<const N: usize>(a: Numbers<N>) -> Numbers<N> {
-    (a.1.map(|x| -x), a.0)
+fn with_turned<S: Simd>(simd: S, a: Numbers<S>, b: Numbers<S>) -> [Numbers<S>; 2] {
+    [(simd.sub_f64s(a.0, b.1), simd.add_f64s(a.1, b.0)), (simd.add_f64s(a.0, b.1), simd.sub_f64s(a.1, b.0))]
 }
 
 #[inline(always)]
-fn scaled<const N: usize>(a: Numbers<N>, factor: f64) -> Numbers<N> {
-    (a.0.map(|x| x * factor), a.1.map(|x| x * factor))
+fn scaled<S: Simd>(simd: S, a: Numbers<S>, factor: f64) -> Numbers<S> {
+    let factor = simd.splat_f64s(factor);
+    (simd.mul_f64s(a.0, factor), simd.mul_f64s(a.1, factor))
 }
 
 /// The transform of R samples.
 #[inline(always)]
-fn butterfly<const R: usize, const N: usize>(
-    samples: [Numbers<N>; R],
+fn butterfly<S: Simd, const R: usize>(
+    simd: S,
+    samples: [Numbers<S>; R],
     turns: &[(f64, f64); RADIX_MAX],
-) -> [Numbers<N>; R] {
+) -> [Numbers<S>; R] {
     let mut results = samples;
     match R {
         2 => {
-            results[0] = plus(samples[0], samples[1]);
-            results[1] = minus(samples[0], samples[1]);
+            results[0] = plus(simd, samples[0], samples[1]);
+            results[1] = minus(simd, samples[0], samples[1]);
         }
         3 => {
-            let (sum, difference) = (plus(samples[1], samples[2]), minus(samples[1], samples[2]));
-            let middle = minus(samples[0], scaled(sum, 0.5));
-            let turned = turned(scaled(difference, SIN_60));
-            results[0] = plus(samples[0], sum);
-            results[1] = minus(middle, turned);
-            results[2] = plus(middle, turned);
+            let (sum, difference) = (plus(simd, samples[1], samples[2]), minus(simd, samples[1], samples[2]));
+            let middle = minus(simd, samples[0], scaled(simd, sum, 0.5));
+            results[0] = plus(simd, samples[0], sum);
+            [results[2], results[1]] = with_turned(simd, middle, scaled(simd, difference, SIN_60));
         }
         4 => {
-            let (sum, difference) = (plus(samples[0], samples[2]), minus(samples[0], samples[2]));
-            let (other_sum, turned) = (plus(samples[1], samples[3]), turned(minus(samples[1], samples[3])));
-            results[0] = plus(sum, other_sum);
-            results[1] = minus(difference, turned);
-            results[2] = minus(sum, other_sum);
-            results[3] = plus(difference, turned);
+            let (sum, difference) = (plus(simd, samples[0], samples[2]), minus(simd, samples[0], samples[2]));
+            let (other_sum, other) = (plus(simd, samples[1], samples[3]), minus(simd, samples[1], samples[3]));
+            results[0] = plus(simd, sum, other_sum);
+            results[2] = minus(simd, sum, other_sum);
+            [results[3], results[1]] = with_turned(simd, difference, other);
         }
         _ => {
-            for (output, result) in results.iter_mut().enumerate() {
-                *result = (1..R).fold(samples[0], |sum, part| {
+            for output in 0..R {
+                let mut sum = samples[0];
+                for part in 1..R {
                     let (cos, sin) = turns[output * part % R];
-                    plus(sum, times(samples[part], ([cos; N], [-sin; N])))
-                });
+                    let turn = (simd.splat_f64s(cos), simd.splat_f64s(-sin));
+                    sum = plus(simd, sum, times(simd, samples[part], turn));
+                }
+                results[output] = sum;
             }
         }
     }

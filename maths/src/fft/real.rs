@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use pulp::{Simd, WithSimd};
+
 use super::complex::ComplexTransform;
 use super::{Complex64, Machine, Parts};
 
@@ -74,10 +76,7 @@ impl RealTransform {
         let (first_re, first_im) = (result.re[0], result.im[0]);
         spectrum[0] = Complex64::new(first_re + first_im, 0.0);
         spectrum[self.half_len] = Complex64::new(first_re - first_im, 0.0);
-        self.machine.run(
-            #[inline(always)]
-            || self.for_pairs(Apart { spectrum, half: &result }),
-        );
+        self.machine.run(AllPairs { transform: self, pairs: Apart { spectrum, half: &result } });
     }
 
     /// The bins of `spectrum` to `time`, unscaled: after [`forward`](Self::forward) it is `samples` times the signal. The
@@ -92,10 +91,7 @@ impl RealTransform {
         let (first, last) = (spectrum[0].re, spectrum[self.half_len].re);
         (re[0], im[0]) = (first + last, first - last);
         let mut half = Parts { re, im };
-        self.machine.run(
-            #[inline(always)]
-            || self.for_pairs(Together { spectrum, half: &mut half }),
-        );
+        self.machine.run(AllPairs { transform: self, pairs: Together { spectrum, half: &mut half } });
         let result = self.fourier.run(room);
         for ((pair, re), im) in time.as_chunks_mut::<2>().0.iter_mut().zip(&*result.im).zip(&*result.re) {
             *pair = [*re, *im];
@@ -141,8 +137,25 @@ impl RealTransform {
 
     #[inline(always)]
     fn turn<const N: usize>(&self, bin: usize) -> [[f64; N]; 2] {
-        let (cos, sin) = (&self.cos[bin..][..N], &self.sin[bin..][..N]);
-        [std::array::from_fn(|lane| cos[lane]), std::array::from_fn(|lane| sin[lane])]
+        let mut turn = [[0.0; N]; 2];
+        turn[0].copy_from_slice(&self.cos[bin..][..N]);
+        turn[1].copy_from_slice(&self.sin[bin..][..N]);
+        turn
+    }
+}
+
+/// All bins with their mirror images, in vectors.
+struct AllPairs<'a, P> {
+    transform: &'a RealTransform,
+    pairs: P,
+}
+
+impl<P: Pairs> WithSimd for AllPairs<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.transform.for_pairs(self.pairs);
     }
 }
 
@@ -164,18 +177,19 @@ impl Pairs for Apart<'_> {
         let (up, down) = (bin..bin + N, mirror + 1 - N..mirror + 1);
         let (re, im) = (&self.half.re[up.clone()], &self.half.im[up.clone()]);
         let (mirror_re, mirror_im) = (&self.half.re[down.clone()], &self.half.im[down.clone()]);
-        let even_re: [f64; N] = std::array::from_fn(|lane| 0.5 * (re[lane] + mirror_re[N - 1 - lane]));
-        let even_im: [f64; N] = std::array::from_fn(|lane| 0.5 * (im[lane] - mirror_im[N - 1 - lane]));
-        let odd_re: [f64; N] = std::array::from_fn(|lane| 0.5 * (im[lane] + mirror_im[N - 1 - lane]));
-        let odd_im: [f64; N] = std::array::from_fn(|lane| 0.5 * (mirror_re[N - 1 - lane] - re[lane]));
-        let turned_re: [f64; N] = std::array::from_fn(|lane| cos[lane] * odd_re[lane] + sin[lane] * odd_im[lane]);
-        let turned_im: [f64; N] = std::array::from_fn(|lane| cos[lane] * odd_im[lane] - sin[lane] * odd_re[lane]);
-        for (lane, to) in self.spectrum[down].iter_mut().rev().enumerate() {
-            *to = Complex64::new(even_re[lane] - turned_re[lane], turned_im[lane] - even_im[lane]);
+        let (mut to, mut to_mirror) = ([Complex64::default(); N], [Complex64::default(); N]);
+        // Plain loops: closures would be compiled for narrower vectors than this.
+        for lane in 0..N {
+            let back = N - 1 - lane;
+            let (even_re, even_im) = (0.5 * (re[lane] + mirror_re[back]), 0.5 * (im[lane] - mirror_im[back]));
+            let (odd_re, odd_im) = (0.5 * (im[lane] + mirror_im[back]), 0.5 * (mirror_re[back] - re[lane]));
+            let turned_re = cos[lane] * odd_re + sin[lane] * odd_im;
+            let turned_im = cos[lane] * odd_im - sin[lane] * odd_re;
+            to_mirror[back] = Complex64::new(even_re - turned_re, turned_im - even_im);
+            to[lane] = Complex64::new(even_re + turned_re, even_im + turned_im);
         }
-        for (lane, to) in self.spectrum[up].iter_mut().enumerate() {
-            *to = Complex64::new(even_re[lane] + turned_re[lane], even_im[lane] + turned_im[lane]);
-        }
+        self.spectrum[down].copy_from_slice(&to_mirror);
+        self.spectrum[up].copy_from_slice(&to);
     }
 }
 
@@ -190,22 +204,21 @@ impl Pairs for Together<'_, '_> {
     fn several<const N: usize>(&mut self, bin: usize, mirror: usize, [cos, sin]: [[f64; N]; 2]) {
         let (up, down) = (bin..bin + N, mirror + 1 - N..mirror + 1);
         let (bins, mirrored) = (&self.spectrum[up.clone()], &self.spectrum[down.clone()]);
-        let mirrored: [Complex64; N] = std::array::from_fn(|lane| mirrored[N - 1 - lane]);
-        let sum_re: [f64; N] = std::array::from_fn(|lane| bins[lane].re + mirrored[lane].re);
-        let sum_im: [f64; N] = std::array::from_fn(|lane| bins[lane].im - mirrored[lane].im);
-        let less_re: [f64; N] = std::array::from_fn(|lane| bins[lane].re - mirrored[lane].re);
-        let less_im: [f64; N] = std::array::from_fn(|lane| bins[lane].im + mirrored[lane].im);
-        let turned_re: [f64; N] = std::array::from_fn(|lane| cos[lane] * less_re[lane] - sin[lane] * less_im[lane]);
-        let turned_im: [f64; N] = std::array::from_fn(|lane| cos[lane] * less_im[lane] + sin[lane] * less_re[lane]);
-        let (re, im) = (&mut self.half.re[down.clone()], &mut self.half.im[down]);
+        let (mut re, mut im, mut mirror_re, mut mirror_im) = ([0.0; N], [0.0; N], [0.0; N], [0.0; N]);
         for lane in 0..N {
-            re[N - 1 - lane] = sum_re[lane] + turned_im[lane];
-            im[N - 1 - lane] = turned_re[lane] - sum_im[lane];
+            let back = N - 1 - lane;
+            let (sum_re, sum_im) = (bins[lane].re + mirrored[back].re, bins[lane].im - mirrored[back].im);
+            let (less_re, less_im) = (bins[lane].re - mirrored[back].re, bins[lane].im + mirrored[back].im);
+            let turned_re = cos[lane] * less_re - sin[lane] * less_im;
+            let turned_im = cos[lane] * less_im + sin[lane] * less_re;
+            mirror_re[back] = sum_re + turned_im;
+            mirror_im[back] = turned_re - sum_im;
+            re[lane] = sum_re - turned_im;
+            im[lane] = sum_im + turned_re;
         }
-        let (re, im) = (&mut self.half.re[up.clone()], &mut self.half.im[up]);
-        for lane in 0..N {
-            re[lane] = sum_re[lane] - turned_im[lane];
-            im[lane] = sum_im[lane] + turned_re[lane];
-        }
+        self.half.re[down.clone()].copy_from_slice(&mirror_re);
+        self.half.im[down].copy_from_slice(&mirror_im);
+        self.half.re[up.clone()].copy_from_slice(&re);
+        self.half.im[up].copy_from_slice(&im);
     }
 }
