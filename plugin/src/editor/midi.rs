@@ -25,8 +25,8 @@ pub struct MidiPanel {
     seen: Option<Numbers>,
     /// Writes the file, if there is something to write, and reads it.
     task: Option<Task<Assignments>>,
-    /// Whether the next press on **Remove all** removes them.
-    clears: bool,
+    /// When **Remove all** was pressed, in seconds; for a while the next press removes them.
+    asked_s: Option<f64>,
 }
 
 impl MidiPanel {
@@ -37,7 +37,7 @@ impl MidiPanel {
 
     /// Begins anew: what was assigned without a window is the session's alone. Other instances may have written the file.
     pub fn open(&mut self) {
-        (self.seen, self.clears) = (None, false);
+        (self.seen, self.asked_s) = (None, None);
         self.work(|_| Ok(()));
     }
 

@@ -18,6 +18,9 @@ const REMOVE_ALL: f32 = 116.0;
 /// The button in the head is taller than the head, in points.
 const BELOW_HEAD: f32 = 6.0;
 
+/// Seconds for which the button asks whether to remove all.
+const ASKS_S: f64 = 10.0;
+
 /// Where an assignment holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scope {
@@ -32,8 +35,8 @@ enum Scope {
 impl Scope {
     fn words(self) -> &'static str {
         match self {
-            Self::Both => "this session and new instances",
-            Self::Session => "this session only",
+            Self::Both => "session and new instances",
+            Self::Session => "session only",
             Self::Later => "new instances only",
         }
     }
@@ -119,20 +122,19 @@ impl MidiPanel {
     /// A button that asks once more: there is no undo for what instances to come begin with.
     fn remove_all_button(&mut self, ui: &mut Ui, row: Rect, controllers: &Controllers) {
         let place = row.with_min_x(row.right() - REMOVE_ALL);
-        let words = if self.clears { "Remove all for good" } else { "Remove all" };
-        let button = filled(ui, place, words, "Remove all", self.clears, true);
+        let now_s = ui.input(|input| input.time);
+        let asks = self.asked_s.is_some_and(|asked_s| now_s < asked_s + ASKS_S);
+        let words = if asks { "Remove all for good" } else { "Remove all" };
+        let button = filled(ui, place, words, "Remove all", asks, true);
         let button =
             button.on_hover_text("Removes every line, from this session and for new instances; asks once more");
-        if !button.hovered() && !button.has_focus() {
-            self.clears = false;
-        }
-        if !button.clicked() {
-            return;
-        }
-        if std::mem::replace(&mut self.clears, true) {
+        if button.clicked() && asks {
             controllers.set_all(&Assignments::new());
-            (self.seen, self.clears) = (Some(numbers(controllers)), false);
+            (self.seen, self.asked_s) = (Some(numbers(controllers)), None);
             self.work(|file| file.clear());
+        } else if button.clicked() {
+            self.asked_s = Some(now_s);
+            ui.ctx().request_repaint_after_secs(ASKS_S as f32);
         }
     }
 }
