@@ -61,7 +61,7 @@ pub fn play(request: &Request<'_>) -> Result<Played> {
     let layout = layout(request)?;
     let sample_rate = f64::from(request.main.sample_rate_hz);
     set_session(plugin.as_mut(), request)?;
-    set_values(plugin.as_mut(), request.values)?;
+    set_values(plugin.as_mut(), request.format, request.values)?;
     let began = Instant::now();
     wait_for_recording(plugin.as_mut(), sample_rate, layout)
         .with_context(|| format!("with {layout}: try another --channels, or another sidechain"))?;
@@ -102,8 +102,16 @@ fn set_session(plugin: &mut dyn Plugin, request: &Request<'_>) -> Result<()> {
     Ok(())
 }
 
+/// A parameter's text as the plugin gives it to hosts of this format: VST3's put the unit behind it themselves.
+fn shown<'a>(format: Format, unit: &str, text: &'a str) -> &'a str {
+    match format {
+        Format::Clap => text,
+        Format::Vst3 => text.strip_suffix(unit).map_or(text, str::trim_end),
+    }
+}
+
 /// Sets every parameter by its text, as a person would, and makes sure that the plugin says the same back.
-fn set_values(plugin: &mut dyn Plugin, values: &Values) -> Result<()> {
+fn set_values(plugin: &mut dyn Plugin, format: Format, values: &Values) -> Result<()> {
     for (parameter, plain) in PARAMETERS.iter().zip(values.as_slice()) {
         let id = numeric_id(parameter.id);
         let text = parameter.to_text(*plain);
@@ -111,7 +119,8 @@ fn set_values(plugin: &mut dyn Plugin, values: &Values) -> Result<()> {
         plugin.set_value(id, normalised)?;
         let value = plugin.value(id)?;
         let found = plugin.text(id, value)?;
-        ensure!(found == text, "{} was set to {text}, but the plugin says {found}", parameter.id);
+        let expected = shown(format, parameter.unit, &text);
+        ensure!(found == expected, "{} was set to {expected}, but the plugin says {found}", parameter.id);
     }
     Ok(())
 }
@@ -135,4 +144,17 @@ fn automation(plugin: &mut dyn Plugin, automation: &Automation, sample_rate: f64
         Ok(AutomationPoint { sample, id, value })
     });
     points.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vst3_texts_have_no_unit() {
+        for (unit, text, in_vst3) in [("dB", "-3.00 dB", "-3.00"), ("", "Bridge", "Bridge"), ("%", "50 %", "50")] {
+            assert_eq!(shown(Format::Vst3, unit, text), in_vst3);
+            assert_eq!(shown(Format::Clap, unit, text), text);
+        }
+    }
 }

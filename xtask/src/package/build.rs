@@ -20,6 +20,9 @@ const ZIG: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.1"];
 /// Debian's compiler: rustup has the standard library of this machine alone, Debian has its source.
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
 
+/// Links for Windows, and compiles C for it.
+pub const WINDOWS_LINKER: &str = "x86_64-w64-mingw32-gcc";
+
 /// What was built.
 #[derive(Debug)]
 pub struct Built {
@@ -34,7 +37,7 @@ pub fn build(system: System) -> Result<Built> {
     let folder = project::target_dir().join("cross");
     let mut command = match system {
         System::Linux => zig_command()?,
-        System::Windows => debian_command(System::Windows.triple(), "x86_64-w64-mingw32-gcc"),
+        System::Windows => debian_command(System::Windows.triple(), WINDOWS_LINKER),
     };
     command.args(PACKAGES);
     finish(command, system.name())?;
@@ -46,11 +49,11 @@ pub fn build(system: System) -> Result<Built> {
     Ok(built)
 }
 
-/// Builds a program of the workspace, optimised, for a system that Debian's compiler builds for with this linker; answers where
-/// it lies.
-pub fn program(package: &str, triple: &str, linker: &str, file: &str) -> Result<PathBuf> {
+/// Builds programs of the workspace, optimised, for a system that Debian's compiler builds for with this linker; answers where
+/// one of them lies. `targets` are Cargo's words for what is built.
+pub fn program(targets: &[&str], triple: &str, linker: &str, file: &str) -> Result<PathBuf> {
     let mut command = debian_command(triple, linker);
-    command.args(["--package", package]);
+    command.args(targets);
     finish(command, triple)?;
     let path = project::target_dir().join("cross").join(triple).join("release").join(file);
     ensure!(path.exists(), "{} was not made", path.display());
@@ -70,6 +73,8 @@ fn finish(mut command: Command, name: &str) -> Result<()> {
     command.env("CARGO_TARGET_DIR", project::target_dir().join("cross")).env("CARGO_INCREMENTAL", "0");
     // Paths of this machine have no place in what others run, and would make two builds differ.
     command.env("RUSTFLAGS", remapped());
+    // Linkers for Windows would write the present time. 1980-01-01, in seconds, as in the archives.
+    command.env("SOURCE_DATE_EPOCH", "315532800");
     let status = command.status().with_context(|| format!("calling {:?}", command.get_program()))?;
     ensure!(status.success(), "the build for {name} failed; see above");
     Ok(())

@@ -1,0 +1,209 @@
+//! Windows, by way of Wine: the packaged command line, and both bundles in our own host and in a window.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+
+use super::screen::{self, Screen};
+use super::{TEST, compare};
+use crate::package::build::{self, Built, WINDOWS_LINKER, program};
+use crate::package::{self, System};
+use crate::project;
+use crate::setup::{self, is_program};
+use crate::tally::Tally;
+
+/// Source of the library that Wine lacks.
+const STAND_IN: &str = "xtask/wine/bcryptprimitives.c";
+/// Our own host, and what opens windows with it.
+const PLAYERS: [&str; 8] =
+    ["--package", "xtask", "--package", "pyrophone-host", "--bin", "xtask-sound", "--example", "window"];
+
+/// Wine, and the folder of its own that it keeps its Windows in.
+struct Wine {
+    program: &'static str,
+    environment: [(&'static str, String); 2],
+}
+
+/// Builds the Windows packages' contents, and tries all of them.
+pub(super) fn soak(tally: &mut Tally) -> Result<()> {
+    let Some(wine) = Wine::find(tally)? else { return Ok(()) };
+    let mut built = None;
+    tally.step("plug-in and command line for Windows", || {
+        built = Some(build::build(System::Windows)?);
+        Ok(())
+    });
+    let Some(built) = built else { return Ok(()) };
+    wine.digests(tally, &built.program)?;
+    let folder = project::target_dir().join("wine-bounces");
+    if tally.step("our host for Windows", || build_players(&built, &folder)) {
+        tally.step("bounces under Wine", || wine.bounces(&built.program, &folder));
+        match screen::obstacle() {
+            Some(why) => tally.skip("window under Wine", why),
+            None => drop(tally.step("window under Wine", || wine.windows(&folder))),
+        }
+    }
+    Ok(())
+}
+
+/// Compares the digests of the Windows build that is there, if it is up to date.
+pub(super) fn test(tally: &mut Tally) -> Result<()> {
+    let Some(wine) = Wine::find(tally)? else { return Ok(()) };
+    let built = release().join(System::Windows.program());
+    if is_current(&built)? {
+        wine.digests(tally, &built)
+    } else {
+        let why = "pyrophone.exe is not built from this source (`cargo xtask package --system windows`)";
+        tally.skip(&format!("{TEST} under Wine"), why);
+        Ok(())
+    }
+}
+
+/// The folder of what is built for Windows.
+fn release() -> PathBuf {
+    project::target_dir().join("cross").join(System::Windows.triple()).join("release")
+}
+
+/// Builds our host, and lays out the bundles where it looks for them.
+fn build_players(built: &Built, folder: &Path) -> Result<()> {
+    let player = program(&PLAYERS, System::Windows.triple(), WINDOWS_LINKER, "xtask-sound.exe")?;
+    for program in [&player, &release().join("examples/window.exe")] {
+        stand_in(program)?;
+    }
+    package::bundles(System::Windows, built, &folder.join("bundled"))
+}
+
+impl Wine {
+    /// Wine and what is built with for it; counts as skipped what there is not.
+    fn find(tally: &mut Tally) -> Result<Option<Self>> {
+        let name = format!("{TEST} under Wine");
+        let known = ["wine64", "wine", "/usr/lib/wine/wine64"];
+        let Some(program) = known.into_iter().find(|name| is_program(name) || Path::new(name).is_file()) else {
+            tally.skip(&name, "wine is not installed (`apt-get install wine64`)");
+            return Ok(None);
+        };
+        let missing = setup::missing(&setup::WINDOWS_PACKAGE);
+        if !missing.is_empty() {
+            tally.skip(&name, &format!("there is no {} here", missing.join(" ")));
+            return Ok(None);
+        }
+        let prefix = project::target_dir().join("wine");
+        std::fs::create_dir_all(&prefix).context("a folder for Wine")?;
+        let environment = [("WINEPREFIX", prefix.to_string_lossy().into_owned()), ("WINEDEBUG", "-all".to_owned())];
+        Ok(Some(Self { program, environment }))
+    }
+
+    fn digests(&self, tally: &mut Tally, program: &Path) -> Result<()> {
+        if !tally.step("what Wine lacks", || stand_in(program)) {
+            return Ok(());
+        }
+        compare(
+            tally,
+            &format!("{TEST} under Wine"),
+            &format!("{} {}", self.program, program.display()),
+            &self.environment,
+        )
+    }
+
+    /// A program for Windows, called in a folder.
+    fn command(&self, program: &Path, folder: &Path) -> Command {
+        let mut command = Command::new(self.program);
+        command.arg(program).current_dir(folder);
+        command.envs(self.environment.iter().map(|(name, value)| (*name, value)));
+        command.env("CARGO_TARGET_DIR", shown(folder)).env("PYROPHONE_CACHE", "");
+        command
+    }
+
+    fn run(&self, program: &Path, folder: &Path, arguments: &str) -> Result<()> {
+        let status =
+            self.command(program, folder).args(arguments.split_whitespace()).status().context("calling wine")?;
+        ensure!(status.success(), "{} {arguments}: {status}", program.display());
+        Ok(())
+    }
+
+    /// Plays both bundles in our own host, all built for Windows: each writes what the command line writes.
+    fn bounces(&self, program: &Path, folder: &Path) -> Result<()> {
+        let player = release().join("xtask-sound.exe");
+        self.run(program, folder, "simulate torch --seconds 1 --resolution 32 --output drive.wav")?;
+        for preset in ["extend", "campfire"] {
+            let arguments = format!("--preset {preset} --input drive.wav --output");
+            self.run(program, folder, &format!("render {arguments} render.wav"))?;
+            let expected = samples(&folder.join("render.wav"))?;
+            for format in ["clap", "vst3"] {
+                self.run(&player, folder, &format!("bounce --format {format} --offline {arguments} bounce.wav"))?;
+                let found = samples(&folder.join("bounce.wav"))?;
+                ensure!(found == expected, "{preset}, {format}: the bounce is not what `render` writes");
+            }
+        }
+        Ok(())
+    }
+
+    /// Opens both bundles' windows on a screen that nobody sees, and turns a page of each.
+    fn windows(&self, folder: &Path) -> Result<()> {
+        let screen = Screen::start()?;
+        // A Windows that has begun without a screen does not find one later.
+        let prefix = project::target_dir().join("wine-with-screen");
+        std::fs::create_dir_all(&prefix).context("a folder for Wine")?;
+        for bundle in ["Pyrophone.clap", "Pyrophone.vst3"] {
+            let map = folder.join(format!("{bundle}.map"));
+            let _ = std::fs::remove_file(&map);
+            let mut command = self.command(&release().join("examples/window.exe"), folder);
+            command.arg(shown(&folder.join("bundled").join(bundle))).arg("600");
+            command.env("DISPLAY", screen.display()).env("PYROPHONE_EDITOR_MAP", shown(&map));
+            command.env("WINEPREFIX", &prefix);
+            let mut window = command.spawn().context("calling wine")?;
+            let turned = screen.turn_page(&map);
+            let kept = screen.photograph(&map, &folder.join(format!("{bundle}.png")));
+            // It would go on for as long as it was told to.
+            let _ = window.kill();
+            window.wait().context("waiting for wine")?;
+            turned.with_context(|| format!("the window of {bundle}"))?;
+            kept?;
+        }
+        Ok(())
+    }
+}
+
+/// A path as programs under Wine know it: the root is drive Z.
+fn shown(path: &Path) -> String {
+    format!("Z:{}", path.display())
+}
+
+/// The samples of a WAV file, after whatever else it begins with.
+fn samples(path: &Path) -> Result<Vec<u8>> {
+    let wav = std::fs::read(path).with_context(|| path.display().to_string())?;
+    let Some(at) = wav.windows(4).position(|name| name == b"data") else {
+        bail!("{} has no samples", path.display());
+    };
+    Ok(wav[at + 4..].to_vec())
+}
+
+/// Makes the library that Wine 8 lacks and Windows has, and puts it beside the program.
+fn stand_in(program: &Path) -> Result<()> {
+    let library = program.with_file_name("bcryptprimitives.dll");
+    let mut compiler = Command::new(WINDOWS_LINKER);
+    compiler.current_dir(project::root()).args(["-shared", "-O1", "-o"]).arg(&library).args([STAND_IN, "-ladvapi32"]);
+    ensure!(compiler.status().context("calling mingw's compiler")?.success(), "{STAND_IN} does not compile");
+    Ok(())
+}
+
+/// Whether a program is there and was built after every source that it is made of was last changed.
+fn is_current(program: &Path) -> Result<bool> {
+    let Ok(about) = std::fs::metadata(program) else { return Ok(false) };
+    let built = about.modified()?;
+    let mut folders: Vec<PathBuf> =
+        ["maths", "synthesis", "flame", "settings", "recording", "training", "cli", "presets"]
+            .map(|name| project::root().join(name))
+            .to_vec();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
+            let entry = entry?;
+            if entry.file_type()?.is_dir() {
+                folders.push(entry.path());
+            } else if entry.metadata()?.modified()? > built {
+                return Ok(false);
+            }
+        }
+    }
+    Ok(true)
+}
