@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 
 use crate::bundle::{self, Profile};
 use crate::tally::Tally;
-use crate::{cargo, elsewhere, instructions, project, setup, validators};
+use crate::{cargo, elsewhere, instructions, openjd, project, setup, validators};
 
 /// End-to-end tests: real bundles in real hosts.
 const END_TO_END: &str = "pyrophone-tests";
@@ -34,7 +34,10 @@ pub fn run() -> Result<ExitCode> {
 
     // All at once, and just as the runner wants it: other sets of packages would have their dependencies built again.
     if tally.step("building", build_tests) && tally.step("bundles", || bundle::wrap(Profile::Dev).map(drop)) {
-        all_tests(&mut tally, &[(BUILD, "debug")], &["--workspace"])?;
+        let openjd = openjd::program().map(|program| program.to_string_lossy().into_owned());
+        let mut environment = vec![(BUILD, "debug")];
+        environment.extend(openjd.as_deref().map(|program| (openjd::PROGRAM, program)));
+        all_tests(&mut tally, &environment, &["--workspace"])?;
         validators::run(&mut tally)?;
         elsewhere::test(&mut tally)?;
     }
@@ -54,6 +57,7 @@ pub fn soak() -> Result<ExitCode> {
     let mut arguments = vec!["--release", "--package", "pyrophone-flame"];
     arguments.extend(["scenes", "import_hostile", "vortex_presets"].into_iter().flat_map(|test| ["--test", test]));
     tally.cargo_test("soak of flames", &[SOAK], &arguments)?;
+    tally.cargo_test("a farm", &[SOAK], &["--release", "--package", COMMAND_LINE, "--test", "slurm"])?;
     let arguments = ["--release", "--package", "xtask", "--bin", "xtask-sound", "scenes::"];
     tally.cargo_test("soak of scenes", &[SOAK], &arguments)?;
     let mut arguments = vec!["--release", "--package", ENGINES, "--package", PLUGIN];
