@@ -17,6 +17,9 @@ use crate::progress::{Work, note};
 use crate::report::Picture;
 use crate::summary::Done;
 
+/// Things with their labels, in the order of the page.
+type Labelled<T> = Vec<(String, T)>;
+
 /// Writes what one run over all frames would have written, bit for bit.
 pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Done, Error> {
     let others: Vec<&Path> = args.speed_field.iter().map(|path| path.as_path()).collect();
@@ -66,7 +69,7 @@ fn facts(
     rate_hz: Option<f64>,
     parts: usize,
     work: &Work,
-) -> (Vec<(String, String)>, Vec<(String, Picture)>) {
+) -> (Labelled<String>, Labelled<Picture>) {
     if let Some((facts, fronts, span)) = extras.filter(|_| args.sound.report.is_some()).and_then(Extras::report) {
         let pictures = pictures::draw(&fronts, &merged.numbering, rate_hz, span.first_file, work);
         return (facts.labelled(&merged.settings, flux, args.up, rate_hz, &merged.numbering), pictures);

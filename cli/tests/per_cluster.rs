@@ -97,8 +97,8 @@ fn drives_of_flames_add_up_to_the_whole_and_know_their_places() {
             let numbers: Vec<f64> = row.iter().map(|x| x.parse().unwrap()).collect();
             let number = 1.0 + numbers[0] * f64::from(rate);
             let expected = [24.0, 24.0, 22.0 + 0.1 * number].map(|x| x * VOXEL);
-            for axis in 0..3 {
-                assert!((numbers[1 + axis] - expected[axis]).abs() < 0.1 * VOXEL, "{numbers:?}: {expected:?}");
+            for (found, expected) in numbers[1..4].iter().zip(expected) {
+                assert!((found - expected).abs() < 0.1 * VOXEL, "{numbers:?}: {expected:?}");
             }
         }
     }

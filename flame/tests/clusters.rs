@@ -44,8 +44,8 @@ fn parts_have_their_own_places_and_add_up_to_the_whole() {
     let (parts, whole) = (front().clusters(&frame).unwrap(), front().measure(&frame).unwrap());
     assert_eq!(parts.len(), 2);
     for (part, (middle, radius)) in parts.iter().zip(two) {
-        for axis in 0..3 {
-            assert!((part.centroid[axis] - VOXEL * middle[axis]).abs() < 0.01 * VOXEL, "{part:?}");
+        for (found, expected) in part.centroid.iter().zip(middle) {
+            assert!((found - VOXEL * expected).abs() < 0.01 * VOXEL, "{part:?}");
         }
         // The flow's divergence is 3 per second.
         let radius_m = VOXEL * radius;

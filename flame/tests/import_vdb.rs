@@ -457,8 +457,8 @@ fn boxes_of_an_adaptive_domain_have_one_voxel_size_and_their_place() {
         let frame = sequence.read(index, &Selection::default()).unwrap();
         for transform in [frame.field.transform(), frame.velocity.transform()] {
             let place = transform.to_world([0.0; 3]);
-            for axis in 0..3 {
-                assert!((place[axis] - 0.075 * f64::from(lowest[axis])).abs() < 1e-12, "{index}: {place:?}");
+            for (found, lowest) in place.iter().zip(lowest) {
+                assert!((found - 0.075 * f64::from(*lowest)).abs() < 1e-12, "{index}: {place:?}");
             }
         }
     }

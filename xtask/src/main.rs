@@ -9,6 +9,7 @@ mod cargo;
 mod elsewhere;
 mod install;
 mod instructions;
+mod openjd;
 mod package;
 mod project;
 mod setup;

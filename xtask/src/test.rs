@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 
 use crate::bundle::{self, Profile};
 use crate::tally::Tally;
-use crate::{cargo, elsewhere, instructions, project, setup, validators};
+use crate::{cargo, elsewhere, instructions, openjd, project, setup, validators};
 
 /// End-to-end tests: real bundles in real hosts.
 const END_TO_END: &str = "pyrophone-tests";
@@ -38,7 +38,11 @@ pub fn run() -> Result<ExitCode> {
     if tally.step("building", build_tests) && tally.step("bundles", || bundle::wrap(Profile::Dev).map(drop)) {
         // What many tests learn alike is learnt once for all, and again whenever the source that it depends on has changed.
         let learnt = project::target_dir().join("tmp/learnt");
-        all_tests(&mut tally, &[(BUILD, "debug"), (CACHE, &learnt.to_string_lossy())], &["--workspace"])?;
+        let learnt = learnt.to_string_lossy();
+        let openjd = openjd::program().map(|program| program.to_string_lossy().into_owned());
+        let mut environment = vec![(BUILD, "debug"), (CACHE, &*learnt)];
+        environment.extend(openjd.as_deref().map(|program| (openjd::PROGRAM, program)));
+        all_tests(&mut tally, &environment, &["--workspace"])?;
         validators::run(&mut tally)?;
         elsewhere::test(&mut tally)?;
     }
@@ -58,6 +62,7 @@ pub fn soak() -> Result<ExitCode> {
     let mut arguments = vec!["--release", "--package", "pyrophone-flame"];
     arguments.extend(["scenes", "import_hostile", "vortex_presets"].into_iter().flat_map(|test| ["--test", test]));
     tally.cargo_test("soak of flames", &[SOAK], &arguments)?;
+    tally.cargo_test("a farm", &[SOAK], &["--release", "--package", COMMAND_LINE, "--test", "slurm"])?;
     let arguments = ["--release", "--package", "xtask", "--bin", "xtask-sound", "scenes::"];
     tally.cargo_test("soak of scenes", &[SOAK], &arguments)?;
     let mut arguments = vec!["--release", "--package", ENGINES, "--package", PLUGIN];

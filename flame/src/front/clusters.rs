@@ -124,9 +124,9 @@ impl Sums {
         let [a, b, c] = triangle.map(|index| std::array::from_fn(|axis| index[axis] - self.origin[axis]));
         self.volume += dot(a, cross(b, c)) / 6.0;
         for index in triangle {
-            for axis in 0..3 {
-                self.bounds[0][axis] = self.bounds[0][axis].min(index[axis]);
-                self.bounds[1][axis] = self.bounds[1][axis].max(index[axis]);
+            for (axis, x) in index.iter().enumerate() {
+                self.bounds[0][axis] = self.bounds[0][axis].min(*x);
+                self.bounds[1][axis] = self.bounds[1][axis].max(*x);
             }
         }
     }
