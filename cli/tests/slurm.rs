@@ -25,7 +25,7 @@ const CHUNK: i64 = 12;
 const PATIENCE: Duration = Duration::from_secs(900);
 
 /// Programs without which there is no Slurm.
-const PROGRAMS: [&str; 6] = ["munged", "slurmctld", "slurmd", "sbatch", "scontrol", "runuser"];
+const PROGRAMS: [&str; 6] = ["munged", "slurmctld", "slurmd", "sbatch", "scontrol", "setpriv"];
 
 /// Daemons, which end with the test.
 struct Daemons(Vec<Child>);
@@ -87,8 +87,9 @@ fn start(at: &Path) -> Daemons {
     let option = |name: &str, file: &str| format!("--{name}={}", munge.join(file).display());
     let files =
         [("key-file", "key"), ("socket", "socket"), ("pid-file", "pid"), ("log-file", "log"), ("seed-file", "seed")];
-    let mut munged = Command::new("runuser");
-    munged.args(["-u", "munge", "--", "/usr/sbin/munged", "--foreground", "--force"]);
+    // In place of the program that changes the user, so that it is the daemon that is ended.
+    let mut munged = Command::new("setpriv");
+    munged.args(["--reuid=munge", "--regid=munge", "--clear-groups", "/usr/sbin/munged", "--foreground", "--force"]);
     munged.args(files.map(|(name, file)| option(name, file)));
     let mut daemons = Daemons(vec![spawn(at, &mut munged, "munged")]);
     wait_for("munge's socket", || munge.join("socket").exists());
