@@ -126,6 +126,9 @@ impl Stage<'_> {
 #[test]
 #[ignore = "a measurement"]
 fn cost_of_drawing() {
+    // As it draws for users.
+    // SAFETY: the only test of its program, and no plugin is there yet; nobody else reads or writes the environment.
+    unsafe { std::env::set_var("PYROPHONE_FRAMES_PER_SECOND", "64") };
     let Some(desk) = TestDisplay::set_up() else { return };
     let path = recording(desk.folder(), "campfire.wav", 2, 150_000);
     let mut plugin = open(Format::Clap);

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use nice_plug_core::context::gui::GuiContext;
 use nice_plug_core::editor::dpi::{LogicalSize, NativeSize};
@@ -82,6 +83,21 @@ impl PyrophoneEditor {
     }
 }
 
+/// Environment variable with the most frames a second that are drawn of what sounds: where software draws, each takes a core
+/// for tens of milliseconds.
+const FRAMES_VARIABLE: &str = "PYROPHONE_FRAMES_PER_SECOND";
+/// Frames a second without that variable, and the fewest and most that it may ask for. The audio thread asks for 30; looking
+/// twice as often keeps them even.
+const FRAMES_PER_SECOND: f64 = 64.0;
+const FRAMES_RANGE: (f64, f64) = (1.0, 240.0);
+
+/// Time from one look at whether there is something new to draw to the next; what is no number of frames is of no account.
+fn repaint_interval(frames_per_second: Option<&str>) -> Duration {
+    let asked = frames_per_second.and_then(|text| text.trim().parse::<f64>().ok()).filter(|frames| frames.is_finite());
+    let frames = asked.map_or(FRAMES_PER_SECOND, |frames| frames.clamp(FRAMES_RANGE.0, FRAMES_RANGE.1));
+    Duration::from_secs_f64(1.0 / frames)
+}
+
 impl Inner {
     fn new(contents: &Arc<Mutex<Window>>, size: &WindowSize, notifier: &RepaintNotifier) -> Option<Self> {
         let [width, height] = size.get();
@@ -93,7 +109,10 @@ impl Inner {
             size_constraints: SizeConstraints::min_logical_size(LogicalSize::new(SMALLEST.0, SMALLEST.1)),
             ..ResizeHint::NON_RESIZABLE
         };
-        let settings = EguiNiceSettings::new().with_tile("Pyrophone").with_resize_hint(hint);
+        let settings = EguiNiceSettings::new()
+            .with_tile("Pyrophone")
+            .with_resize_hint(hint)
+            .with_repaint_poll_interval(repaint_interval(std::env::var(FRAMES_VARIABLE).ok().as_deref()));
         let editor = create_egui_editor(state.clone(), notifier.clone(), settings, Pane(contents.clone()))?;
         Some(Self { editor, state })
     }
@@ -143,5 +162,21 @@ impl Editor for PyrophoneEditor {
     unsafe fn assume_standalone_in_process(&self) {
         // SAFETY: whoever calls this promises what the inner one wants.
         unsafe { self.inner().editor.assume_standalone_in_process() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_per_second_are_limited_as_asked() {
+        let seconds = |text| repaint_interval(text).as_secs_f64();
+        assert_eq!(seconds(Some("20")), 0.05);
+        assert_eq!(seconds(Some("0")), 1.0);
+        assert_eq!(seconds(Some("1e9")), 1.0 / 240.0);
+        for nothing in [None, Some(""), Some("many"), Some("NaN"), Some("inf")] {
+            assert_eq!(seconds(nothing), 1.0 / FRAMES_PER_SECOND, "{nothing:?}");
+        }
     }
 }
