@@ -1,11 +1,12 @@
 //! Functions of `libxkbcommon-x11`: the keyboard of an X server.
 
+use std::ffi::c_void;
 use std::sync::OnceLock;
 
-use crate::{Connection, common, open, xkb_context, xkb_keymap, xkb_keymap_compile_flags, xkb_state};
+use crate::{common, open, xkb_context, xkb_keymap, xkb_keymap_compile_flags, xkb_state};
 
 /// Connection to an X server, of XCB.
-pub type xcb_connection_t = Connection;
+pub type xcb_connection_t = c_void;
 
 /// Functions of `libxkbcommon-x11`.
 #[derive(Debug)]

@@ -65,8 +65,8 @@ fn slopes_are_those_asked_for() {
         // The noise is the same at every rate: the ends at one of them, the middle at the others, everything in the long tests.
         let is_soak = std::env::var("PYROPHONE_SOAK").as_deref() == Ok("1");
         let all = [2.0, 2.5, 3.0, 3.5, 4.0];
-        let ends_at = rate_hz == RATES_HZ[0];
-        let alphas: Vec<f64> = match (is_soak, ends_at) {
+        let is_first = rate_hz == RATES_HZ[0];
+        let alphas: Vec<f64> = match (is_soak, is_first) {
             (true, _) => all.to_vec(),
             (false, true) => vec![all[0], all[4]],
             (false, false) => vec![all[2]],

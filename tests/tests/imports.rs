@@ -170,7 +170,8 @@ fn circles_of_imports_are_those_still_open() {
     for folder in crates() {
         let source_folder = root().join(&folder).join("src");
         let imports = imports(&source_folder);
-        assert!(!imports.is_empty(), "{folder} has no module: is this its folder?");
+        let is_small = ["settings", "keyboard"].contains(&folder.as_str());
+        assert!(imports.len() > 2 || is_small, "{folder} has hardly a module: is this its folder?");
         for circle in circles(&imports) {
             let text = shown(&folder, &circle, &imports);
             println!("{text}");

@@ -49,7 +49,7 @@ enum Bench {
     Window,
     /// Loading a recording, for the first time and in a session that is opened again
     Reload,
-    /// Instructions of one second of each engine; keeps them for `cargo xtask test` to compare with
+    /// Instructions of one second of each engine; keeps them for `cargo xtask soak` to compare with
     Instructions,
     /// Sound of the scenes at several resolutions; takes minutes, so it only runs when named
     Scenes,

@@ -1,8 +1,8 @@
 //! Transforms of complex samples.
 
-use super::chirp::Chirp;
 use pulp::{Simd, WithSimd};
 
+use super::chirp::Chirp;
 use super::passes::Pass;
 use super::{Complex64, Machine, Parts};
 
