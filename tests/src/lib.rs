@@ -211,7 +211,7 @@ pub fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
     }
 }
 
-/// Runs the test of this name in another process, with more in its environment, because what goes wrong here aborts the host,
+/// Runs the test of this path (as `--list` prints it) in another process, with more in its environment, because what goes wrong here aborts the host,
 /// or kills a thread of the framework, which is only heard of on the error stream. Lines that begin with `figure: ` are shown.
 pub fn in_a_process_of_its_own(test: &str, environment: &[(&str, &str)], body: fn()) {
     const INSIDE: &str = "PYROPHONE_TEST_INSIDE";

@@ -4,7 +4,6 @@
 
 use std::fs::File;
 use std::io::Write;
-use std::path::Path;
 
 /// Environment variable that names the list of skipped tests, which `cargo xtask test` reads.
 const LIST: &str = "PYROPHONE_SKIPPED";
@@ -13,8 +12,8 @@ const LIST: &str = "PYROPHONE_SKIPPED";
 pub fn skip(why: &str) {
     eprintln!("skipped: {why}");
     let Some(list) = std::env::var_os(LIST) else { return };
-    let program = std::env::args().next().unwrap_or_default();
-    let program = Path::new(&program).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    // Cargo names the package, and many programs of tests have one name.
+    let program = std::env::var("CARGO_PKG_NAME").unwrap_or_default();
     let thread = std::thread::current();
     // One write per line: tests of several processes add to the list side by side.
     let line = format!("{program} {}: {why}\n", thread.name().unwrap_or("a test"));

@@ -59,19 +59,22 @@ pub fn soak() -> Result<ExitCode> {
     if tally.step("bundles and command line", build_release) {
         tally.cargo_test("end to end, as it is used", &[SOAK, (BUILD, "release")], &["--package", END_TO_END])?;
     }
-    let mut arguments = vec!["--release", "--package", "pyrophone-flame"];
-    arguments.extend(["scenes", "import_hostile", "vortex_presets"].into_iter().flat_map(|test| ["--test", test]));
+    let arguments = ["--release", "--package", "pyrophone-flame", "--test", "it", "--"];
+    let arguments = [&arguments[..], &["scenes::", "import_hostile::", "vortex_presets::"]].concat();
     tally.cargo_test("soak of flames", &[SOAK], &arguments)?;
     tally.cargo_test("a farm", &[SOAK], &["--release", "--package", COMMAND_LINE, "--test", "slurm"])?;
     let arguments = ["--release", "--package", "xtask", "--bin", "xtask-sound", "scenes::"];
     tally.cargo_test("soak of scenes", &[SOAK], &arguments)?;
-    let mut arguments = vec!["--release", "--package", ENGINES, "--package", PLUGIN];
-    arguments
-        .extend(["realtime", "chain", "extend_stream", "extend_golden"].into_iter().flat_map(|test| ["--test", test]));
+    let arguments = ["--release", "--package", ENGINES, "--package", PLUGIN, "--test", "realtime"];
+    tally.cargo_test("soak of the audio thread", &[SOAK], &arguments)?;
+    let arguments = ["--release", "--package", ENGINES, "--test", "it", "--"];
+    let arguments = [&arguments[..], &["chain::", "extend_stream::", "extend_golden::"]].concat();
     tally.cargo_test("soak of the engines", &[SOAK], &arguments)?;
-    let mut arguments = vec!["--release", "--package", "pyrophone-settings", "--package", COMMAND_LINE];
-    arguments.extend(["macros", "levels", "digests"].into_iter().flat_map(|test| ["--test", test]));
-    tally.cargo_test("soak of presets and macros", &[SOAK], &arguments)?;
+    let arguments = ["--release", "--package", "pyrophone-settings", "--test", "it", "macros::"];
+    tally.cargo_test("soak of macros", &[SOAK], &arguments)?;
+    let arguments = ["--release", "--package", COMMAND_LINE, "--test", "it", "levels::"];
+    tally.cargo_test("soak of levels", &[SOAK], &arguments)?;
+    tally.cargo_test("soak of digests", &[SOAK], &["--release", "--package", COMMAND_LINE, "--test", "digests"])?;
     match instructions::obstacle() {
         None => {
             tally.step("instruction counts", instructions::compare);

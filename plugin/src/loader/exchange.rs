@@ -3,7 +3,7 @@
 //! What is new travels one way, what it replaces the other way: the audio thread takes something
 //! only when there is room to give back what it may replace, so it never frees anything and never
 //! waits. Written over any pair of rings, so that every interleaving of the two threads can be
-//! checked (`tests/exchange.rs`).
+//! checked (`tests/it/exchange.rs`).
 
 /// The end of a ring that things are put into.
 pub trait Push<T> {
