@@ -99,8 +99,9 @@ unsafe extern "C" fn init(provider: *const clap_preset_discovery_provider) -> bo
     }
 }
 
-/// The factory's presets as files, one each, where the system keeps what can be made again: hosts and validators know files
-/// better than many presets behind one address. None where they cannot be written; the library then offers them itself.
+/// The factory's presets as files, one each, in the system's cache folder: hosts handle files better than many presets in
+/// one location, at the second of which clap-validator 0.4.1 waits for itself for ever. `None` if they cannot be written;
+/// the plug-in's library then offers them itself.
 fn factory_folder() -> Option<PathBuf> {
     let folder = store::user_folder()?.join("factory-presets");
     std::fs::create_dir_all(&folder).ok()?;
