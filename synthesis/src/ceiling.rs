@@ -1,7 +1,7 @@
 //! The output's ceiling.
 
 /// Where it begins, -1 dBFS; what is softer passes bit for bit.
-const KNEE: f64 = 0.891_250_938_133_745_6;
+pub(crate) const KNEE: f64 = 0.891_250_938_133_745_6;
 /// The largest magnitude that leaves, a step of `f32` below full scale: hosts count 1.0 as an overload.
 const MOST: f64 = 1.0 - 1.0 / 16_777_216.0;
 

@@ -1,11 +1,15 @@
 //! Levels of the layers, width, output level, bypass.
 
+use settled::Settled;
+
 use crate::ceiling;
 use crate::controls::MixControls;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
 use crate::tone::Tone;
 use crate::vortex::SpeakerLayout;
+
+mod settled;
 
 /// Time constant in seconds with which levels follow their controls.
 const SMOOTHING_S: f64 = 0.005;
@@ -88,6 +92,8 @@ pub struct Mix {
     tone: Tone,
     output: Smoothed,
     bypass: Smoothed,
+    /// Room for the sums of each channel while no level moves.
+    wets: Vec<[f64; settled::PART]>,
     /// Samples mixed since reset.
     now: u64,
 }
@@ -111,6 +117,7 @@ impl Mix {
             tone: Tone::new(sample_rate_hz),
             output: smoothed,
             bypass: smoothed,
+            wets: vec![[0.0; settled::PART]; layout.channels()],
             now: 0,
         }
     }
@@ -141,10 +148,16 @@ impl Mix {
             let entered = (self.now + start as u64).saturating_sub(self.latency_samples);
             let (controls, end) = self.controls.run_at(entered);
             let end = end.saturating_add(self.latency_samples).saturating_sub(self.now).min(samples as u64) as usize;
-            let settled = self.is_settled(&controls).then(|| self.next_levels(&controls));
-            for i in start..end {
-                let levels = settled.unwrap_or_else(|| self.next_levels(&controls));
-                self.sample(layers, &controls, &levels, i, outputs, &mut peaks);
+            if self.is_settled(&controls) && outputs.len() <= self.wets.len() {
+                let levels = &self.next_levels(&controls);
+                let (has_ceiling, effects, wets) = (controls.ceiling, self.effects, &mut self.wets[..]);
+                let mut settled = Settled { levels, has_ceiling, effects, wets };
+                settled.process(layers, start..end, outputs, &mut peaks);
+            } else {
+                for i in start..end {
+                    let levels = self.next_levels(&controls);
+                    self.sample(layers, &controls, &levels, i, outputs, &mut peaks);
+                }
             }
             start = end;
         }
@@ -239,8 +252,7 @@ impl Mix {
                 .map(|(layer, level)| if level == 0.0 { 0.0 } else { narrow(layer, channel) * level });
             let sum = low + extension + texture + vortex + crackle + hiss + body;
             *wet = self.tone.process(channel, sum) * levels.output;
-            // A comparison with what is no number would leave it out.
-            loudest = if wet.is_nan() { f64::NAN } else { wet.abs().max(loudest) };
+            loudest = louder(*wet, loudest);
             peaks.extension = peaks.extension.max(extension.abs());
             peaks.texture = peaks.texture.max(texture.abs());
             peaks.vortex = peaks.vortex.max(vortex.abs());
@@ -253,7 +265,7 @@ impl Mix {
         for (channel, output) in outputs.iter_mut().enumerate() {
             let dry = layers.dry[channel][i];
             output[i] = if self.effects == Some(channel) {
-                if controls.ceiling { (f64::from(dry) * ceiling::gain(f64::from(dry).abs())) as f32 } else { dry }
+                held_effect(dry, controls.ceiling)
             } else {
                 let wet = if held == 0.0 { 0.0 } else { wets[channel] * held };
                 match bypass {
@@ -265,6 +277,18 @@ impl Mix {
             peaks.output = peaks.output.max(f64::from(output[i]).abs());
         }
     }
+}
+
+/// The larger magnitude; what is no number is the largest, so that the ceiling silences it in all channels.
+#[inline]
+fn louder(sample: f64, loudest: f64) -> f64 {
+    if sample.abs() > loudest || sample.is_nan() { sample.abs() } else { loudest }
+}
+
+/// A sample of the channel of low-frequency effects.
+#[inline]
+fn held_effect(dry: f32, has_ceiling: bool) -> f32 {
+    if has_ceiling { (f64::from(dry) * ceiling::gain(f64::from(dry).abs())) as f32 } else { dry }
 }
 
 #[cfg(test)]
@@ -312,6 +336,80 @@ mod tests {
         for cut in [1, 17, 480] {
             assert_eq!(run(cut), whole, "cut into {cut}");
         }
+    }
+
+    /// Noise that is now and then zero, loud, or no number.
+    fn rough(random: &mut u64) -> f64 {
+        *random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let x = (*random >> 40) as f64 / f64::from(1 << 23) - 1.0;
+        match *random >> 33 & 127 {
+            0 => f64::NAN,
+            1 => f64::INFINITY,
+            2 => -0.0,
+            3..10 => 0.0,
+            10..20 => 40.0 * x,
+            _ => 0.1 * x,
+        }
+    }
+
+    #[test]
+    fn settled_levels_give_the_bits_that_moving_ones_give() {
+        let mut random = 1;
+        let layouts =
+            [SpeakerLayout::Mono, SpeakerLayout::Stereo, SpeakerLayout::Surround51, SpeakerLayout::Surround712];
+        let mut ceilings = 0;
+        for (case, layout) in layouts.into_iter().cycle().take(48).enumerate() {
+            let (channels, samples) = (layout.channels(), 1 + case * 7);
+            let mut layer = || -> Vec<Vec<f64>> {
+                (0..channels).map(|_| (0..samples).map(|_| rough(&mut random)).collect()).collect()
+            };
+            let all: [Vec<Vec<f64>>; 7] = std::array::from_fn(|_| layer());
+            let dry: Vec<Vec<f32>> = layer().iter().map(|x| x.iter().map(|x| *x as f32).collect()).collect();
+            let layers = Layers {
+                low: &all[0][0],
+                extension: &all[1],
+                texture: &all[2],
+                vortex: &all[3],
+                crackle: &all[4],
+                hiss: &all[5],
+                body: &all[6],
+                dry: &dry,
+            };
+            let controls = MixControls {
+                hiss: if case % 3 == 0 { 0.0 } else { 0.7 },
+                width: if case % 2 == 0 { 1.0 } else { 0.3 },
+                ceiling: case % 5 != 0,
+                bypass: case % 7 == 0,
+                ..MixControls::default()
+            };
+            let mut mix = Mix::new(0, 48_000.0, layout);
+            mix.jump(&controls);
+            assert!(mix.is_settled(&controls));
+            let levels = mix.next_levels(&controls);
+            let mut run = |is_settled: bool| {
+                let mut peaks = Peaks::default();
+                let mut outputs = vec![vec![0.0f32; samples]; channels];
+                let mut outs: Vec<&mut [f32]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
+                if is_settled {
+                    let (has_ceiling, effects, wets) = (controls.ceiling, mix.effects, &mut mix.wets[..]);
+                    let mut settled = Settled { levels: &levels, has_ceiling, effects, wets };
+                    settled.process(&layers, 0..samples, &mut outs, &mut peaks);
+                } else {
+                    (0..samples).for_each(|i| mix.sample(&layers, &controls, &levels, i, &mut outs, &mut peaks));
+                }
+                let bits: Vec<Vec<u32>> = outputs.iter().map(|x| x.iter().map(|x| x.to_bits()).collect()).collect();
+                (bits, peaks)
+            };
+            let (settled, moving) = (run(true), run(false));
+            assert_eq!(settled.0, moving.0, "case {case}");
+            let bits = |peaks: Peaks| {
+                let Peaks { low, extension, texture, vortex, crackle, hiss, body, output } = peaks;
+                [low, extension, texture, vortex, crackle, hiss, body, output].map(f64::to_bits)
+            };
+            assert_eq!(bits(settled.1), bits(moving.1), "case {case}");
+            ceilings += usize::from(controls.ceiling && settled.1.output > 0.9);
+        }
+        assert!(ceilings > 9, "the ceiling held in {ceilings} cases only");
     }
 
     #[test]
