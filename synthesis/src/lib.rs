@@ -17,6 +17,7 @@ pub mod fuel;
 mod loudness;
 pub mod mix;
 pub mod noise;
+mod recording;
 mod smoothed;
 pub mod structure;
 pub mod texture;

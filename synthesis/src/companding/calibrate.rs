@@ -31,34 +31,65 @@ const STREAM: u32 = 0x464C_414D;
 /// Samples processed at once.
 const BLOCK: usize = 1024;
 
-/// Completes a companded `dictionary` of a recording's `channels`. Fails only when `progress` calls it off.
-pub fn calibrate(
-    mut dictionary: Dictionary,
-    channels: &[Vec<f64>],
-    progress: Progress<'_>,
-) -> Result<Dictionary, Error> {
+/// What a trial is to come near to: a recording's bed in figures, so that the bed itself need not be held while it is indexed.
+pub struct Goal {
+    is_crackling: bool,
+    is_silent: bool,
+    rms: f64,
+    /// Third octaves of the mean of the channels in dB, and those of its difference, where it has two.
+    mean_db: Vec<f64>,
+    side: Option<Levels>,
+}
+
+impl Goal {
+    /// That of a recording's `bed`, from which crackles were split off or not. `power` is that of its mean.
+    pub fn of(bed: &[Vec<f64>], power: &Power, sample_rate_hz: f64, is_crackling: bool) -> Self {
+        let mean = mean_of(bed);
+        let mean_db = match is_crackling {
+            true => typical_third_octaves_db(&mean, sample_rate_hz),
+            false => power.third_octaves_db(sample_rate_hz),
+        };
+        Self {
+            is_crackling,
+            is_silent: power.rms_below(sample_rate_hz) == 0.0,
+            rms: rms(&mean),
+            side: side_levels(bed, &mean_db, sample_rate_hz, is_crackling),
+            mean_db,
+        }
+    }
+}
+
+/// Third octaves of a signal in dB. What is left of crackles, and of takes that differ, would raise a mean: the bed of a
+/// crackling recording is as it mostly is.
+fn levels_db(signal: &[f64], sample_rate_hz: f64, is_crackling: bool) -> Vec<f64> {
+    match is_crackling {
+        true => typical_third_octaves_db(signal, sample_rate_hz),
+        false => Power::of(signal, sample_rate_hz).third_octaves_db(sample_rate_hz),
+    }
+}
+
+fn side_levels(channels: &[Vec<f64>], mean_db: &[f64], sample_rate_hz: f64, is_crackling: bool) -> Option<Levels> {
+    let side = side_of(channels)?;
+    Some(Levels { mean_db: mean_db.to_vec(), side_db: levels_db(&side, sample_rate_hz, is_crackling) })
+}
+
+/// Completes a companded `dictionary`, so that it comes near to `goal`. Fails only when `progress` calls it off.
+pub fn calibrate(mut dictionary: Dictionary, goal: &Goal, progress: Progress<'_>) -> Result<Dictionary, Error> {
     let rate_hz = dictionary.sample_rate_hz();
-    let recording = mean_of(channels);
-    let goal = Power::of(&recording, rate_hz);
-    let is_crackling = dictionary.crackles().is_some();
-    // What is left of crackles, and of takes that differ, would raise a mean: a bed is as it mostly is.
-    let levels_db = |signal: &[f64]| match is_crackling {
-        true => typical_third_octaves_db(signal, rate_hz),
-        false => Power::of(signal, rate_hz).third_octaves_db(rate_hz),
-    };
-    let goal_db = levels_db(&recording);
+    let levels_db = |signal: &[f64]| levels_db(signal, rate_hz, goal.is_crackling);
+    let goal_db = &goal.mean_db;
     let shared = Arc::new(dictionary);
     let trials: Vec<Trial> =
         SEEDS.par_iter().map(|seed| trial(&shared, *seed, progress)).collect::<Result<_, Error>>()?;
     let swell = trials.last().map_or(1.0, |trial| trial.swell);
     let heard: Vec<Vec<Vec<f64>>> = trials.into_iter().map(|trial| trial.channels).collect();
-    let mut trials: Vec<Vec<f64>> = heard.iter().map(|channels| mean_of(channels)).collect();
+    let mut trials: Vec<Vec<f64>> = heard.iter().map(|channels| mean_of(channels).into_owned()).collect();
     // The engine of each trial has given its reference back.
     let Some(inner) = Arc::into_inner(shared) else { return Err(Error::Cancelled) };
     dictionary = inner;
     let is_silent = |signal: &Vec<f64>| signal.iter().all(|x| *x == 0.0);
     let Some(profile) = dictionary.profile_mut() else { return Ok(dictionary) };
-    if trials.iter().any(is_silent) || goal.rms_below(rate_hz) == 0.0 {
+    if trials.iter().any(is_silent) || goal.is_silent {
         return Ok(dictionary);
     }
     let found_db = levels_db(&trials[0]);
@@ -66,11 +97,9 @@ pub fn calibrate(
     let gains: Vec<f64> =
         goal_db.iter().zip(&found_db).map(|(a, b)| (a - b - mean).clamp(-LIMIT_DB, LIMIT_DB)).collect();
     let taps = design(&gains, rate_hz);
-    let side_levels = |channels: &[Vec<f64>], mean_db: &[f64]| {
-        side_of(channels).map(|side| Levels { mean_db: mean_db.to_vec(), side_db: levels_db(&side) })
-    };
-    let side_taps = match (side_levels(channels, &goal_db), side_levels(&heard[0], &found_db)) {
-        (Some(goal), Some(found)) => side_taps(&goal, &found, rate_hz),
+    let found = side_levels(&heard[0], &found_db, rate_hz, goal.is_crackling);
+    let side_taps = match (&goal.side, found) {
+        (Some(goal), Some(found)) => side_taps(goal, &found, rate_hz),
         _ => Vec::new(),
     };
     let plain = trials.pop().unwrap_or_default();
@@ -78,12 +107,12 @@ pub fn calibrate(
     let mut equalizer = Equalizer::new(rate_hz, 1);
     let samples = equalized.len();
     equalizer.process(&taps, 1.0, &mut [&mut equalized], 0..samples);
-    let distance = |signal: &[f64]| distance_db(&levels_db(signal), &goal_db);
+    let distance = |signal: &[f64]| distance_db(&levels_db(signal), goal_db);
     let helps = distance(&equalized) < distance(&plain);
     let (heard, taps) = if helps { (equalized, taps) } else { (plain, Vec::new()) };
-    let level = match is_crackling {
-        true => typical_level(&recording, &heard, swell, rate_hz),
-        false => rms(&recording) / rms(&heard),
+    let level = match goal.is_crackling {
+        true => typical_level(goal_db, &heard, swell, rate_hz),
+        false => goal.rms / rms(&heard),
     };
     let level = if level.is_finite() { level } else { 1.0 };
     profile.set_calibration(level, taps, side_taps);
@@ -94,9 +123,9 @@ pub fn calibrate(
     Ok(dictionary)
 }
 
-/// The factor that makes what was `heard` in a trial as loud, mostly and at a steady drive, as `recording` mostly is.
-fn typical_level(recording: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> f64 {
-    let [goal_db, heard_db] = [recording, heard].map(|signal| typical_third_octaves_db(signal, rate_hz));
+/// The factor that makes what was `heard` in a trial as loud, mostly and at a steady drive, as the recording mostly is.
+fn typical_level(goal_db: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> f64 {
+    let heard_db = typical_third_octaves_db(heard, rate_hz);
     let mean_db = goal_db.iter().zip(&heard_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len().max(1) as f64;
     swell * maths::pow(10.0, mean_db / 20.0)
 }

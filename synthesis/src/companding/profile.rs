@@ -54,14 +54,18 @@ bulk_fields!(Profile: relative);
 impl Profile {
     /// Takes the loudness out of `channels`, one at least and equally long, and says what it was.
     pub fn compress(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> Self {
+        let power = Power::of(&mean_of(channels), sample_rate_hz);
+        Self::compress_with(channels, &power, sample_rate_hz)
+    }
+
+    /// The same where the `power` of the channels' mean is known already.
+    pub(crate) fn compress_with(channels: &mut [Vec<f64>], power: &Power, sample_rate_hz: f64) -> Self {
         let frame_samples = frame_samples(sample_rate_hz);
-        let mean = mean_of(channels);
         let mut relative = loudness(channels, frame_samples, sample_rate_hz / frame_samples as f64);
         let whole = (relative.iter().map(|x| x * x).sum::<f64>() / relative.len().max(1) as f64).sqrt();
         let floor = FLOOR * relative.iter().fold(0.0f64, |most, x| most.max(*x));
         let is_audible = whole > 0.0;
         relative.iter_mut().for_each(|x| *x = if is_audible { x.max(floor) / whole } else { 1.0 });
-        let power = Power::of(&mean, sample_rate_hz);
         let mut profile = Self {
             relative,
             frame_samples,
@@ -74,10 +78,10 @@ impl Profile {
             side_taps: Vec::new(),
             limit_taps: power.band_limit_hz().map_or_else(Vec::new, |hz| design_low_pass(hz, sample_rate_hz)),
         };
-        for channel in channels.iter_mut() {
-            for (i, sample) in channel.iter_mut().enumerate() {
-                *sample *= maths::pow(profile.relative_at(i as f64), -MATCH_EXPONENT);
-            }
+        // A power for each sample of all channels: it is most of the work here.
+        for i in 0..channels.first().map_or(0, Vec::len) {
+            let gain = maths::pow(profile.relative_at(i as f64), -MATCH_EXPONENT);
+            channels.iter_mut().for_each(|channel| channel[i] *= gain);
         }
         profile.matched_rms = rms_below(&mean_of(channels), MATCHED_HZ, sample_rate_hz);
         profile

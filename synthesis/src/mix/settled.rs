@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use super::{Layers, Levels, Peaks};
+use super::layers::{Layers, Levels, Peaks, held_effect, louder};
 use crate::ceiling;
 
 /// Samples mixed at a time: the sums of ten channels stay in the first-level cache.
@@ -64,7 +64,7 @@ impl Settled<'_> {
             add_unless_off(wet, || narrowed(layers.body), levels.body, &mut peaks.body);
             for (wet, loudest) in wet.iter_mut().zip(&mut loudest) {
                 *wet *= levels.output;
-                *loudest = super::louder(*wet, *loudest);
+                *loudest = louder(*wet, *loudest);
             }
         }
         self.hold(&loudest[..samples]);
@@ -72,7 +72,7 @@ impl Settled<'_> {
         for (channel, output) in outputs.iter_mut().enumerate() {
             let (output, dry) = (&mut output[at.clone()], &layers.dry[channel][at.clone()]);
             if self.effects == Some(channel) {
-                output.iter_mut().zip(dry).for_each(|(out, dry)| *out = super::held_effect(*dry, self.has_ceiling));
+                output.iter_mut().zip(dry).for_each(|(out, dry)| *out = held_effect(*dry, self.has_ceiling));
             } else if levels.bypass == 1.0 {
                 output.copy_from_slice(dry);
             } else {

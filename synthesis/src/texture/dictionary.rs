@@ -5,7 +5,6 @@ use std::io::{self, Read, Write};
 use std::ops::Range;
 
 use bitcode::{Decode, Encode};
-use rayon::prelude::*;
 
 use super::distribution::{Distribution, Histogram};
 use super::feature::{Excerpt, Features};
@@ -15,10 +14,8 @@ use super::shape::{Padding, PyramidConfig};
 use crate::Error;
 use crate::bulk::{Bulk, bulk_fields, read_array, write_array};
 use crate::channels::mean_of;
-use crate::companding::{Profile, calibrate};
-use crate::crackle::{Crackles, is_impulsive, split};
-use crate::loudness::integrated_lufs;
-use crate::structure::MatchingMode;
+use crate::companding::Profile;
+use crate::crackle::Crackles;
 
 /// Called with the part done, 0-1; answers whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
@@ -74,49 +71,7 @@ pub struct Dictionary {
     is_impulsive: bool,
 }
 
-/// The part of the work after which a companded dictionary is ready for its trial run.
-const INDEXED: f32 = 0.7;
-
 impl Dictionary {
-    /// Analyses a recording as [`new`](Self::new) or [`companded`](Self::companded), whichever `dynamics` asks for.
-    pub fn for_dynamics(
-        dynamics: MatchingMode,
-        channels: &[Vec<f64>],
-        sample_rate_hz: f64,
-        shape: &PyramidConfig,
-        progress: Progress<'_>,
-    ) -> Result<Self, Error> {
-        match dynamics {
-            MatchingMode::Paper => {
-                let dictionary = Self::new(channels, sample_rate_hz, shape, progress)?;
-                Ok(Self { is_impulsive: is_impulsive(channels, sample_rate_hz), ..dictionary })
-            }
-            MatchingMode::Companded => Self::companded(channels, sample_rate_hz, shape, progress),
-        }
-    }
-
-    /// Analyses a recording's bed ([`crate::crackle`]) without its slow loudness ([`crate::companding`]), keeps its crackles
-    /// apart, and finds its level and equaliser by a trial run. Takes and fails as [`new`](Self::new).
-    pub fn companded(
-        channels: &[Vec<f64>],
-        sample_rate_hz: f64,
-        shape: &PyramidConfig,
-        progress: Progress<'_>,
-    ) -> Result<Self, Error> {
-        check(channels, sample_rate_hz, shape)?;
-        let parts = split(channels, sample_rate_hz);
-        let bed = parts.bed;
-        let mut flat = bed.clone();
-        let mut profile = Profile::compress(&mut flat, sample_rate_hz);
-        let mut dictionary = Self::new(&flat, sample_rate_hz, shape, &|done| progress(INDEXED * done))?;
-        profile.set_first(dictionary.first);
-        profile.set_loudness(integrated_lufs(channels, sample_rate_hz));
-        dictionary.profile = Some(profile);
-        dictionary.crackles = parts.crackles;
-        let trial = |done: f32| progress(INDEXED + (1.0 - INDEXED) * done);
-        calibrate::calibrate(dictionary, &bed, &trial)
-    }
-
     /// Analyses a recording: `channels` equally long (1-10), finite samples at `sample_rate_hz`.
     /// Fails where the recording is too short for the levels, and when `progress` calls it off.
     pub fn new(
@@ -126,16 +81,27 @@ impl Dictionary {
         progress: Progress<'_>,
     ) -> Result<Self, Error> {
         check(channels, sample_rate_hz, shape)?;
+        Self::of_channels(channels.to_vec(), sample_rate_hz, shape, progress)
+    }
+
+    /// The same of channels that have been checked, each given up as soon as it is no longer needed: of a recording of many
+    /// minutes every copy counts.
+    pub(crate) fn of_channels(
+        mut channels: Vec<Vec<f64>>,
+        sample_rate_hz: f64,
+        shape: &PyramidConfig,
+        progress: Progress<'_>,
+    ) -> Result<Self, Error> {
         let go_on = |done: f32| if progress(done) { Ok(()) } else { Err(Error::Cancelled) };
         go_on(0.0)?;
-        let mean = mean_of(channels);
-        let pyramid = Pyramid::of_recording(&mean, shape)?;
+        let mean = if channels.len() == 1 { channels.remove(0) } else { mean_of(&channels).into_owned() };
+        let pyramid = Pyramid::of_recording(mean, shape)?;
         go_on(0.1)?;
         let padding = &pyramid.padding;
         let windows: Vec<Range<usize>> = (0..shape.top()).map(|level| windows(level, shape, padding)).collect();
         let needed = needed(&windows, shape, padding);
-        let several = if channels.len() > 1 { channels } else { &[] };
-        let channels = several.iter().map(|x| LevelSlice::new(mirrored(x, padding), &needed[0])).collect();
+        let channels =
+            channels.into_iter().map(|channel| LevelSlice::new(mirrored(channel, padding), &needed[0])).collect();
         let distribution = Distribution::from_magnitudes(pyramid.top_magnitudes());
         let weights = shape.weights();
         let mut dictionary = Self {
@@ -160,7 +126,8 @@ impl Dictionary {
             is_impulsive: false,
         };
         let done = std::sync::Mutex::new(0.1f32);
-        let indices = (0..shape.top()).into_par_iter().map(|level| {
+        // One after the other, each on all processors: what is needed to build one is a multiple of what it holds.
+        let indices = (0..shape.top()).map(|level| {
             let windows = windows[level].clone();
             let step = |part: f32| {
                 // Level l holds half the windows of level l - 1.
@@ -249,6 +216,18 @@ impl Dictionary {
         self.is_impulsive
     }
 
+    /// Takes the recording's side of companding, which must be of the channels that this was made of, and its crackles.
+    pub(crate) fn set_parts(&mut self, mut profile: Profile, crackles: Option<Crackles>) {
+        profile.set_first(self.first);
+        self.profile = Some(profile);
+        self.crackles = crackles;
+    }
+
+    /// Takes whether crackles were left in the recording.
+    pub(crate) fn set_impulsive(&mut self, is_impulsive: bool) {
+        self.is_impulsive = is_impulsive;
+    }
+
     /// The same, to be calibrated before the dictionary is shared.
     pub(crate) fn crackles_mut(&mut self) -> Option<&mut Crackles> {
         self.crackles.as_mut()
@@ -307,7 +286,8 @@ impl Dictionary {
     }
 }
 
-fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &PyramidConfig) -> Result<(), Error> {
+/// Whether a dictionary can be made of a recording.
+pub(crate) fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &PyramidConfig) -> Result<(), Error> {
     shape.validate()?;
     crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 10.0)?;
     crate::error::in_range("sample rate of the recording in Hz", sample_rate_hz, 1000.0, 768_000.0)?;

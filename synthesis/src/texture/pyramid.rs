@@ -25,7 +25,7 @@ impl Pyramid {
     }
 
     /// The pyramid of a recording: mirrored at both ends, the end sample not repeated.
-    pub fn of_recording(signal: &[f64], shape: &PyramidConfig) -> Result<Self, Error> {
+    pub fn of_recording(signal: Vec<f64>, shape: &PyramidConfig) -> Result<Self, Error> {
         let padding = Padding::new(signal.len(), shape.levels, "recording")?;
         let padded = mirrored(signal, &padding);
         Ok(Self::of_padded(padded, padding))
@@ -49,13 +49,14 @@ impl Pyramid {
 }
 
 /// The recording in its padded array, mirrored at both ends.
-pub fn mirrored(signal: &[f64], padding: &Padding) -> Vec<f64> {
+pub fn mirrored(signal: Vec<f64>, padding: &Padding) -> Vec<f64> {
     let (start, end) = (padding.start[0], padding.end[0]);
     let mut padded = vec![0.0; padding.size[0]];
-    padded[start..end].copy_from_slice(signal);
+    padded[start..end].copy_from_slice(&signal);
     for (i, before) in padded[..start].iter_mut().enumerate() {
         *before = signal.get(start - i).copied().unwrap_or(0.0);
     }
+    drop(signal);
     for i in end..padded.len() {
         padded[i] = (2 * end).checked_sub(i + 2).map_or(0.0, |mirror| padded[mirror]);
     }

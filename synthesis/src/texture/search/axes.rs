@@ -14,6 +14,8 @@ use crate::texture::feature::Features;
 const SAMPLE: usize = 8192;
 /// Windows handled by one task.
 const CHUNK: usize = 4096;
+/// Coordinates that [`Axes::columns`] answers: the axes along which a recording's windows differ most.
+pub const COLUMNS: usize = 4;
 /// Axes projected onto at once.
 const GROUP: usize = 16;
 /// Stages in a group.
@@ -176,6 +178,52 @@ impl Axes {
         let radii = chunks.map(|(out, windows)| machine.run(Points { axes: self, features, windows, out }));
         let radius = radii.reduce(|| 0.0, f32::max);
         (points, radius)
+    }
+}
+
+impl Axes {
+    /// The first coordinates of `windows`, and their largest distance from the mean.
+    pub fn columns(&self, features: &Features<'_>, windows: &[u32]) -> (Vec<[f32; COLUMNS]>, f32) {
+        let mut columns = vec![[0.0; COLUMNS]; windows.len()];
+        let machine = Machine::best();
+        let chunks = columns.par_chunks_mut(CHUNK).zip(windows.par_chunks(CHUNK));
+        let radii = chunks.map(|(out, windows)| machine.run(Columns { axes: self, features, windows, out }));
+        let radius = radii.reduce(|| 0.0, f32::max);
+        (columns, radius)
+    }
+
+    /// One number of the points of `windows`, as [`points`](Self::points) has them.
+    pub fn column(&self, features: &Features<'_>, windows: &[u32], axes: usize, axis: usize) -> Vec<f32> {
+        let numbers = |windows: &[u32]| -> Vec<f32> {
+            let (points, _) = self.points(features, windows, axes);
+            points.chunks_exact(axes).map(|point| point[axis]).collect()
+        };
+        windows.par_chunks(CHUNK).flat_map_iter(numbers).collect()
+    }
+}
+
+struct Columns<'a> {
+    axes: &'a Axes,
+    features: &'a Features<'a>,
+    windows: &'a [u32],
+    out: &'a mut [[f32; COLUMNS]],
+}
+
+impl Work for Columns<'_> {
+    type Done = f32;
+
+    #[inline(always)]
+    fn with<L: Lanes>(self, _: L) -> f32 {
+        let mut feature = vec![0.0; self.features.shape.feature_len()];
+        let mut radius = 0.0f32;
+        for (window, out) in self.windows.iter().zip(self.out) {
+            self.features.write(*window as usize, &mut feature);
+            let mut projection = self.axes.begin(&feature);
+            self.axes.extend(&mut projection, &feature, COLUMNS);
+            out.copy_from_slice(&projection.coordinates[..COLUMNS]);
+            radius = radius.max(projection.length as f32);
+        }
+        radius
     }
 }
 

@@ -38,7 +38,7 @@ use crate::bulk::bulk_fields;
 use axes::Axes;
 use shells::Shell;
 use sizes::AXES_MAX;
-use tree::Tree;
+use tree::{Points, Tree};
 
 /// An index over the windows of one level.
 #[derive(Debug, Encode, Decode)]
@@ -66,11 +66,9 @@ impl Index {
         let mut shells = Vec::with_capacity(parts.len());
         for (part, numbers) in parts.into_iter().zip(numbers) {
             let share = part.windows.len() as f32 / total as f32;
-            let (points, radius) = axes.points(features, &part.windows, numbers);
-            step(0.2 * share)?;
-            let mut order: Vec<u32> = (0..part.windows.len() as u32).collect();
-            let done = |done: f32| step(0.5 * share * done);
-            let tree = Tree::new(&points, numbers, &mut order, &part.windows, &done)?;
+            let points = Points { axes: &axes, features, windows: &part.windows, numbers };
+            let done = |done: f32| step(0.7 * share * done);
+            let (tree, radius) = Tree::new(&points, &done)?;
             shells.push(Shell { least: part.least, most: part.most, radius, axes: numbers, tree });
         }
         Ok(Self { axes, shells, first_window, windows: count })

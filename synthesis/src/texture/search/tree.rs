@@ -3,11 +3,13 @@
 use bitcode::{Decode, Encode};
 use rayon::prelude::*;
 
+use super::axes::{Axes, COLUMNS};
 use super::codes::{Frame, QUAD, Quad, Scale, code_of, first_axes, half_step_for, middle_and_half, square};
 use super::lanes::Lanes;
 use super::sizes::LANES;
 use crate::Error;
 use crate::bulk::bulk_fields;
+use crate::texture::feature::Features;
 
 /// Told parts done that add up to 1; may call it off.
 pub type Step<'a> = &'a (dyn Fn(f32) -> Result<(), Error> + Sync);
@@ -112,13 +114,24 @@ pub struct Node<'a> {
 }
 
 impl Tree {
-    /// A tree over the points named in `order`: those of `points`, each of `axes` coordinates (a multiple of
-    /// `STAGE`), which belong to `windows`. `step` is told the part done.
-    pub fn new(points: &[f32], axes: usize, order: &mut [u32], windows: &[u32], step: Step<'_>) -> Result<Self, Error> {
-        let total = order.len();
-        let builder = Builder { points, axes, windows, total, step };
-        let mut tree = Self::empty(axes);
-        tree.root = builder.subtree(&mut tree, order)?.0;
+    /// A tree over `points`, at least one, and the largest distance of a point from the features' mean. `step` is told the
+    /// part done.
+    pub fn new(points: &Points<'_>, step: Step<'_>) -> Result<(Self, f32), Error> {
+        let total = points.windows.len();
+        let mut tree = Self::empty(points.numbers);
+        let radius = if total <= AT_ONCE {
+            let (at_once, radius) = points.axes.points(points.features, points.windows, points.numbers);
+            let builder = Builder { points: &at_once, axes: points.numbers, windows: points.windows, total, step };
+            let mut order: Vec<u32> = (0..total as u32).collect();
+            tree.root = builder.subtree(&mut tree, &mut order)?.0;
+            radius
+        } else {
+            let (columns, radius) = points.axes.columns(points.features, points.windows);
+            let top = Top { points, columns, total, step };
+            let mut order: Vec<u32> = (0..total as u32).collect();
+            tree.root = top.subtree(&mut tree, &mut order)?.0;
+            radius
+        };
         tree.frames.shrink_to_fit();
         tree.scales.shrink_to_fit();
         tree.codes.shrink_to_fit();
@@ -129,7 +142,7 @@ impl Tree {
         tree.groups.shrink_to_fit();
         tree.faces.shrink_to_fit();
         tree.children.shrink_to_fit();
-        Ok(tree)
+        Ok((tree, radius))
     }
 
     fn empty(axes: usize) -> Self {
@@ -221,6 +234,133 @@ fn no_bounds(axes: usize) -> Bounds {
     vec![(f32::MAX, f32::MIN); axes]
 }
 
+/// Subtrees of more points than this are built side by side.
+const SIDE_BY_SIDE: usize = 4096;
+/// At most this many points, evenly spread, decide along which axis to split.
+const SAMPLE: usize = 512;
+/// Most windows whose points are held at once: 50 MB of them. Those of a long recording would take more memory than all that
+/// is made of them.
+const AT_ONCE: usize = 1 << 18;
+
+/// Windows as points: `numbers` coordinates each (a multiple of `STAGE`).
+#[derive(Debug, Clone, Copy)]
+pub struct Points<'a> {
+    /// What the coordinates lie along.
+    pub axes: &'a Axes,
+    /// What they are projected from.
+    pub features: &'a Features<'a>,
+    /// The windows, rising.
+    pub windows: &'a [u32],
+    /// Coordinates of a point.
+    pub numbers: usize,
+}
+
+/// Divides points into two halves.
+trait Split: Sync {
+    /// Moves the `middle` points that lie lowest along the axis of largest variance to the front.
+    fn split(&self, order: &mut [u32], middle: usize);
+}
+
+/// Splits `order` into parts of `capacity`; the last may be smaller.
+fn parts<'o>(by: &impl Split, order: &'o mut [u32], capacity: usize) -> Vec<&'o mut [u32]> {
+    let count = order.len().div_ceil(capacity);
+    if count == 1 {
+        return vec![order];
+    }
+    let large = order.len() > SIDE_BY_SIDE;
+    let middle = count / 2 * capacity;
+    by.split(order, middle);
+    let (left, right) = order.split_at_mut(middle);
+    let (mut left, right) = if large {
+        rayon::join(|| parts(by, left, capacity), || parts(by, right, capacity))
+    } else {
+        (parts(by, left, capacity), parts(by, right, capacity))
+    };
+    left.extend(right);
+    left
+}
+
+/// Points that a child holds at most: every child but the last holds as much as a tree one storey lower can.
+fn capacity_below(points: usize) -> usize {
+    let mut capacity = LANES;
+    while capacity * LANES < points {
+        capacity *= LANES;
+    }
+    capacity
+}
+
+/// The axis along which points differ most.
+fn widest<'p>(axes: usize, sampled: impl Iterator<Item = &'p [f32]>) -> usize {
+    let mut sums = vec![(0.0f64, 0.0f64); axes];
+    let mut count = 0.0;
+    for point in sampled {
+        count += 1.0;
+        for (sum, x) in sums.iter_mut().zip(point) {
+            let x = f64::from(*x);
+            sum.0 += x;
+            sum.1 += x * x;
+        }
+    }
+    let variance = |axis: &usize| sums[*axis].1 / count - maths::square(sums[*axis].0 / count);
+    (0..axes).max_by(|a, b| variance(a).total_cmp(&variance(b))).unwrap_or(0)
+}
+
+/// Every how many-th of `points` is sampled.
+fn stride(points: usize) -> usize {
+    points.div_ceil(SAMPLE)
+}
+
+/// Builds the storeys above those whose points are held at once.
+struct Top<'a> {
+    points: &'a Points<'a>,
+    columns: Vec<[f32; COLUMNS]>,
+    total: usize,
+    step: Step<'a>,
+}
+
+impl Split for Top<'_> {
+    fn split(&self, order: &mut [u32], middle: usize) {
+        let Points { axes, features, numbers, .. } = *self.points;
+        let sampled: Vec<u32> = self.windows_of(order.iter().step_by(stride(order.len())));
+        let (sampled, _) = axes.points(features, &sampled, numbers);
+        let axis = widest(numbers, sampled.chunks_exact(numbers));
+        let mut keys: Vec<(f32, u32)> = if axis < COLUMNS {
+            order.iter().map(|i| (self.columns[*i as usize][axis], *i)).collect()
+        } else {
+            let column = axes.column(features, &self.windows_of(order.iter()), numbers, axis);
+            column.into_iter().zip(order.iter().copied()).collect()
+        };
+        keys.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        order.iter_mut().zip(keys).for_each(|(i, (_, sorted))| *i = sorted);
+    }
+}
+
+impl Top<'_> {
+    fn windows_of<'i>(&self, order: impl Iterator<Item = &'i u32>) -> Vec<u32> {
+        order.map(|i| self.points.windows[*i as usize]).collect()
+    }
+
+    /// Builds the subtree over the points named in `order`; answers it and its bounds.
+    fn subtree(&self, tree: &mut Tree, order: &mut [u32]) -> Result<(Child, Bounds), Error> {
+        let Points { axes, features, numbers, .. } = *self.points;
+        if order.len() <= AT_ONCE {
+            let windows = self.windows_of(order.iter());
+            let (points, _) = axes.points(features, &windows, numbers);
+            let builder =
+                Builder { points: &points, axes: numbers, windows: &windows, total: self.total, step: self.step };
+            // In the order that the storeys above have left, which decides what is sampled.
+            let mut order: Vec<u32> = (0..windows.len() as u32).collect();
+            return builder.subtree(tree, &mut order);
+        }
+        let mut children = Vec::with_capacity(LANES);
+        // One after the other: what each needs for itself is the most that is held.
+        for part in parts(self, order, capacity_below(order.len())) {
+            children.push(self.subtree(tree, part)?);
+        }
+        Ok(node(tree, numbers, &children))
+    }
+}
+
 struct Builder<'a> {
     points: &'a [f32],
     axes: usize,
@@ -229,10 +369,15 @@ struct Builder<'a> {
     step: Step<'a>,
 }
 
-/// Subtrees of more points than this are built side by side.
-const SIDE_BY_SIDE: usize = 4096;
-/// At most this many points, evenly spread, decide along which axis to split.
-const SAMPLE: usize = 512;
+impl Split for Builder<'_> {
+    fn split(&self, order: &mut [u32], middle: usize) {
+        let axis = widest(self.axes, order.iter().step_by(stride(order.len())).map(|i| self.point(*i)));
+        let key = |i: &u32| self.points[*i as usize * self.axes + axis];
+        // Of equal points the earlier window comes first.
+        let window = |i: &u32| self.windows[*i as usize];
+        order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then_with(|| window(a).cmp(&window(b))));
+    }
+}
 
 impl Builder<'_> {
     fn point(&self, i: u32) -> &[f32] {
@@ -244,12 +389,7 @@ impl Builder<'_> {
         if order.len() <= LANES * LANES {
             return Ok(self.group(tree, order));
         }
-        // Every child but the last holds as much as a tree one storey lower can.
-        let mut capacity = LANES;
-        while capacity * LANES < order.len() {
-            capacity *= LANES;
-        }
-        let parts = self.parts(order, capacity);
+        let parts = parts(self, order, capacity_below(order.len()));
         let side_by_side = parts.iter().any(|part| part.len() > SIDE_BY_SIDE);
         let mut children = Vec::with_capacity(LANES);
         if side_by_side {
@@ -271,65 +411,7 @@ impl Builder<'_> {
                 (self.step)(points as f32 / self.total as f32)?;
             }
         }
-        Ok(self.node(tree, &children))
-    }
-
-    /// Splits `order` into parts of `capacity`; the last may be smaller.
-    fn parts<'o>(&self, order: &'o mut [u32], capacity: usize) -> Vec<&'o mut [u32]> {
-        let parts = order.len().div_ceil(capacity);
-        if parts == 1 {
-            return vec![order];
-        }
-        let large = order.len() > SIDE_BY_SIDE;
-        let (left, right) = self.split(order, parts / 2 * capacity);
-        let (mut left, right) = if large {
-            rayon::join(|| self.parts(left, capacity), || self.parts(right, capacity))
-        } else {
-            (self.parts(left, capacity), self.parts(right, capacity))
-        };
-        left.extend(right);
-        left
-    }
-
-    /// Splits at `middle`, along the axis of largest variance.
-    fn split<'o>(&self, order: &'o mut [u32], middle: usize) -> (&'o mut [u32], &'o mut [u32]) {
-        let mut sums = vec![(0.0f64, 0.0f64); self.axes];
-        let mut count = 0.0;
-        for i in order.iter().step_by(order.len().div_ceil(SAMPLE)) {
-            count += 1.0;
-            for (sum, x) in sums.iter_mut().zip(self.point(*i)) {
-                let x = f64::from(*x);
-                sum.0 += x;
-                sum.1 += x * x;
-            }
-        }
-        let variance = |axis: &usize| sums[*axis].1 / count - maths::square(sums[*axis].0 / count);
-        let widest = (0..self.axes).max_by(|a, b| variance(a).total_cmp(&variance(b))).unwrap_or(0);
-        let key = |i: &u32| self.points[*i as usize * self.axes + widest];
-        order.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
-        order.split_at_mut(middle)
-    }
-
-    fn node(&self, tree: &mut Tree, children: &[(Child, Bounds)]) -> (Child, Bounds) {
-        let mut bounds = no_bounds(self.axes);
-        let mut lanes = [Child::NONE; LANES];
-        for (lane, (child, inner)) in lanes.iter_mut().zip(children) {
-            *lane = *child;
-            for (outer, inner) in bounds.iter_mut().zip(inner) {
-                *outer = (outer.0.min(inner.0), outer.1.max(inner.1));
-            }
-        }
-        tree.faces.extend((0..self.axes).map(|axis| {
-            // Lanes not in use lie beyond all distances.
-            let mut faces = [[f32::MAX; LANES], [f32::MIN; LANES]];
-            for (lane, (_, inner)) in children.iter().enumerate() {
-                faces[0][lane] = inner[axis].0;
-                faces[1][lane] = inner[axis].1;
-            }
-            faces
-        }));
-        tree.children.push(lanes);
-        (Child::of_node(tree.children.len() - 1), bounds)
+        Ok(node(tree, self.axes, &children))
     }
 
     fn bounds(&self, order: &[u32]) -> Bounds {
@@ -351,7 +433,7 @@ impl Builder<'_> {
         let group = tree.scales.len() as u32;
         let mut error = 0.0f64;
         let mut leaves: Vec<(Child, Bounds)> = Vec::with_capacity(LANES);
-        for part in self.parts(order, LANES) {
+        for part in parts(self, order, LANES) {
             let (leaf, largest) = self.leaf(tree, part, group, &middles, half_step);
             error = error.max(largest);
             leaves.push((leaf, self.bounds(part)));
@@ -364,14 +446,14 @@ impl Builder<'_> {
             Some(only) if leaves.is_empty() => only,
             last => {
                 leaves.extend(last);
-                self.node(tree, &leaves)
+                node(tree, self.axes, &leaves)
             }
         }
     }
 
     /// A leaf, and how far a point lies at most from where its codes say.
     fn leaf(&self, tree: &mut Tree, order: &mut [u32], group: u32, middles: &[f32], half_step: f32) -> (Child, f64) {
-        order.sort_unstable();
+        order.sort_unstable_by_key(|i| self.windows[*i as usize]);
         let lanes: [u32; LANES] = std::array::from_fn(|lane| order[lane.min(order.len() - 1)]);
         let mut quads = vec![[0; QUAD * LANES]; self.axes / QUAD];
         let mut error = 0.0f64;
@@ -395,4 +477,27 @@ impl Builder<'_> {
         tree.groups.push(group);
         (Child::of_leaf(tree.windows.len() - 1), error)
     }
+}
+
+/// A node over `children`, and its bounds.
+fn node(tree: &mut Tree, axes: usize, children: &[(Child, Bounds)]) -> (Child, Bounds) {
+    let mut bounds = no_bounds(axes);
+    let mut lanes = [Child::NONE; LANES];
+    for (lane, (child, inner)) in lanes.iter_mut().zip(children) {
+        *lane = *child;
+        for (outer, inner) in bounds.iter_mut().zip(inner) {
+            *outer = (outer.0.min(inner.0), outer.1.max(inner.1));
+        }
+    }
+    tree.faces.extend((0..axes).map(|axis| {
+        // Lanes not in use lie beyond all distances.
+        let mut faces = [[f32::MAX; LANES], [f32::MIN; LANES]];
+        for (lane, (_, inner)) in children.iter().enumerate() {
+            faces[0][lane] = inner[axis].0;
+            faces[1][lane] = inner[axis].1;
+        }
+        faces
+    }));
+    tree.children.push(lanes);
+    (Child::of_node(tree.children.len() - 1), bounds)
 }

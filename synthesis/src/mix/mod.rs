@@ -1,5 +1,8 @@
 //! Levels of the layers, width, output level, bypass.
 
+pub use layers::{Layers, Peaks};
+
+use layers::{Levels, held_effect, louder};
 use settled::Settled;
 
 use crate::ceiling;
@@ -9,69 +12,13 @@ use crate::timeline::Timeline;
 use crate::tone::Tone;
 use crate::vortex::SpeakerLayout;
 
+mod layers;
 mod settled;
 
 /// Time constant in seconds with which levels follow their controls.
 const SMOOTHING_S: f64 = 0.005;
 /// Most channels of any bus.
 const MAX_CHANNELS: usize = 10;
-
-/// The layers of one block, all delayed by the effect's latency.
-#[derive(Debug, Clone, Copy)]
-pub struct Layers<'a> {
-    /// The drive's low part, the same in every channel.
-    pub low: &'a [f64],
-    /// Extension noise, by channel.
-    pub extension: &'a [Vec<f64>],
-    /// Texture, by channel.
-    pub texture: &'a [Vec<f64>],
-    /// Vortex sound, by channel.
-    pub vortex: &'a [Vec<f64>],
-    /// Crackle, by channel.
-    pub crackle: &'a [Vec<f64>],
-    /// A fuel's hiss, by channel.
-    pub hiss: &'a [Vec<f64>],
-    /// A fuel's body, by channel.
-    pub body: &'a [Vec<f64>],
-    /// The input, by channel of the output, delayed likewise; silent where there is none.
-    pub dry: &'a [Vec<f32>],
-}
-
-/// Largest magnitudes of the layers after their levels, and of the output.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Peaks {
-    /// Low layer.
-    pub low: f64,
-    /// Extension layer.
-    pub extension: f64,
-    /// Texture layer.
-    pub texture: f64,
-    /// Vortex layer.
-    pub vortex: f64,
-    /// Crackle layer.
-    pub crackle: f64,
-    /// Hiss layer.
-    pub hiss: f64,
-    /// Body layer.
-    pub body: f64,
-    /// Output.
-    pub output: f64,
-}
-
-/// Levels of one sample.
-#[derive(Debug, Clone, Copy)]
-struct Levels {
-    low: f64,
-    extension: f64,
-    texture: f64,
-    vortex: f64,
-    crackle: f64,
-    hiss: f64,
-    body: f64,
-    width: f64,
-    output: f64,
-    bypass: f64,
-}
 
 /// Adds the layers. Controls are delayed by the latency, so that they act on the sound that they
 /// arrived with, and smoothed.
@@ -277,18 +224,6 @@ impl Mix {
             peaks.output = peaks.output.max(f64::from(output[i]).abs());
         }
     }
-}
-
-/// The larger magnitude; what is no number is the largest, so that the ceiling silences it in all channels.
-#[inline]
-fn louder(sample: f64, loudest: f64) -> f64 {
-    if sample.abs() > loudest || sample.is_nan() { sample.abs() } else { loudest }
-}
-
-/// A sample of the channel of low-frequency effects.
-#[inline]
-fn held_effect(dry: f32, has_ceiling: bool) -> f32 {
-    if has_ceiling { (f64::from(dry) * ceiling::gain(f64::from(dry).abs())) as f32 } else { dry }
 }
 
 #[cfg(test)]
