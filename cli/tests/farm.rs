@@ -91,9 +91,9 @@ fn refuses_extras(at: &Path) {
     refuses(at, &format!("{} --rate 30", merge(all)), 1, &["--rate is 30", "12. step"]);
     let extra = std::fs::read(at.join("360_1-17_9.csv.extra")).unwrap();
     std::fs::write(at.join("360_1-17_9.csv.extra"), &extra[..extra.len() - 1]).unwrap();
-    refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "cut or changed"]);
+    refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "truncated or modified"]);
     std::fs::copy(at.join("360_1-17_1.csv.extra"), at.join("360_1-17_9.csv.extra")).unwrap();
-    refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "another state"]);
+    refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "does not match the present"]);
     for part in all.split(' ') {
         std::fs::remove_file(at.join(format!("{part}.extra"))).unwrap();
     }
@@ -146,7 +146,7 @@ fn a_shell_job_makes_what_one_run_makes() {
     let part = at.join("farm.wav.parts/part_6-10.csv");
     let text = std::fs::read_to_string(&part).unwrap();
     std::fs::write(&part, &text[..text.len() / 2]).unwrap();
-    refuses(at, "flux-merge farm.wav.parts --output x.wav", 1, &["part_6-10.csv", "cut or changed"]);
+    refuses(at, "flux-merge farm.wav.parts --output x.wav", 1, &["part_6-10.csv", "truncated or modified"]);
     std::fs::create_dir(at.join("empty")).unwrap();
     refuses(at, "flux-merge empty --output x.wav", 1, &["empty", "no parts"]);
 }

@@ -246,7 +246,7 @@ impl FluxShard {
     /// Reads what [`write`](Self::write) wrote; `name` is used in messages.
     ///
     /// # Errors
-    /// Fails where it is no part, or one that was cut or changed.
+    /// Fails if the text is not a part, or was truncated or modified.
     pub fn read(text: &str, name: &str) -> Result<Self, Error> {
         let damaged = |line, reason: String| Error::Table { name: name.into(), line, reason };
         if !text.starts_with(MARK) {
@@ -256,7 +256,7 @@ impl FluxShard {
         let count = text.lines().count();
         let part = Self::read_unfinished(body, name)?;
         let expected = format!("{END_MARK}{} {:016x}\n", part.steps.len(), hash(body.as_bytes()));
-        if end == expected { Ok(part) } else { Err(damaged(count, "the part was cut or changed".into())) }
+        if end == expected { Ok(part) } else { Err(damaged(count, "the part was truncated or modified".into())) }
     }
 
     /// Reads a part whose last line is still to come.

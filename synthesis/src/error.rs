@@ -53,7 +53,7 @@ pub enum Error {
         expected: usize,
     },
     /// A flame that comes with the engines cannot be read: the build is damaged.
-    #[error("the factory drive `{scene}` cannot be read: {reason}; write it anew with `cargo xtask drives`")]
+    #[error("the factory drive `{scene}` cannot be read: {reason}; write it again with `cargo xtask drives`")]
     FactoryDrive {
         /// The scene.
         scene: &'static str,
@@ -61,13 +61,13 @@ pub enum Error {
         reason: String,
     },
     /// A vortex-sound texture cannot be used.
-    #[error("the vortex texture cannot be used: {reason}; write it anew with `pyrophone vortex-texture`")]
+    #[error("the vortex texture cannot be used: {reason}; write it again with `pyrophone vortex-texture`")]
     VortexTexture {
         /// What is wrong with it.
         reason: String,
     },
     /// A speed field cannot be used.
-    #[error("the speed field cannot be used: {reason}; export it anew")]
+    #[error("the speed field cannot be used: {reason}; export it again")]
     SpeedField {
         /// What is wrong with it.
         reason: String,

@@ -41,13 +41,13 @@ pub struct Args {
     /// Source of the input's loudness distribution, instead of the preset's choice
     #[arg(long, value_enum)]
     dynamic_range: Option<DynamicRange>,
-    /// Learn that distribution from this file instead of a first pass over the input
+    /// File to learn that distribution from, instead of a first pass over the input
     #[arg(long, value_name = "FILE.wav")]
     learn: Option<PathBuf>,
-    /// Steps and ramps of parameters: time_s,id,value or sample,id,value, and ,curve (step or linear)
+    /// Parameter automation: rows of time_s,id,value or sample,id,value, optionally with ,curve (step or linear)
     #[arg(long, value_name = "FILE.csv")]
     automation: Option<PathBuf>,
-    /// Set a parameter after the preset; may be repeated
+    /// Parameter to set after loading the preset; may be repeated
     #[arg(long = "set", value_name = "id=value")]
     settings: Vec<String>,
     /// Frames of a block, or `random`, or `random:SEED`: 0 to 1024 frames
@@ -160,7 +160,9 @@ fn sources(args: &Args) -> Vec<&Path> {
 fn values(args: &Args) -> Result<Values> {
     let choice = match (args.dynamic_range, &args.learn) {
         (Some(DynamicRange::Learned) | None, Some(_)) => Some(DynamicRange::Learned),
-        (Some(_), Some(_)) => bail!("--learn contradicts --dynamic-range off and running; leave one of them out"),
+        (Some(_), Some(_)) => {
+            bail!("--learn contradicts --dynamic-range off and --dynamic-range running; leave one of them out")
+        }
         (choice, None) => choice,
     };
     let choice = choice.map(|choice| match choice {
