@@ -128,7 +128,7 @@ fn outputs_that_cannot_be() {
             let _ = std::os::unix::fs::symlink("good.wav", folder.path().join("link.wav"));
             refuses(folder.path(), &to("link.wav"), 1, &["link.wav", "overwrite"]);
             let _ = std::os::unix::fs::symlink("nowhere.wav", folder.path().join("dangling.wav"));
-            refuses(folder.path(), &to("dangling.wav"), 1, &["dangling.wav", "link to nothing"]);
+            refuses(folder.path(), &to("dangling.wav"), 1, &["dangling.wav", "broken link"]);
         }
     }
     for (name, text) in [("own.toml", "version = 1\nname = \"own\"\n"), ("own.csv", "time_s,id,value\n0,alpha,3\n")] {

@@ -46,7 +46,7 @@ pub enum Error {
     },
     /// A flow that is to be recorded does not come to rest in its mean.
     #[error(
-        "the flow has not settled after {passages} passages: its velocity variance changes by {change:.2} of itself (0.2 allowed), its divergence is {divergence:.0e} of speed over voxel (0.001 allowed); choose more voxels"
+        "the flow has not settled after {passages} passages: its velocity variance still changes by {change:.2} of its value (0.2 allowed), and its divergence is {divergence:.0e} of speed over voxel size (0.001 allowed); use more voxels"
     )]
     Unsettled {
         /// Passages through the box.
@@ -147,7 +147,7 @@ pub enum Error {
         second: String,
     },
     /// Frames between the first and the last are in no partial table.
-    #[error("frame {frame} is in none of the files, but frames before and after it are; add the part that holds it")]
+    #[error("frame {frame} is in none of the files, but frames before and after it are; add the part that contains it")]
     Hole {
         /// The first frame missing.
         frame: i64,

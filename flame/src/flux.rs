@@ -131,9 +131,9 @@ impl Flux {
             let [flux, area] = numbers
                 .get(..2)
                 .and_then(|two| two.try_into().ok())
-                .ok_or_else(|| damaged("flux and area must follow the frame's number".into()))?;
+                .ok_or_else(|| damaged("flux and area must follow the frame number".into()))?;
             if steps.insert(frame, Some(Row { frame, flux, area, mean_curvature: None })).is_some() {
-                return Err(damaged(format!("frame {frame} stands there twice")));
+                return Err(damaged(format!("duplicate frame {frame}")));
             }
         }
         Self::from_steps(&steps)
@@ -270,7 +270,9 @@ impl FluxShard {
             return Err(damaged(1, "this is not a part of a flux table".into()));
         };
         let mut part = Self { settings: settings.into(), ..Self::default() };
-        head.next().and_then(|line| part.read_cache(line)).ok_or_else(|| damaged(2, "no cache is named".into()))?;
+        head.next()
+            .and_then(|line| part.read_cache(line))
+            .ok_or_else(|| damaged(2, "the line with the cache is missing".into()))?;
         for (number, line) in lines(text).skip(1) {
             part.read_line(line).map_err(|reason| damaged(number, reason))?;
         }
@@ -283,7 +285,7 @@ impl FluxShard {
         let (frame, numbers) = fields_of(&fields)?;
         if change.is_some() {
             let before = self.changes.insert(frame, numbers);
-            return before.map_or(Ok(()), |_| Err(format!("the change of frame {frame} stands there twice")));
+            return before.map_or(Ok(()), |_| Err(format!("duplicate change of frame {frame}")));
         }
         let row = match numbers[..] {
             [] => None,
@@ -292,7 +294,7 @@ impl FluxShard {
             _ => return Err("there must be 0, 2 or 3 values".into()),
         };
         let before = self.steps.insert(frame, row);
-        before.map_or(Ok(()), |_| Err(format!("frame {frame} stands there twice")))
+        before.map_or(Ok(()), |_| Err(format!("duplicate frame {frame}")))
     }
 
     /// Puts parts together, each with the name that stands in messages, in any order.
@@ -352,7 +354,7 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// A frame's number, and the values after it up to the first empty field.
 fn fields_of(fields: &[&str]) -> Result<(i64, Vec<f64>), String> {
     let (frame, values) = fields.split_first().ok_or("the line is empty")?;
-    let frame = frame.parse().map_err(|_| format!("'{}' is not a frame's number", clean(frame)))?;
+    let frame = frame.parse().map_err(|_| format!("'{}' is not a frame number", clean(frame)))?;
     let number = |field: &&str| match field.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("'{}' is not a finite number", clean(field))),

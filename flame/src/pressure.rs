@@ -108,7 +108,7 @@ impl std::fmt::Display for Advice {
             ),
             Self::EnvelopeOnly { nyquist_hz } => write!(
                 f,
-                "the steps hold frequencies up to {nyquist_hz} Hz only, below the high-pass at {HIGH_PASS_HZ} Hz: they make an envelope, not a pressure; use the envelope, or simulate {} steps per second",
+                "the steps hold frequencies up to {nyquist_hz} Hz only, below the high-pass at {HIGH_PASS_HZ} Hz: they yield an envelope, not a pressure; use the envelope, or simulate {} steps per second",
                 2.0 * CUTOFF_HZ
             ),
         }

@@ -269,7 +269,7 @@ fn shards_that_do_not_fit_are_refused() {
     for (text, says) in [
         ("frame,flux,area\n1,2,3\n".to_owned(), "line 1"),
         ("# pyrophone flux 2; x\nframe,flux,area,mean_curvature\n".to_owned(), "line 2: no cache"),
-        (format!("{HEAD}1,2,3,4\n1,2,3,4\n"), "line 5: frame 1 stands there twice"),
+        (format!("{HEAD}1,2,3,4\n1,2,3,4\n"), "line 5: duplicate frame 1"),
         (format!("{HEAD}1,NaN,3,4\n"), "line 4: 'NaN'"),
         (format!("{HEAD}1,2\n"), "line 4"),
         (format!("{HEAD}1.5,2,3,4\n"), "line 4: '1.5'"),

@@ -365,7 +365,7 @@ impl Plugin for Pyrophone {
         if let Some(executor) = &self.executor
             && !self.fence.wait(|| executor.execute_background(Errand::PassFence))
         {
-            nice_warn!("Pyrophone's background tasks have not ended in time");
+            nice_warn!("Pyrophone's background tasks did not end in time");
         }
     }
 }
@@ -373,7 +373,7 @@ impl Plugin for Pyrophone {
 impl ClapPlugin for Pyrophone {
     const CLAP_ID: &'static str = "org.pyrophone.pyrophone";
     const CLAP_DESCRIPTION: Option<&'static str> =
-        Some("Turns a low-frequency flame signal, or any sound's envelope, into full-band fire");
+        Some("Turns a low-frequency flame signal, or any sound's envelope, into the full-band sound of fire");
     const CLAP_MANUAL_URL: Option<&'static str> = Some("https://pyrophone.org/manual");
     const CLAP_SUPPORT_URL: Option<&'static str> = Some("https://pyrophone.org/support");
     const CLAP_FEATURES: &'static [ClapFeature] = &[

@@ -89,7 +89,7 @@ fn decode_named(bytes: &[u8], content_hash: String, name: &str, progress: Progre
         Sound::Packets(links) => {
             // Decoders of compressed formats assert what a damaged file may break.
             let decoded = catch_unwind(AssertUnwindSafe(|| packets::decode(links, &mut described, name, progress)));
-            decoded.map_err(|_| damaged(name, "its decoder gave up"))??
+            decoded.map_err(|_| damaged(name, "its decoder failed"))??
         }
     };
     check_finite(&channels, name)?;

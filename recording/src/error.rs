@@ -49,7 +49,7 @@ pub enum Error {
         end_s: f64,
     },
     /// A gain beyond what is allowed.
-    #[error("the recording's gain is {found_db} dB, but must lie within ±{most_db} dB; choose less")]
+    #[error("the recording's gain is {found_db} dB, but must lie within ±{most_db} dB; choose a smaller gain")]
     Gain {
         /// The gain in dB.
         found_db: f64,
@@ -97,7 +97,7 @@ pub enum Error {
         reason: String,
     },
     /// The file ends before its sound does.
-    #[error("{name}: the file is truncated: {found} of {declared} {unit} are there; export or copy it again")]
+    #[error("{name}: the file is truncated: only {found} of {declared} {unit} are present; export or copy it again")]
     Truncated {
         /// The file.
         name: String,
@@ -244,7 +244,7 @@ pub enum Error {
     },
     /// A sample to be written is not finite.
     #[error(
-        "{path}: not written, because sample {index} of channel {channel} would be {value}; the input is too loud, lower its level"
+        "{path}: not written, because sample {index} of channel {channel} would be {value}; the input is too loud; lower its level"
     )]
     Overflow {
         /// The file to be written.
@@ -258,14 +258,14 @@ pub enum Error {
     },
     /// A file is too large to be kept inside a session.
     #[error(
-        "the recording's file has {found_bytes} bytes, but at most {MAX_EMBEDDED_BYTES} can be kept inside a session; use a shorter or compressed file"
+        "the recording's file has {found_bytes} bytes, but at most {MAX_EMBEDDED_BYTES} can be embedded in a session; use a shorter or compressed file"
     )]
     EmbedTooLarge {
         /// Size of the file.
         found_bytes: usize,
     },
     /// An embedded recording cannot be unpacked.
-    #[error("the recording kept inside the session is damaged ({reason}); load it from its file again")]
+    #[error("the recording embedded in the session is damaged ({reason}); load it from its file again")]
     EmbedDamaged {
         /// The fault found.
         reason: String,

@@ -64,7 +64,7 @@ impl Decoding<'_> {
                     self.undecodable(reason)
                 }
                 Err(PacketFault::Decoder(DecoderError::IoError(_))) if !is_lossless => {
-                    self.undecodable("a packet breaks off")
+                    self.undecodable("a truncated packet")
                 }
                 Err(PacketFault::Decoder(error)) => return Err(self.refuse(error)),
                 Err(PacketFault::Error(error)) => return Err(error),

@@ -157,7 +157,7 @@ fn place_of(path: &Path) -> Result<PathBuf, Error> {
         Ok(there) if there.is_dir() => Err(failure("a folder of this name exists".into())),
         Ok(there) if !there.is_file() => Err(failure("it is a device or a pipe, not a file".into())),
         Ok(_) => path.canonicalize().map_err(|error| failure(error.kind().to_string())),
-        Err(_) if path.is_symlink() => Err(failure("it is a link to nothing".into())),
+        Err(_) if path.is_symlink() => Err(failure("it is a broken link".into())),
         Err(_) => Ok(path.to_path_buf()),
     }
 }

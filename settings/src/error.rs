@@ -97,7 +97,7 @@ pub enum Error {
         longest: usize,
     },
     /// There is a preset of this name.
-    #[error("there is a preset \"{name}\" already ({}); replace it, or choose another name", .path.display())]
+    #[error("a preset \"{name}\" already exists ({}); replace it, or choose another name", .path.display())]
     PresetExists {
         /// The name.
         name: String,
@@ -140,7 +140,7 @@ pub enum Error {
     },
     /// The automation's header is none of those known.
     #[error(
-        "the automation's first line is `{found}`, but must be `time_s,id,value` or `sample,id,value`, with `,curve` after it for ramps; add one of these as first line"
+        "the automation's first line is `{found}`, but must be `time_s,id,value` or `sample,id,value`, with `,curve` after it for ramps; add one of these as the first line"
     )]
     AutomationHeader {
         /// The line found.
@@ -163,7 +163,7 @@ pub enum Error {
         source: Box<Error>,
     },
     /// A row lies before its predecessor.
-    #[error("automation, line {line}: time {found} lies before the line above ({previous}); sort the rows by time")]
+    #[error("automation, line {line}: time {found} is earlier than the line above ({previous}); sort the rows by time")]
     AutomationOrder {
         /// Line of the file, from 1.
         line: u64,

@@ -144,7 +144,7 @@ impl Library {
     pub fn delete(&self, path: &Path) -> Result<(), Error> {
         let refuse = |source| Error::FileWrite { path: path.to_owned(), source };
         if path.parent() != Some(self.folder()) || path.extension().is_none_or(|found| found != EXTENSION) {
-            return Err(refuse(std::io::Error::other("it is no preset of this folder")));
+            return Err(refuse(std::io::Error::other("it is not a preset in this folder")));
         }
         fs::remove_file(path).map_err(refuse)
     }

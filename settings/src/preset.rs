@@ -238,10 +238,10 @@ fn check_file(path: &Path) -> Result<(), Error> {
     let metadata = std::fs::metadata(path).map_err(refuse)?;
     // A pipe would be waited for, maybe for ever.
     if !metadata.is_file() {
-        return Err(refuse(std::io::Error::other("it is no file")));
+        return Err(refuse(std::io::Error::other("it is not a file")));
     }
     if metadata.len() > LARGEST_BYTES {
-        return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is no preset")));
+        return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is not a preset")));
     }
     Ok(())
 }

@@ -102,7 +102,9 @@ impl Cut {
     fn check(self) -> Result<Self, String> {
         let region = self.region_s.is_none_or(|[start_s, end_s]| start_s < end_s && end_s.is_finite());
         if !(region && (-MAX_CUT_GAIN_DB..=MAX_CUT_GAIN_DB).contains(&self.gain_db)) {
-            return Err("its part of the recording is no stretch of time, or its gain is beyond 60 dB".to_owned());
+            return Err(
+                "the selected part of its recording is not a time range, or its gain is beyond 60 dB".to_owned()
+            );
         }
         Ok(self)
     }

@@ -12,7 +12,7 @@ const BLOCK: usize = 512;
 const SECONDS: usize = 10;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let path = std::env::args().nth(1).ok_or("name the WAV file to write")?;
+    let path = std::env::args().nth(1).ok_or("give the path of the WAV file to write")?;
 
     // Before playing, and not on the audio thread: everything that allocates.
     let structure = EngineConfig { dynamics: MatchingMode::Companded, ..EngineConfig::default() };

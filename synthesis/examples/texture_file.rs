@@ -11,7 +11,7 @@ use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let paths: Vec<String> = std::env::args().skip(1).collect();
-    let [flame, fire, output] = paths.as_slice() else { return Err("name three files: flame, fire, output".into()) };
+    let [flame, fire, output] = paths.as_slice() else { return Err("give three files: flame, fire, output".into()) };
     let (flame, flame_rate_hz) = mono(flame)?;
     let (fire, fire_rate_hz) = mono(fire)?;
     if flame_rate_hz != fire_rate_hz {

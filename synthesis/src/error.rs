@@ -31,7 +31,7 @@ pub enum Error {
         remedy: &'static str,
     },
     /// A signal holds a NaN or an infinity.
-    #[error("{what} holds a value that is not a number at sample {at}; repair or re-export the file")]
+    #[error("{what} has a value that is not finite at sample {at}; repair or re-export the file")]
     NotFinite {
         /// Which signal.
         what: &'static str,

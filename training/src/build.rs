@@ -29,7 +29,7 @@ pub enum Error {
         source: pyrophone_synthesis::Error,
     },
     /// `progress` has called it off.
-    #[error("called off")]
+    #[error("cancelled")]
     Cancelled,
 }
 

@@ -172,14 +172,14 @@ fn read(file: impl Read, len: u64) -> Result<Dictionary> {
     let mut magic = [0; MAGIC.len()];
     file.read_exact(&mut magic)?;
     if magic != *MAGIC {
-        return Err(damaged("no dictionary of this kind"));
+        return Err(damaged("not a dictionary of this kind"));
     }
     let dictionary = Dictionary::read_from(&mut file, len.saturating_sub(MAGIC.len() as u64 + CHECKSUM_LEN))?;
     let expected = file.checksum.clone().finalize();
     let mut checksum = [0; CHECKSUM_LEN as usize];
     file.read_exact(&mut checksum)?;
     if u32::from_le_bytes(checksum) != expected || file.len != len {
-        return Err(damaged("the checksum does not fit"));
+        return Err(damaged("the checksum does not match"));
     }
     Ok(dictionary)
 }

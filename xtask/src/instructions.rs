@@ -74,13 +74,16 @@ fn differences(kept: &str, found: &[(String, f64)]) -> Result<()> {
     for (engine, millions) in found {
         let line = kept.lines().find_map(|line| line.strip_prefix(engine.as_str())?.strip_prefix(' '));
         let Some(expected) = line.and_then(|line| line.trim().parse::<f64>().ok()) else {
-            bail!("{KEPT} has no count of {engine}: `cargo xtask bench instructions` counts anew");
+            bail!("{KEPT} has no count of {engine}: `cargo xtask bench instructions` counts again");
         };
         if (millions / expected - 1.0).abs() > TOLERANCE {
             writeln!(wrong, "{engine}: {millions:.1} million instructions instead of {expected:.1}")?;
         }
     }
-    ensure!(wrong.is_empty(), "{wrong}what is meant to be so is kept by `cargo xtask bench instructions`");
+    ensure!(
+        wrong.is_empty(),
+        "{wrong}if the change is intended, store the new counts with `cargo xtask bench instructions`"
+    );
     Ok(())
 }
 

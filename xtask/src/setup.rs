@@ -115,7 +115,7 @@ pub fn ensure(needs: &[Need]) -> Result<()> {
     let by_hand = format!("apt-get update && apt-get install -y --no-install-recommends {}", packages.join(" "));
     ensure!(
         is_program("apt-get"),
-        "this system has no apt-get; install what Debian calls {} and try again",
+        "this system has no apt-get; install the equivalents of Debian's {} and try again",
         packages.join(" ")
     );
     if !is_root() && !sudo_asks_nothing() {

@@ -30,7 +30,7 @@ pub fn run(args: &Args) -> Result<()> {
     for (bundle, folder) in bundle::paths().iter().zip(&folders) {
         let installed = folder.join(bundle.file_name().context("a bundle without a name")?);
         let removed = remove(&installed).with_context(|| format!("removing {}", installed.display()))?;
-        println!("{}{}", installed.display(), if removed { "" } else { ": is not there" });
+        println!("{}{}", installed.display(), if removed { "" } else { ": not installed" });
     }
     if let Some(folder) = preset_folder(args.from.as_deref(), args.system)
         && remove(&folder).with_context(|| format!("removing {}", folder.display()))?

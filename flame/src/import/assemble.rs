@@ -73,7 +73,7 @@ impl Assembly<'_> {
     ) -> Result<Grid<N>, FormatFault> {
         let mut grid = read(self.source, index)?;
         for other in super::names::namesakes(self.source.grids(), index) {
-            let found = format!("grids named {} that do not lie voxel on voxel", shown(&self.info(index).name));
+            let found = format!("grids named {} whose voxels do not coincide", shown(&self.info(index).name));
             let advice = "export them as one, or under different names";
             let other = read(self.source, other)?;
             grid = grid.joined(&other, join).ok_or(FormatFault::Unsupported { found, advice })?;
@@ -103,7 +103,7 @@ fn to_world(grid: Grid<3>) -> Grid<3> {
 fn scaled(grid: Grid<1>, axis: usize) -> Result<Grid<1>, FormatFault> {
     let step = grid.transform().turn(unit(axis));
     if (0..3).any(|other| other != axis && step[other] != 0.0) {
-        let found = "a velocity in voxels, split into components, on turned axes".into();
+        let found = "a velocity in voxels, split into components, on rotated axes".into();
         return Err(FormatFault::Unsupported { found, advice: "export the velocity as one grid of vectors" });
     }
     Ok(grid.map(|[voxels]| [(f64::from(voxels) * step[axis]) as f32]))

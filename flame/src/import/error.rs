@@ -28,7 +28,7 @@ pub enum FormatFault {
         allowed: u64,
     },
     /// No grid answers to the name asked for.
-    #[error("there is no {wanted}; the file holds {there}: name one of them")]
+    #[error("there is no {wanted}; the file contains {there}: name one of those")]
     NoGrid {
         /// The name and kind asked for.
         wanted: String,

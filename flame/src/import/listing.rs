@@ -48,8 +48,8 @@ pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
     let Some((main, files)) = main else {
         let found = match others {
             0 => "but it is empty".to_owned(),
-            1 => "but it holds one other file or folder".to_owned(),
-            _ => format!("but it holds {others} other files or folders"),
+            1 => "but it contains one other file or folder".to_owned(),
+            _ => format!("but it contains {others} other files or folders"),
         };
         return Err(Error::NoFrames { path: shown_path(folder), found });
     };

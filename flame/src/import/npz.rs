@@ -51,7 +51,7 @@ impl<R: Read + Seek> Npz<R> {
             return Err(FormatFault::TooLarge { what: "arrays in the archive", found, allowed });
         }
         if archive.has_duplicate_names() {
-            return damaged("two members of the archive have one name");
+            return damaged("two members of the archive have the same name");
         }
         if archive.has_overlapping_entries().map_err(|error| fault_of_zip(&error))? {
             return damaged("members of the archive overlap");
@@ -132,7 +132,7 @@ impl<R: Read + Seek> Npz<R> {
     fn numbers<const N: usize>(&mut self, index: usize, name: &str) -> Result<[f64; N], FormatFault> {
         let (header, mut reader) = self.member(index)?;
         if header.count()? != N as u64 {
-            return damaged(format!("{name} is an array of shape {:?}; {N} numbers are due", header.shape));
+            return damaged(format!("{name} is an array of shape {:?}; {N} numbers are expected", header.shape));
         }
         let (mut numbers, mut at) = ([0.0; N], 0);
         header.values(&mut reader, |value| {
@@ -146,7 +146,7 @@ impl<R: Read + Seek> Npz<R> {
 
     fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {
         let name = check_components(&self.infos, index, N)?.name.clone();
-        let missing = || FormatFault::Damaged(format!("array {} is not there", shown(&name)));
+        let missing = || FormatFault::Damaged(format!("array {} is missing", shown(&name)));
         let member = self.members.get(index).cloned().ok_or_else(missing)??;
         let (transform, mut budget) = (self.transform, self.budget.clone());
         let (header, mut reader) = self.member(member)?;

@@ -191,9 +191,9 @@ impl std::fmt::Display for Numbering {
     /// Tells what is not plain: `4 sub-frames to a frame`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (self.stride, self.subframes) {
-            (1, 1) => write!(f, "a step a frame"),
-            (1, parts) => write!(f, "{parts} steps a frame"),
-            (stride, _) => write!(f, "a step every {stride} frames"),
+            (1, 1) => write!(f, "one step per frame"),
+            (1, parts) => write!(f, "{parts} steps per frame"),
+            (stride, _) => write!(f, "one step every {stride} frames"),
         }
     }
 }

@@ -66,9 +66,9 @@ impl Scene {
     pub fn summary(self) -> &'static str {
         match self {
             Self::Candle => "A small flame blown by a turbulent wind",
-            Self::Torch => "A torch that is swung through the air",
-            Self::FlameJet => "Fuel let into a closed box in pulses",
-            Self::BurningBrick => "A small burning block that moves rapidly",
+            Self::Torch => "A torch swung through the air",
+            Self::FlameJet => "Fuel injected into a closed box in pulses",
+            Self::BurningBrick => "A small, rapidly moving burning block",
             Self::Dragon => "A fire-breathing dragon",
             Self::Campfire => "A wide, randomly perturbed fire",
             Self::Flamethrower => "A long jet",

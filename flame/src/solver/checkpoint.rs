@@ -44,19 +44,19 @@ impl Solver {
         let mut magic = [0; 8];
         from.read_exact(&mut magic).map_err(broken)?;
         if &magic != MAGIC {
-            return Err(Error::Checkpoint { reason: "it is of another kind or version" });
+            return Err(Error::Checkpoint { reason: "it is of a different kind or version" });
         }
         let mut word = [0; 8];
         for expected in self.fingerprint() {
             from.read_exact(&mut word).map_err(broken)?;
             if u64::from_le_bytes(word) != expected {
-                return Err(Error::Checkpoint { reason: "it belongs to another box, gas or seed" });
+                return Err(Error::Checkpoint { reason: "it was made with a different box, gas or seed" });
             }
         }
         from.read_exact(&mut word).map_err(broken)?;
         self.time_s = f64::from_le_bytes(word);
         if !self.time_s.is_finite() {
-            return Err(Error::Checkpoint { reason: "it holds a number that is not finite" });
+            return Err(Error::Checkpoint { reason: "it contains a number that is not finite" });
         }
         for values in self.state_mut() {
             let mut bytes = vec![0; 4 * values.len()];
@@ -66,7 +66,7 @@ impl Solver {
             }
         }
         if !self.is_finite() {
-            return Err(Error::Checkpoint { reason: "it holds a number that is not finite" });
+            return Err(Error::Checkpoint { reason: "it contains a number that is not finite" });
         }
         Ok(())
     }

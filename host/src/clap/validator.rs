@@ -258,7 +258,7 @@ impl Raw {
         unsafe {
             let count = (params.count.ok_or("no count")?)(self.plugin);
             let mut beyond: clap_param_info = std::mem::zeroed();
-            ensure(!get(self.plugin, count, &mut beyond), || "it tells of a parameter behind the last".to_owned())?;
+            ensure(!get(self.plugin, count, &mut beyond), || "it describes a parameter beyond the last".to_owned())?;
             let read = |index| {
                 let mut info: clap_param_info = std::mem::zeroed();
                 get(self.plugin, index, &mut info).then_some(info)
@@ -690,7 +690,7 @@ fn discover(raw: &Raw) -> Result<Discovered, String> {
             for path in paths {
                 let location = path.as_ref().map_or(std::ptr::null(), |path| path.as_ptr());
                 found.at.replace((kind, path.clone()));
-                ensure(get(provider, kind, location, &receiver), || format!("nothing is told of {path:?}"))?;
+                ensure(get(provider, kind, location, &receiver), || format!("nothing is reported about {path:?}"))?;
             }
         }
         (provider_ref.destroy.ok_or("no destroy")?)(provider);
@@ -722,7 +722,7 @@ fn presets(bundle: &Path) -> Result<(), String> {
     let is_loaded = unsafe {
         load(raw.plugin, CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN, std::ptr::null(), c"no such preset".as_ptr())
     };
-    ensure(!is_loaded, || "it loads a preset that there is not".to_owned())
+    ensure(!is_loaded, || "it loads a preset that does not exist".to_owned())
 }
 
 fn extensions(bundle: &Path) -> Result<(), String> {

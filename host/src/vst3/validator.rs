@@ -275,7 +275,7 @@ fn odd_rates(bundle: &Path) -> Result<(), String> {
         ensure(output == input, || format!("at {sample_rate} Hz the input does not pass through"))?;
         // SAFETY: a live processor.
         let latency = unsafe { raw.processor.getLatencySamples() };
-        ensure(latency == 0, || format!("at {sample_rate} Hz it tells a latency of {latency} samples"))?;
+        ensure(latency == 0, || format!("at {sample_rate} Hz it reports a latency of {latency} samples"))?;
     }
     Ok(())
 }

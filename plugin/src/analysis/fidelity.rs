@@ -315,7 +315,7 @@ impl Diagnosis {
     pub fn advice(self, is_calm: bool) -> &'static str {
         match self {
             Self::Buzzes if is_calm => {
-                "Tones stand out that the recording has not: a longer, livelier recording has fewer."
+                "Tones stand out that the recording does not have: a longer, livelier recording has fewer."
             }
             Self::Buzzes => "It buzzes: turn Scaling auto on, Scaling alpha down, or Dynamics mode to companded.",
             Self::MayBuzz => {

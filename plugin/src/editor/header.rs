@@ -82,7 +82,7 @@ fn history(ui: &mut Ui, hand: &mut ParamEditor<'_>) {
     let keys = |key| move |input: &mut egui::InputState| input.consume_key(egui::Modifiers::COMMAND, key);
     let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo"));
     map::note(ui, "button.Undo", undo.rect);
-    let undo = undo.on_hover_text("Ctrl+Z: undoes your last change; the host's automation stays");
+    let undo = undo.on_hover_text("Ctrl+Z: undoes your last change, but not the host's automation");
     if undo.clicked() || ui.input_mut(keys(egui::Key::Z)) {
         hand.undo();
     }

@@ -193,7 +193,7 @@ impl ListenPanel {
             return;
         }
         let Some(path) = take_path() else {
-            self.message = Some(("There is no folder for takes: save it instead".to_owned(), true));
+            self.message = Some(("There is no folder for takes; use Save instead".to_owned(), true));
             return;
         };
         let (channels, rate_hz) = (monitor.take.output(), self.rate_hz.unwrap_or(44_100.0) as u32);

@@ -152,8 +152,9 @@ impl Learner {
                 if learned.sample_rate_hz != engine.sample_rate_hz || learned.levels != engine.structure.levels =>
             {
                 let Learned { sample_rate_hz, levels, .. } = learned;
-                let text =
-                    format!("learned at {sample_rate_hz} Hz and {levels} levels, which is not what runs: learn again");
+                let text = format!(
+                    "learned at {sample_rate_hz} Hz and {levels} levels, unlike the present settings: learn again"
+                );
                 (None, Some(text))
             }
             Some(learned) => match Distribution::from_quantiles(learned.quantiles.clone()) {

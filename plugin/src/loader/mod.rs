@@ -80,7 +80,9 @@ impl Loader {
         let worker = Worker::new(mailbox, params.clone(), status.clone(), link, recent);
         let thread = std::thread::Builder::new().name("pyrophone-loader".to_owned()).spawn(move || worker.run());
         if let Err(error) = &thread {
-            status.fail(format!("no recordings can be loaded: the system refuses a thread ({error}); close something"));
+            status.fail(format!(
+                "no recordings can be loaded, because the system refuses a thread ({error}); close other programs"
+            ));
         }
         (Self { handle, thread: thread.ok() }, params, audio_link)
     }

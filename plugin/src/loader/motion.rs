@@ -31,14 +31,14 @@ impl Motion {
         let cannot = |error: std::io::Error| format!("{shown}: {}; choose a readable file", error.kind());
         // Nobody may wait for a pipe.
         if !path.metadata().map_err(cannot)?.is_file() {
-            return Err(format!("{shown}: this is no file; choose a speed field"));
+            return Err(format!("{shown}: this is not a file; choose a speed field"));
         }
         let mut bytes = vec![];
         let file = std::fs::File::open(path).map_err(cannot)?;
         file.take(MAX_FIELD_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(cannot)?;
         if bytes.len() > MAX_FIELD_BYTES {
             let most = MAX_FIELD_BYTES >> 20;
-            return Err(format!("{shown}: a speed field has at most {most} MB; export fewer seconds"));
+            return Err(format!("{shown}: a speed field may have at most {most} MB; export fewer seconds"));
         }
         let field = SpeedField::from_bytes(&bytes).map_err(|error| format!("{shown}: {error}"))?;
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).to_string_lossy().into_owned();

@@ -205,7 +205,7 @@ impl Worker {
         else {
             return;
         };
-        self.status.fail(format!("Cancelled: {what}. What was there before plays on; load it again when you like."));
+        self.status.fail(format!("Cancelled: {what}. The previous sound continues; load it again at any time."));
     }
 
     fn give_up_fetching(&mut self) -> Option<String> {

@@ -40,7 +40,7 @@ impl Common {
     fn read(chunk: &Chunk, is_compressed: bool, name: &str) -> Result<Self, Error> {
         let body = chunk.body;
         if body.len() < 18 {
-            return Err(damaged(name, "a format chunk that breaks off"));
+            return Err(damaged(name, "a truncated format chunk"));
         }
         let channels = usize::from(u16::from_be_bytes([body[0], body[1]]));
         let frames = u64::from(u32::from_be_bytes([body[2], body[3], body[4], body[5]]));

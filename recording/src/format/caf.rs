@@ -42,7 +42,7 @@ impl Format {
     fn read(chunk: &Chunk, name: &str) -> Result<Self, Error> {
         let body = chunk.body;
         if body.len() < 32 {
-            return Err(damaged(name, "a format chunk that breaks off"));
+            return Err(damaged(name, "a truncated format chunk"));
         }
         let u32_at = |at: usize| u32::from_be_bytes([body[at], body[at + 1], body[at + 2], body[at + 3]]);
         let law = match &body[8..12] {

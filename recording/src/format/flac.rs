@@ -70,7 +70,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
     let mut first: Option<StreamInfo> = None;
     let mut samples = 0;
     while bytes[at..].starts_with(MARK) {
-        let broken = || damaged(name, "its FLAC header breaks off");
+        let broken = || damaged(name, "its FLAC header is truncated");
         let (info, frames_at) = header(bytes, at).ok_or_else(broken)?;
         let first = *first.get_or_insert(info);
         check_layout(first.channels, Some(first.sample_rate_hz), name)?;
@@ -88,7 +88,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
     if left > 0 {
         notes.push(Note::Skipped { bytes: bytes.len() - at });
     }
-    let first = first.ok_or_else(|| damaged(name, "its FLAC header breaks off"))?;
+    let first = first.ok_or_else(|| damaged(name, "its FLAC header is truncated"))?;
     let described = Described { channels: first.channels, sample_rate_hz: first.sample_rate_hz, notes };
     Ok((described, Sound::Packets(links)))
 }
@@ -144,7 +144,7 @@ impl<'a> Frames<'a, '_> {
         // Frames behind what is none have lost those between.
         let is_lost = !self.is_boundary(at) && self.has_whole_frame(at + 1, 0);
         if is_lost {
-            return Err(damaged(self.name, format!("the bytes from {at} on are no frame of sound")));
+            return Err(damaged(self.name, format!("the bytes from {at} on are not a frame of sound")));
         }
         Ok((packets, at))
     }
@@ -177,7 +177,7 @@ impl<'a> Frames<'a, '_> {
     /// A frame whose checksum never comes out is the last one, broken off or followed by other bytes, or it is damaged.
     fn end_of_last(&self, at: usize, header: &FrameHeader) -> Result<usize, Error> {
         if self.has_whole_frame(at + 1, header.number_of_next()) {
-            let reason = format!("the frame of sound at byte {at} is damaged or those behind it are missing");
+            let reason = format!("the frame of sound at byte {at} is damaged, or those after it are missing");
             return Err(damaged(self.name, reason));
         }
         Ok(self.bytes.len())

@@ -41,7 +41,7 @@ const NOT_AUDIO: &[(&[u8], &str)] = &[
 pub(super) fn of(bytes: &[u8], name: &str) -> Result<Kind, Error> {
     match (bytes.get(..4), bytes.get(8..12)) {
         (Some(b"RIFF" | b"RF64" | b"BW64"), Some(b"WAVE")) => return Ok(Kind::Wav),
-        (Some(b"RIFF" | b"RF64" | b"BW64" | b"FORM"), None) => return Err(damaged(name, "the header breaks off")),
+        (Some(b"RIFF" | b"RF64" | b"BW64" | b"FORM"), None) => return Err(damaged(name, "the header is truncated")),
         (Some(b"FORM"), Some(b"AIFF" | b"AIFC")) => return Ok(Kind::Aiff),
         (Some(b"caff"), _) => return Ok(Kind::Caf),
         (Some(b"fLaC"), _) => return Ok(Kind::Flac),

@@ -35,7 +35,7 @@ struct Part<'a> {
 /// Reads all frames.
 pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<'a>), Error> {
     let bytes = tags::without_trailing(bytes);
-    let (start, first) = mpeg::first(bytes).ok_or_else(|| damaged(name, "not one whole frame"))?;
+    let (start, first) = mpeg::first(bytes).ok_or_else(|| damaged(name, "no complete frame"))?;
     check_layout(first.channels, Some(first.sample_rate_hz), name)?;
     let (mut parts, mut notes, mut skipped) = (vec![Part::default()], vec![], 0);
     let (mut at, mut samples) = (start, 0);

@@ -17,7 +17,7 @@ use crate::{Error, Note};
 const UNSUPPORTED: &[(&[u8], &str)] = &[
     (b"OpusHead", "Ogg with Opus coding"),
     (b"Speex   ", "Ogg with Speex coding"),
-    (b"\x80theora", "a film (Theora)"),
+    (b"\x80theora", "a video (Theora)"),
 ];
 
 /// Codings that are read.
@@ -64,11 +64,11 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
         }
     }
     if streams.is_empty() {
-        let found = refused.unwrap_or("Ogg without a beginning");
+        let found = refused.unwrap_or("Ogg without its first page");
         return Err(if refused.is_some() {
             unsupported(name, found)
         } else {
-            damaged(name, "its Ogg header breaks off")
+            damaged(name, "its Ogg header is truncated")
         });
     }
     if streams.iter().any(|stream| !stream.has_ended) && notes.is_empty() {
@@ -101,7 +101,7 @@ impl<'a> Stream<'a> {
     fn add(&mut self, page: &Page<'a>, name: &str) -> Result<(), Error> {
         if page.number != self.next_page {
             let (found, expected) = (page.number, self.next_page);
-            return Err(damaged(name, format!("page {found} follows where page {expected} is due")));
+            return Err(damaged(name, format!("page {found} follows where page {expected} is expected")));
         }
         self.next_page = page.number.wrapping_add(1);
         let mut is_continued = page.is_continued;
@@ -132,7 +132,7 @@ impl<'a> Stream<'a> {
 
     /// Rate, channels and packets.
     fn link(self, name: &str) -> Result<(u32, usize, Link<'a>), Error> {
-        let broken = || damaged(name, "its Ogg header breaks off");
+        let broken = || damaged(name, "its Ogg header is truncated");
         match self.coding {
             Coding::Vorbis => {
                 let (rate_hz, channels) =
@@ -172,6 +172,6 @@ fn join<'a>(streams: Vec<Stream<'a>>, notes: Vec<Note>, name: &str) -> Result<(D
         }
         links.push(link);
     }
-    let (sample_rate_hz, channels) = layout.ok_or_else(|| damaged(name, "its Ogg header breaks off"))?;
+    let (sample_rate_hz, channels) = layout.ok_or_else(|| damaged(name, "its Ogg header is truncated"))?;
     Ok((Described { channels, sample_rate_hz, notes }, Sound::Packets(links)))
 }

@@ -18,7 +18,7 @@ const HEADER_BYTES: usize = 24;
 /// Reads the chunks up to the sound.
 pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<'a>), Error> {
     if bytes.get(24..28) != Some(b"wave") {
-        return Err(damaged(name, "the header breaks off"));
+        return Err(damaged(name, "the header is truncated"));
     }
     let mut format = None;
     for chunk in chunks(bytes) {

@@ -77,7 +77,7 @@ impl Format {
         check_layout(channels, Some(sample_rate_hz), name)?;
         let tag = match u16_at(0) {
             0xfffe if body.len() >= 40 => u16_at(24),
-            0xfffe => return Err(damaged(name, "an extensible format chunk that breaks off")),
+            0xfffe => return Err(damaged(name, "a truncated extensible format chunk")),
             tag => tag,
         };
         check_coding(tag, bits, name)?;

@@ -94,7 +94,7 @@ impl Curve {
         match text {
             "" | "step" => Ok(Self::Step),
             "linear" if matches!(parameter.kind, Kind::Choice { .. } | Kind::Toggle { .. }) => {
-                Err(format!("{} has no values between two of its own, so its curve must be `step`", parameter.id))
+                Err(format!("{} has no intermediate values, so its curve must be `step`", parameter.id))
             }
             "linear" => Ok(Self::Linear),
             found => Err(format!("the curve is `{found}`, but must be `step` or `linear`")),

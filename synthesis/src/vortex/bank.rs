@@ -79,7 +79,7 @@ impl Bank {
         let stride = period + LONGEST_READ;
         let bytes = texture.rows().len() * DIRECTIONS * stride * size_of::<i16>();
         if bytes > MOST_BYTES {
-            let reason = format!("it would take {} MB, but {} MB are the most", bytes >> 20, MOST_BYTES >> 20);
+            let reason = format!("it would take {} MB, but at most {} MB are allowed", bytes >> 20, MOST_BYTES >> 20);
             return Err(Error::VortexTexture { reason });
         }
         let top = top_hz(sample_rate_hz) / texture.sample_rate_hz();

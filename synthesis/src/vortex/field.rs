@@ -71,7 +71,7 @@ impl SpeedField {
             return refuse(format!("its rate is {rate_hz} Hz, but must lie between 0.1 and 120 Hz"));
         }
         if sources == 0 || speeds.is_empty() || !speeds.len().is_multiple_of(sources) || speeds.len() > MOST_VALUES {
-            return refuse(format!("{} speeds are no steps of {sources} sources", speeds.len()));
+            return refuse(format!("{} speeds do not divide into steps of {sources} sources", speeds.len()));
         }
         if positions.len() != sources && positions.len() != speeds.len() {
             let (found, expected) = (positions.len(), speeds.len());

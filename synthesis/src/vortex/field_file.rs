@@ -52,7 +52,7 @@ impl SpeedField {
         let refuse = |reason: String| Error::SpeedField { reason };
         let head = bytes.first_chunk::<HEAD>().filter(|head| head.starts_with(MAGIC));
         let Some((head, rest)) = head.map(|head| (head, &bytes[HEAD..])) else {
-            return Err(refuse("this is no speed field, or of another version".to_owned()));
+            return Err(refuse("this is not a speed field, or it has an unknown version".to_owned()));
         };
         let double = |at: usize| f64::from_le_bytes(std::array::from_fn(|byte| head[at + byte]));
         let word = |at: usize| std::array::from_fn(|byte| head[at + byte]);
@@ -61,7 +61,7 @@ impl SpeedField {
         let fastest = f32::from_le_bytes(word(36));
         if sources > MOST_SOURCES || steps > MOST_STEPS {
             let most = format!("{MOST_SOURCES} sources and {MOST_STEPS} steps");
-            return Err(refuse(format!("it claims {sources} sources and {steps} steps; {most} are the most")));
+            return Err(refuse(format!("it declares {sources} sources and {steps} steps; at most {most} are allowed")));
         }
         // Within 32 bits too: 4096 times a million.
         let expected = sources as u64 * (PLACE + steps) as u64;

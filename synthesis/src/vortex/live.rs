@@ -72,7 +72,9 @@ impl Live {
     pub fn new(simulator: Box<dyn Simulator>, places: &[[f32; 3]], hops_per_step: u64) -> Result<Self, Error> {
         let far = |value: &f32| !(-FARTHEST_M..=FARTHEST_M).contains(value);
         if places.is_empty() || places.iter().flatten().any(far) {
-            return Err(Error::SpeedField { reason: "a simulation has no places, or some out of reach".to_owned() });
+            return Err(Error::SpeedField {
+                reason: "a simulation has no positions, or some are out of range".to_owned(),
+            });
         }
         let still = vec![0.0; places.len()];
         Ok(Self {

@@ -84,7 +84,7 @@ impl VortexTexture {
                 return refuse(format!("the series of {speed_m_s} m/s differ in length"));
             }
             if components.iter().flatten().any(|value| !value.is_finite()) {
-                return refuse(format!("a series of {speed_m_s} m/s holds what is not a number"));
+                return refuse(format!("a series of {speed_m_s} m/s holds a value that is not finite"));
             }
         }
         Ok(Self { sample_rate_hz, rows })
@@ -131,12 +131,12 @@ impl VortexTexture {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
         let refuse = |reason: &str| Error::VortexTexture { reason: reason.to_owned() };
         let Some(head) = bytes.get(..HEAD).filter(|head| head.starts_with(MAGIC)) else {
-            return Err(refuse("this is no vortex texture, or of another version"));
+            return Err(refuse("this is not a vortex texture, or it has an unknown version"));
         };
         let number = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]) as usize;
         let (sample_rate_hz, rows, steps) = (number(8), number(12), number(16));
         if rows > MOST_ROWS || steps > MOST_STEPS {
-            return Err(refuse("it claims more rows or steps than are possible"));
+            return Err(refuse("it declares more rows or steps than are allowed"));
         }
         let (table, data) = (rows * ROW_HEAD, rows * COMPONENTS * steps * 2);
         if bytes.len() != HEAD + table + data {

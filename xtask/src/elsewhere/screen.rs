@@ -22,7 +22,7 @@ pub(super) fn obstacle() -> Option<&'static str> {
     ["Xvfb", "xdotool", "import", "xwininfo"]
         .into_iter()
         .any(|name| !is_program(name))
-        .then_some("it takes a screen, a mouse and pictures (`apt-get install xvfb xdotool imagemagick x11-utils`)")
+        .then_some("it needs a screen, a mouse and pictures (`apt-get install xvfb xdotool imagemagick x11-utils`)")
 }
 
 /// An X server of our own.

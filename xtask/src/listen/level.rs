@@ -31,7 +31,7 @@ fn loudness(sound: &[f32], rate_hz: u32) -> Result<f64> {
     let lufs = meter.loudness_global()?;
     lufs.is_finite()
         .then_some(lufs)
-        .context("a sound of the test is silent, so that it cannot be as loud as the others")
+        .context("a sound of the test is silent, so it cannot be made as loud as the others")
 }
 
 #[cfg(test)]

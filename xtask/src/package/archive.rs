@@ -125,7 +125,7 @@ pub fn write_checksums(folder: &Path) -> Result<PathBuf> {
     });
     files.sort();
     let output = Command::new("sha256sum").current_dir(folder).args(&files).output().context("calling sha256sum")?;
-    ensure!(output.status.success(), "the packages cannot be summed up");
+    ensure!(output.status.success(), "the packages' checksums cannot be computed");
     let path = folder.join("SHA256SUMS");
     fs::write(&path, output.stdout)?;
     Ok(path)

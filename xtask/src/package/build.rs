@@ -96,7 +96,7 @@ fn tools() -> Result<PathBuf> {
     let tools = project::target_dir().join("packages-tools");
     if !tools.join("bin/cargo-zigbuild").exists() {
         let made = Command::new("python3").args(["-m", "venv"]).arg(&tools).status().context("calling python3")?;
-        ensure!(made.success(), "python3 cannot make an environment; Debian has what it lacks in python3-venv");
+        ensure!(made.success(), "python3 cannot create an environment; install Debian's python3-venv");
         let installed = Command::new(tools.join("bin/pip")).args(["install", "--quiet"]).args(ZIG).status()?;
         ensure!(installed.success(), "{} cannot be installed; see above", ZIG.join(" and "));
     }

@@ -28,10 +28,9 @@ const FONTS: [&str; 1] = ["Ubuntu-font-1.0"];
 
 /// A page that names every crate in the packages for these targets, with its licence and where it comes from.
 pub fn page(triples: &[&str]) -> Result<String> {
-    let mut page =
-        "# What Pyrophone contains of others\n\nEach under its own licence; sources at the addresses named.\n\n\
+    let mut page = "# Third-party components\n\nEach under its own licence; sources are at the addresses given.\n\n\
         | crate | licence | source |\n|---|---|---|\n"
-            .to_owned();
+        .to_owned();
     for Crate { name, version, licence, source } in crates(triples)? {
         ensure!(is_permitted(&licence), "{name} is under {licence:?}, which may not be passed on; see licences.rs");
         page.push_str(&format!("| {name} {version} | {licence} | {source} |\n"));

@@ -49,5 +49,5 @@ fn run(command: &mut Command, program: &Path, output: &Path, training: &Path) ->
     // Python writes numbers that are none as no JSON reader takes them.
     let text = String::from_utf8_lossy(&told.stdout).replace("NaN", "null").replace("-Infinity", "null");
     serde_json::from_str(&text.replace("Infinity", "null"))
-        .with_context(|| format!("{} told no JSON", program.display()))
+        .with_context(|| format!("{} printed no JSON", program.display()))
 }

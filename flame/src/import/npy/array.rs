@@ -61,7 +61,7 @@ impl Axes {
             [x, y, z] => (&[0, 1, 2], [x, y, z]),
             [x, y, z, 3] => (&[0, 1, 2, 3], [x, y, z]),
             [3, x, y, z] => (&[3, 0, 1, 2], [x, y, z]),
-            _ => return damaged(format!("an array of shape {:?} is no field", header.shape)),
+            _ => return damaged(format!("an array of shape {:?} is not a field", header.shape)),
         };
         let mut fastest_first: Vec<_> = order.iter().copied().zip(header.shape.iter().copied()).collect();
         if !header.fortran_order {

@@ -56,7 +56,7 @@ impl Npy {
         if let Some(Err(fault)) = self.headers.get(index) {
             return Err(fault.clone());
         }
-        let missing = || FormatFault::Unreadable("it has vanished".into());
+        let missing = || FormatFault::Unreadable("it has disappeared".into());
         let (header, mut reader, _) = open(self.files.get(index).ok_or_else(missing)?)?;
         if components(&header.shape) != N {
             return Err(FormatFault::Damaged("it changed while it was read".into()));

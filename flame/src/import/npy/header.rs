@@ -51,7 +51,7 @@ impl Header {
         fill(reader, &mut start)?;
         let [magic @ .., major, _] = start;
         if magic != *MAGIC {
-            return damaged("an array does not begin as .npy files do");
+            return damaged("an array lacks the .npy signature");
         }
         let (length, length_bytes) = match major {
             1 => {
@@ -67,7 +67,7 @@ impl Header {
             _ => return unsupported(format!(".npy version {major}")),
         };
         if length > MOST_HEADER_BYTES {
-            return damaged(format!("an array's header of {length} bytes, at most {MOST_HEADER_BYTES} are allowed"));
+            return damaged(format!("an array header of {length} bytes, at most {MOST_HEADER_BYTES} are allowed"));
         }
         let mut text = vec![0; length];
         fill(reader, &mut text)?;
@@ -163,7 +163,7 @@ impl Header {
         // Reading on to the end also lets a zip member check its sum.
         match reader.read(&mut [0]) {
             Ok(0) => Ok(()),
-            Ok(_) => damaged(format!("more data than an array of shape {:?} has", self.shape)),
+            Ok(_) => damaged(format!("more data than an array of shape {:?} holds", self.shape)),
             Err(error) => Err(fault_of(&error)),
         }
     }

@@ -14,7 +14,7 @@ pub(super) struct Literal {
 pub(super) fn parse(text: &[u8]) -> Result<Literal, FormatFault> {
     let mut parser = Parser { text };
     let (mut descr, mut fortran_order, mut shape) = (None, None, None);
-    let Some(()) = parser.token(b'{') else { return damaged("an array whose header is no dictionary") };
+    let Some(()) = parser.token(b'{') else { return damaged("an array whose header is not a dictionary") };
     while parser.token(b'}').is_none() {
         let entry = parser.string().and_then(|key| parser.token(b':').map(|()| key));
         let found = match entry.as_deref() {

@@ -206,7 +206,7 @@ impl<'a> Table<'a> {
     fn frame(&mut self, cells: &[&str], column: usize) -> Result<(), Error> {
         let cell = self.cell(cells, column)?;
         let frame = cell.parse::<i64>();
-        let frame = frame.map_err(|_| self.fault(format!("\"{}\" is not a frame's number", shown(cell))))?;
+        let frame = frame.map_err(|_| self.fault(format!("\"{}\" is not a frame number", shown(cell))))?;
         if let Some((_, last)) = self.frames
             && last.checked_add(1) != Some(frame)
         {

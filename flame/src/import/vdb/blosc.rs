@@ -130,7 +130,7 @@ impl Header {
             if stream.len() == part.len() {
                 part.copy_from_slice(stream);
             } else if !lz4_flex::block::decompress_into(stream, part).is_ok_and(|length| length == part.len()) {
-                return damaged("an LZ4 stream that does not unfold to its size");
+                return damaged("an LZ4 stream that does not decompress to its size");
             }
         }
         Ok(())

@@ -57,9 +57,11 @@ impl<'a> Cursor<'a> {
                 self.at += count;
                 Ok(taken)
             }
-            None => {
-                damaged(format!("it ends early: {count} bytes are due at byte {}, {} are there", self.at, rest.len()))
-            }
+            None => damaged(format!(
+                "it ends early: {count} bytes are expected at byte {}, but only {} are left",
+                self.at,
+                rest.len()
+            )),
         }
     }
 

@@ -123,7 +123,7 @@ fn three(bytes: &[u8]) -> Option<[i32; 3]> {
 fn truth(name: &str, bytes: &[u8]) -> Result<bool, FormatFault> {
     match bytes {
         [byte] => Ok(*byte != 0),
-        _ => damaged(format!("{name} of {} bytes, 1 is due", bytes.len())),
+        _ => damaged(format!("{name} of {} bytes, 1 is expected", bytes.len())),
     }
 }
 

@@ -67,7 +67,7 @@ impl<'a> Vdb<'a> {
         check_file_size(bytes.len() as u64)?;
         let mut cursor = Cursor::within(bytes, 0, bytes.len())?;
         if bytes.get(..MAGIC.len()) != Some(&MAGIC[..]) {
-            return damaged("it does not begin as OpenVDB files do");
+            return damaged("it lacks the OpenVDB signature");
         }
         cursor.take(MAGIC.len())?;
         let version = cursor.u32()?;
@@ -201,7 +201,7 @@ impl Index {
     ) -> Result<(), FormatFault> {
         let Some(kind) = kind else {
             let found = format!("grid {} ({})", shown(descriptor.name()), shown(&descriptor.tree));
-            let advice = "the file has no offsets to pass over it: write it to disk, not to a stream, or without it";
+            let advice = "the file has no offsets for skipping it: write the file to disk instead of a stream, or without this grid";
             return Err(FormatFault::Unsupported { found, advice });
         };
         let tree = Tree::open(cursor.clone(), layout(self.version, header, kind), &mut self.budget)?;
@@ -218,7 +218,7 @@ impl Index {
                     && self.bodies.get(**found).map(|body| &body.tree) == tree.as_ref()
             };
             let found = self.unique.get(parent).filter(fits).copied();
-            let missing = || FormatFault::Damaged(format!("an instance of grid {}, which is not there", shown(parent)));
+            let missing = || FormatFault::Damaged(format!("an instance of grid {}, which is missing", shown(parent)));
             if let Some(body) = self.bodies.get_mut(index) {
                 body.parent = found.map(Some).ok_or_else(missing);
             }

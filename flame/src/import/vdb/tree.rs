@@ -108,7 +108,7 @@ impl<'a, 'b> Tree<'a, 'b> {
     pub fn open(mut cursor: Cursor<'a>, layout: ValueLayout, budget: &'b mut Budget) -> Result<Self, FormatFault> {
         let buffers = cursor.i32()?;
         if buffers != 1 {
-            return damaged(format!("a tree of {buffers} buffers, 1 is due"));
+            return damaged(format!("a tree of {buffers} buffers, 1 is expected"));
         }
         let background = Values::single(&mut cursor, layout.kind)?;
         let values = Values::new(layout, background.clone());
@@ -246,7 +246,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                 self.leaf_origin(origin)?;
                 let buffers = self.cursor.u8()?;
                 if buffers != 1 {
-                    return damaged(format!("a leaf of {buffers} buffers, 1 is due"));
+                    return damaged(format!("a leaf of {buffers} buffers, 1 is expected"));
                 }
             }
             if S::WANTED {

@@ -129,7 +129,7 @@ impl Values {
         self.inflate.reset(true);
         let status = self.inflate.decompress(bytes, &mut self.unpacked, FlushDecompress::Finish);
         if !matches!(status, Ok(Status::StreamEnd)) || self.inflate.total_out() != expected as u64 {
-            return damaged(format!("a zlib stream that does not unfold to its {expected} bytes"));
+            return damaged(format!("a zlib stream that does not decompress to its {expected} bytes"));
         }
         self.unpacked.truncate(expected);
         Ok(())
@@ -141,7 +141,7 @@ fn chunk<'a>(cursor: &mut Cursor<'a>, expected: usize) -> Result<(&'a [u8], bool
     let size = cursor.i64()?;
     let length = usize::try_from(size.unsigned_abs()).unwrap_or(usize::MAX);
     if size <= 0 && length != expected {
-        return damaged(format!("a stored array of {length} bytes where {expected} are due"));
+        return damaged(format!("a stored array of {length} bytes where {expected} are expected"));
     }
     Ok((cursor.take(length)?, size > 0))
 }

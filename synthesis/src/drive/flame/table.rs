@@ -79,7 +79,7 @@ impl Table {
             reader.samples::<i16>().collect::<Result<_, _>>().map_err(|error| broken(error.to_string()))?;
         let period: Vec<[f32; WAYS]> = samples.as_chunks().0.iter().map(|step| step.map(f32::from)).collect();
         if period.len() < 4 {
-            return Err(broken(format!("it has {} steps, which is no period", period.len())));
+            return Err(broken(format!("it has {} steps, which is not a period", period.len())));
         }
         Ok(Self::new(f64::from(spec.sample_rate), period))
     }
