@@ -1,18 +1,18 @@
-//! Checkpoints: a run that was interrupted resumes as if it had not been.
+//! Checkpoints, from which an interrupted run resumes as if it had not been interrupted.
 
 use std::io::{Read, Write};
 
 use super::Solver;
 use crate::error::Error;
 
-/// First bytes of a saved run; the number changes with the layout.
+/// First bytes of a saved run; the number changes with the format.
 const MAGIC: &[u8; 8] = b"PYROSIM2";
 
 impl Solver {
-    /// Writes all that the next step depends on: some 40 bytes per cell.
+    /// Writes everything that the next step depends on: some 40 bytes per cell.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn save(&self, mut to: impl Write) -> std::io::Result<()> {
         to.write_all(MAGIC)?;
         for number in self.fingerprint() {
@@ -27,10 +27,10 @@ impl Solver {
         Ok(())
     }
 
-    /// Takes over a run that a solver of the same box and seed has saved.
+    /// Restores a run saved by a solver with the same box and seed.
     ///
     /// # Errors
-    /// Fails where the bytes end early or are of another run; then the gas is at rest.
+    /// If the bytes end early or belong to another run; the gas is then at rest.
     pub fn load(&mut self, mut from: impl Read) -> Result<(), Error> {
         let result = self.try_load(&mut from);
         if result.is_err() {
