@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut block = vec![vec![0.0f32; BLOCK]; 2];
     let blocks = (SECONDS * SAMPLE_RATE_HZ as usize + chain.latency_samples()).div_ceil(BLOCK);
     for index in 0..blocks {
-        // In the callback: the block holds the input (silence, since a flame burns by itself) and becomes the output.
+        // In the callback: the block contains the input (silence, since a built-in flame burns) and becomes the output.
         block.iter_mut().for_each(|channel| channel.fill(0.0));
         let mut outputs: Vec<&mut [f32]> = block.iter_mut().map(Vec::as_mut_slice).collect();
         let transport = Transport { playing: true, position: Some((index * BLOCK) as i64) };

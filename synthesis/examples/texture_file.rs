@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p pyrophone-synthesis --example texture_file -- flame.wav fire.wav out.wav`
 //!
-//! Both files must have one sample rate: this crate does not resample (`pyrophone texture` does).
+//! Both files must have the same sample rate: this crate does not resample (`pyrophone texture` does).
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Err(format!("the flame has {flame_rate_hz} Hz and the fire {fire_rate_hz} Hz; resample one").into());
     }
 
-    // Analysis of the recording: pyramid, feature vectors, index. It can be used for any number of flames.
+    // Analysis of the recording: pyramid, feature vectors, index. It can serve any number of flames.
     let dictionary = Arc::new(Dictionary::new(&[fire], f64::from(fire_rate_hz), &PyramidConfig::default(), &|_| true)?);
     let made = synthesize(&flame, &dictionary, &Options::default(), &|_| true)?;
 

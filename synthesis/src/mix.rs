@@ -9,7 +9,7 @@ use crate::vortex::SpeakerLayout;
 
 /// Time constant in seconds with which levels follow their controls.
 const SMOOTHING_S: f64 = 0.005;
-/// Most channels of any bus.
+/// Largest number of channels of any bus.
 const MAX_CHANNELS: usize = 10;
 
 /// The layers of one block, all delayed by the effect's latency.
@@ -29,7 +29,7 @@ pub struct Layers<'a> {
     pub hiss: &'a [Vec<f64>],
     /// A fuel's body, by channel.
     pub body: &'a [Vec<f64>],
-    /// The input, by channel of the output, delayed likewise; silent where there is none.
+    /// The input, by output channel, with the same delay; silent if there is none.
     pub dry: &'a [Vec<f32>],
 }
 
@@ -74,7 +74,7 @@ struct Levels {
 #[derive(Debug, Clone)]
 pub struct Mix {
     latency_samples: u64,
-    /// The channel of low-frequency effects, which passes as it came.
+    /// The LFE channel, which is passed through.
     effects: Option<usize>,
     controls: Timeline<MixControls>,
     low: Smoothed,
@@ -115,19 +115,19 @@ impl Mix {
         }
     }
 
-    /// Back to the state of a fresh instance; the next controls are taken at once.
+    /// Restores the state of a fresh instance; the next controls apply at once.
     pub fn reset(&mut self) {
         self.controls.reset(MixControls::default());
         self.now = 0;
     }
 
-    /// Samples for which it sounds on after the layers have fallen silent.
+    /// Samples for which it continues after the layers have fallen silent.
     pub fn tail_samples(&self, controls: &MixControls) -> usize {
         self.tone.tail_samples(&controls.tone)
     }
 
-    /// Mixes one block into `outputs`, whose channels are as long as the layers'. `controls` belong
-    /// to the sound that enters with this block.
+    /// Mixes one block into `outputs`, whose channels are as long as the layers'. `controls` belong to the sound that
+    /// enters with this block.
     pub fn process(&mut self, layers: &Layers<'_>, controls: &MixControls, outputs: &mut [&mut [f32]]) -> Peaks {
         let samples = layers.low.len();
         if self.controls.end() == 0 {
@@ -166,7 +166,7 @@ impl Mix {
         self.bypass.value = f64::from(u8::from(controls.bypass));
     }
 
-    /// Whether all levels have arrived where the controls want them, and the tone is neutral: then they stay.
+    /// True if all levels have reached their controls and the tone is neutral: then they stay.
     fn is_settled(&self, controls: &MixControls) -> bool {
         let bypass = f64::from(u8::from(controls.bypass));
         self.low.value == controls.low
@@ -239,7 +239,7 @@ impl Mix {
                 .map(|(layer, level)| if level == 0.0 { 0.0 } else { narrow(layer, channel) * level });
             let sum = low + extension + texture + vortex + crackle + hiss + body;
             *wet = self.tone.process(channel, sum) * levels.output;
-            // A comparison with what is no number would leave it out.
+            // A comparison with NaN would leave it out.
             loudest = if wet.is_nan() { f64::NAN } else { wet.abs().max(loudest) };
             peaks.extension = peaks.extension.max(extension.abs());
             peaks.texture = peaks.texture.max(texture.abs());
@@ -248,7 +248,7 @@ impl Mix {
             peaks.hiss = peaks.hiss.max(hiss.abs());
             peaks.body = peaks.body.max(body.abs());
         }
-        // All channels alike, so that the image stays.
+        // The same for all channels, so that the image stays.
         let held = if controls.ceiling { ceiling::gain(loudest) } else { 1.0 };
         for (channel, output) in outputs.iter_mut().enumerate() {
             let dry = layers.dry[channel][i];

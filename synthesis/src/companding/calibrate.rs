@@ -18,17 +18,17 @@ use crate::noise::White;
 use crate::texture::dictionary::{Dictionary, Progress};
 use crate::texture::engine::Texture;
 
-/// Length of a trial in seconds. The first finds the equaliser, the second tells whether it helps.
+/// Length of a trial in seconds. The first finds the equaliser, the second verifies that it helps.
 const TRIAL_S: f64 = 6.0;
 const SEEDS: [u32; 2] = [17, 18];
-/// How often in a second, and by how many nepers, the trial's flame swells.
+/// Rates of the trial flame's swells per second, and their extent in nepers.
 const SWELLS_HZ: [f64; 4] = [0.7, 1.9, 3.1, 5.3];
 const SWELL_NEPERS: f64 = 0.5;
 /// Above this frequency, in Hz, a flame's pressure falls by 12 dB an octave.
 const FLAME_HZ: f64 = 200.0;
-/// Stream of white noise that no other stage uses.
+/// White-noise stream that no other stage uses.
 const STREAM: u32 = 0x464C_414D;
-/// Samples processed at once.
+/// Samples processed at a time.
 const BLOCK: usize = 1024;
 
 /// Completes a companded `dictionary` of a recording's `channels`. Fails only when `progress` calls it off.
@@ -41,7 +41,7 @@ pub fn calibrate(
     let recording = mean_of(channels);
     let goal = Power::of(&recording, rate_hz);
     let is_crackling = dictionary.crackles().is_some();
-    // What is left of crackles, and of takes that differ, would raise a mean: a bed is as it mostly is.
+    // Remains of crackles, and differences between takes, would raise a mean: a bed is therefore judged by its median.
     let levels_db = |signal: &[f64]| match is_crackling {
         true => typical_third_octaves_db(signal, rate_hz),
         false => Power::of(signal, rate_hz).third_octaves_db(rate_hz),
@@ -94,25 +94,26 @@ pub fn calibrate(
     Ok(dictionary)
 }
 
-/// The factor that makes what was `heard` in a trial as loud, mostly and at a steady drive, as `recording` mostly is.
+/// The factor that makes the output `heard` in a trial typically as loud, at a steady drive, as `recording` typically
+/// is.
 fn typical_level(recording: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> f64 {
     let [goal_db, heard_db] = [recording, heard].map(|signal| typical_third_octaves_db(signal, rate_hz));
     let mean_db = goal_db.iter().zip(&heard_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len().max(1) as f64;
     swell * maths::pow(10.0, mean_db / 20.0)
 }
 
-/// What came of a trial.
+/// Results of a trial.
 struct Trial {
     channels: Vec<Vec<f64>>,
     /// The median of the factor that the drive's loudness had.
     swell: f64,
 }
 
-/// What companded texture makes of a flame-like drive, neither equalised nor with its low end.
+/// Companded texture of a flame-like drive, without equaliser and low end.
 fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Result<Trial, Error> {
     let rate_hz = dictionary.sample_rate_hz();
     let drive = flame(rate_hz, seed);
-    // Of more than two channels no image is matched.
+    // With more than two channels, no image is matched.
     let outputs = if dictionary.channels() == 2 { 2 } else { 1 };
     let mut texture = Texture::new(dictionary.shape(), outputs, rate_hz)?;
     texture.swap_dictionary(Some(Arc::clone(dictionary)));
@@ -149,7 +150,7 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
     Ok(Trial { channels, swell: maths::pow(median, controls.companding.dynamics) })
 }
 
-/// Noise with the spectrum of a flame's pressure, which swells as flames do, at the nominal level.
+/// Noise with the spectrum of a flame's pressure, swelling as flames do, at the nominal level.
 fn flame(rate_hz: f64, seed: u32) -> Vec<f64> {
     let mut flame = vec![0.0; (TRIAL_S * rate_hz) as usize];
     White::new(seed, STREAM).fill(0, &mut flame);
