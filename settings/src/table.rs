@@ -1,13 +1,12 @@
-//! The table of all parameters: the promise that presets, states and automation rest on.
+//! The table of all parameters, a promise that presets, states and automation rely on.
 //!
-//! Ids and the order of choices never change; new parameters go to the end of [`Id`] and of the
-//! table.
+//! Ids and the order of choices never change; new parameters go to the end of [`Id`] and of the table.
 
 use crate::Error;
 use crate::names::nearest;
 use crate::parameter::{Kind, Parameter};
 
-/// Places in [`PARAMETERS`].
+/// Indices into [`PARAMETERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "each is described by its line of the table")]
 pub enum Id {
@@ -875,14 +874,14 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
 ];
 
-/// What belongs to a session's recordings, and stays as it is when a preset is chosen.
+/// Parameters that belong to a session's recordings, and do not change when a preset is chosen.
 pub const OF_SESSION: [Id; 3] = [Id::RecordingSlot, Id::RecordingSecond, Id::RecordingBlend];
 
 /// Number of parameters.
 pub const COUNT: usize = PARAMETERS.len();
 
 impl Id {
-    /// Its line of the table.
+    /// Its row in the table.
     pub fn parameter(self) -> &'static Parameter {
         &PARAMETERS[self as usize]
     }
@@ -892,8 +891,8 @@ impl Id {
 const HOST_GROUPS: [&str; 10] =
     ["Character", "Levels", "Drive", "Flame", "Texture", "Crackle", "Fuel", "Extension", "Vortex", "Structure"];
 
-/// Places in the table in the order in which hosts show the parameters: by group, bypass first, within a group as in
-/// the table.
+/// Indices into the table in the order in which hosts show the parameters: by group, bypass first, and within a group
+/// as in the table.
 pub fn host_order() -> Vec<usize> {
     let mut order: Vec<usize> = (0..COUNT).collect();
     let group = |index: usize| HOST_GROUPS.iter().position(|group| *group == PARAMETERS[index].group);
@@ -901,7 +900,7 @@ pub fn host_order() -> Vec<usize> {
     order
 }
 
-/// Place of the parameter with this id in [`PARAMETERS`].
+/// Index of the parameter with this id in [`PARAMETERS`].
 pub fn index_of(id: &str) -> Result<usize, Error> {
     PARAMETERS.iter().position(|parameter| parameter.id == id).ok_or_else(|| Error::UnknownParameter {
         id: id.to_owned(),
