@@ -95,7 +95,7 @@ unsafe extern "C" fn extension(_host: *const clap_host, id: *const c_char) -> *c
 /// # Safety
 /// The host of a [`Raw`].
 unsafe fn notices<'a>(host: *const clap_host) -> &'a Notices {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     unsafe { &*(*host).host_data.cast::<Notices>() }
 }
 
@@ -162,7 +162,7 @@ impl Raw {
     /// # Safety
     /// `T` is the extension's type.
     unsafe fn extension<T>(&self, id: &CStr) -> Result<&T, String> {
-        // SAFETY: a live plug-in; by the caller's word.
+        // SAFETY: a live plug-in; guaranteed by the caller.
         let found = unsafe { (*self.plugin).get_extension.map(|get| get(self.plugin, id.as_ptr()).cast::<T>()) };
         // SAFETY: as above.
         found.and_then(|found| unsafe { found.as_ref() }).ok_or_else(|| format!("it has no {}", id.to_string_lossy()))

@@ -263,7 +263,7 @@ impl IBStreamTrait for MemoryStream {
 /// `place` is null or valid for a write.
 unsafe fn write_if_wanted<T>(place: *mut T, value: T) {
     if !place.is_null() {
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         unsafe { place.write(value) };
     }
 }

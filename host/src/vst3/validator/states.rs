@@ -38,7 +38,7 @@ pub(super) fn value_is_saved_at_once(bundle: &Path) -> Result<(), String> {
 /// # Safety
 /// A live instance.
 unsafe fn set(raw: &Raw, id: u32, normalised: f64) -> i32 {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     unsafe { raw.controller.setParamNormalized(id, normalised) }
 }
 
