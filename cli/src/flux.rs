@@ -180,7 +180,7 @@ fn write(
     sound::note_interpolated(&flux.interpolated, plan.sequence.numbering());
     let signal = Signal::of_flux(&flux, rate_hz).counted(*plan.sequence.numbering());
     let signal = signal.on_timeline(&args.timeline);
-    // What is written of its own frames; those of other parts are looked at for the merge alone.
+    // Output for its own frames; those of other parts are read for the merge alone.
     let own = plan.own().ok_or(pyrophone_flame::Error::NoFrames)?;
     if let (Some(path), Some(rate_hz)) = (&args.speed_field, rate_hz) {
         let start_s = sound::time_reference(&args.sound, &signal)? as f64 / f64::from(args.sound.sample_rate);

@@ -262,7 +262,7 @@ impl FluxShard {
     /// Reads a part whose last line is still to come.
     ///
     /// # Errors
-    /// As [`read`](Self::read), but for a missing last line.
+    /// As [`read`](Self::read), except that the last line may be missing.
     pub fn read_unfinished(text: &str, name: &str) -> Result<Self, Error> {
         let damaged = |line, reason: String| Error::Table { name: name.into(), line, reason };
         let mut head = text.lines();

@@ -130,7 +130,7 @@ impl Library {
             fs::rename(&part, &path)
         };
         write().map_err(|source| {
-            // A partial file is of no use to anybody.
+            // A partial file is useless.
             let _ = fs::remove_file(&part);
             Error::FileWrite { path: path.clone(), source }
         })?;

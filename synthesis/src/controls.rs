@@ -35,7 +35,7 @@ pub enum DriveMode {
     /// The same with the envelope of the main input: hosts that offer a sidechain bus with nothing connected to it are
     /// indistinguishable from a silent sidechain.
     InputEnvelope,
-    /// A simulated flame; the input is of no account.
+    /// A simulated flame; the input is ignored.
     Flame,
 }
 

@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(Scene::ALL.map(Scene::name), SCENES);
     }
 
-    /// What burns in the plugin is the pressure that the command line makes of the same flux.
+    /// The plugin plays the pressure that the command line makes of the same flux.
     #[test]
     fn the_plugin_plays_the_flux_that_is_written() {
         for (scene, name) in SCENES.iter().enumerate() {
@@ -209,7 +209,7 @@ mod tests {
         let samples: Vec<i16> = reader.samples().map(|sample| sample.expect("a sample")).collect();
         for (n, step) in samples.chunks_exact(2).enumerate() {
             for (way, sample) in step.iter().enumerate() {
-                // The louder way, twice 0-9, stands 9 off its middle.
+                // The louder variant, twice 0-9, reaches 9 off its middle.
                 let expected = (way + 1) as f64 * ((n % 10) as f64 - 4.5) / 9.0 * 32_767.0;
                 assert!((f64::from(*sample) - expected).abs() <= 0.51, "step {n}, way {way}: {sample}, {expected}");
             }

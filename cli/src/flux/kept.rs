@@ -30,7 +30,7 @@ impl FluxCheckpoint {
         let mut name = output.file_name().unwrap_or_default().to_os_string();
         name.push(SUFFIX);
         let path = output.with_file_name(name);
-        // A file that cannot be read, or of other settings, is of no use: it will be written again.
+        // A file that is unreadable or has other settings is ignored: it will be written again.
         let text = std::fs::read_to_string(&path).unwrap_or_default();
         // The last line may have been cut off while it was written.
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];

@@ -98,8 +98,8 @@ impl Plan {
             work.check()?;
             Sight::of(&sequence, *index, &selection, args)
         };
-        // Where all are bad the first one's reason is told: most often a name that no frame has. A frame before
-        // ignition has no field, and nothing that could be told of it.
+        // If all are bad, the first one's reason is reported: most often a name that no frame has. A frame before
+        // ignition has no field, and so nothing to report.
         let is_bad = |look: &Result<Sight, Error>| matches!(look, Err(Error::Import(_)));
         let is_unlit = |index: &usize| sequence.is_unlit(*index, &selection);
         let mut lit = indices.iter().skip_while(|index| is_unlit(index));
@@ -123,7 +123,7 @@ impl Plan {
         let mesh =
             args.mesh.clone().map(|folder| (folder, args.mesh_every, indices.first().map_or(0, |i| numbers[*i])));
         let whole = whole(args, &sequence, &indices)?;
-        // A part in which nothing burns yet tells how its last frame changes to the next, and how its gas moves: for
+        // A part before ignition measures the change from its last frame to the next, and the motion of its gas: for
         // both it needs the iso value and the unit that the other parts find.
         let others: Vec<usize> = match (&sight, &whole, indices.last()) {
             (None, Some(whole), _) => whole.indices.clone(),
@@ -316,7 +316,7 @@ impl Plan {
 
     /// Frames per second: as given, otherwise as stated by the frames.
     pub fn rate_hz(&self, given_hz: Option<f64>) -> Result<Option<f64>, Error> {
-        // Of a single frame nobody can tell a rate, but a shard of one frame has neighbours.
+        // A single frame gives no rate, but a shard of one frame has neighbours.
         let near = |index: &usize| index.saturating_sub(1)..=(index + 1).min(self.sequence.len() - 1);
         let asked =
             if self.indices.len() > 1 { self.indices.clone() } else { self.indices.iter().flat_map(near).collect() };

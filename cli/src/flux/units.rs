@@ -75,7 +75,7 @@ pub fn check(
     for n in 1..=PAIRS {
         work.check()?;
         let Some(pair) = neighbours.get(n * neighbours.len() / (PAIRS + 1)) else { continue };
-        // What cannot be read is told when it is measured.
+        // Read errors are reported when the frame is measured.
         let carried = |index: usize| sequence.read_carried(index, selection).ok().flatten();
         if let (Some((before, flow)), Some((after, _))) = (carried(pair[0]), carried(pair[1])) {
             pairs.push((before, after, flow));

@@ -21,7 +21,7 @@ pub fn slurm(job: &Job) -> String {
     for (task, (first, last)) in job.chunks().enumerate() {
         lists += &format!("  {task}) frames={} ;;\n", quoted(&frames(first, last)));
     }
-    // The frames are the shell's to put in, behind whatever stands in quotes before them.
+    // The shell inserts the frames, after any quoted arguments before them.
     let measure = command(job, &job.measure_arguments(PLACE));
     let parts = job.parts.join(format!("part_{PLACE}.csv")).display().to_string();
     let (before, behind) = parts.split_once(PLACE).unwrap_or((&parts, ""));

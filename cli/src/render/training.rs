@@ -26,7 +26,7 @@ pub fn dictionary(
     let key = DictionaryKey::new(&recording.content_hash, cut, rate_hz, structure);
     let store = Store::of_user();
     if let Some(kept) = store.as_ref().and_then(|store| store.read(&key)) {
-        // The plug-in keeps what is too short for a window, too: there, extension stands in.
+        // The plug-in keeps a part too short for a window, too: there, extension replaces texture.
         check_windows(&kept, path)?;
         return Ok(Arc::new(kept));
     }

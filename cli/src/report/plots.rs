@@ -79,7 +79,7 @@ impl Plot<'_> {
         }
         for (value, label) in self.x.ticks(7) {
             area.draw(&PathElement::new([(x(value), top), (x(value), bottom)], GRID))?;
-            // Not where the unit stands.
+            // Leaves room for the unit.
             if x(value) < right - 60 {
                 area.draw(&Text::new(label, (x(value), bottom + 12), text(HPos::Center, VPos::Top)))?;
             }

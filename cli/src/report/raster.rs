@@ -222,7 +222,7 @@ mod tests {
             let seen: f64 = (0..3).map(|axis| faces[axis] * view.axes[2][axis].abs()).sum::<f64>() * pixel * pixel;
             let found = covered(&picture) as f64;
             assert!((found / seen - 1.0).abs() < 0.02, "{found} {seen}");
-            // Its long side stands.
+            // Its long side is vertical.
             let rows = picture.rgb.chunks(3 * SIZE.0).filter(|row| row.chunks(3).any(|p| p != [17, 12, 12])).count();
             assert!(rows as f64 > 0.8 * SIZE.1 as f64, "{rows}");
         }

@@ -5,7 +5,7 @@ use super::error::FormatFault;
 /// Bytes that a file of any size may unpack to: room for fields that compress to almost nothing.
 pub const BASE_BYTES: u64 = 256 << 20;
 
-/// Further bytes that a file may unpack to per byte of its own. A leaf of vectors takes 6 KiB in memory and at least
+/// Further bytes that a file may unpack to per byte of its size. A leaf of vectors takes 6 KiB in memory and at least
 /// 129 bytes in a VDB file, so no genuine tree reaches this.
 pub const BYTES_PER_FILE_BYTE: u64 = 64;
 

@@ -12,7 +12,7 @@ pub enum FormatFault {
     /// A known format, but an unsupported kind of it.
     #[error("{found} cannot be read; {advice}")]
     Unsupported {
-        /// What was found.
+        /// Content found.
         found: String,
         /// Advice on what to use instead.
         advice: &'static str,

@@ -110,7 +110,7 @@ mod tests {
         for n in 16..48_016 {
             let sample = if n == 4_100 { -2.0 } else { 0.5 };
             (0..3).filter(|level| n % (1 << level) == 0).for_each(|level| extents.take(level, n >> level, sample));
-            // A level that nobody takes from must not hold up the others.
+            // A level without a reader must not hold up the others.
             if n % 1_000 == 0 && n > 40_000 {
                 assert!(extents.done.len() <= CAPACITY);
             }

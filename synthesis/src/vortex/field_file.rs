@@ -114,7 +114,7 @@ mod tests {
             for value in [0, 0x7f, 0x80, 0xff] {
                 let mut damaged = bytes.clone();
                 damaged[at] = value;
-                // Whatever is accepted tells speeds and places at any time.
+                // Any accepted file gives speeds and places at any time.
                 let Ok(field) = SpeedField::from_bytes(&damaged) else { continue };
                 for time_s in [-1e9, 0.0, 0.21, 1e9] {
                     let told = field.at(0, field.place(time_s));
