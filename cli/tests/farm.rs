@@ -86,9 +86,9 @@ fn speed_fields_and_reports_of_parts_are_those_of_one_run() {
 /// Parts with the wrong extras, or none.
 fn refuses_extras(at: &Path) {
     let merge = |parts: &str| format!("flux-merge {parts} --quiet --output x.wav --speed-field x.field");
-    refuses(at, &merge("24_1-17_1.csv 24_1-17_2.csv"), 1, &["24_1-17_1.csv", "frames 1-17", "together are 1-4"]);
+    refuses(at, &merge("24_1-17_1.csv 24_1-17_2.csv"), 1, &["24_1-17_1.csv", "frames 1-17", "together cover 1-4"]);
     let all = "360_1-17_1.csv 360_1-17_9.csv 360_1-17_14.csv";
-    refuses(at, &format!("{} --rate 30", merge(all)), 1, &["--rate is 30", "12. step"]);
+    refuses(at, &format!("{} --rate 30", merge(all)), 1, &["--rate is 30", "stride of 12 steps"]);
     let extra = std::fs::read(at.join("360_1-17_9.csv.extra")).unwrap();
     std::fs::write(at.join("360_1-17_9.csv.extra"), &extra[..extra.len() - 1]).unwrap();
     refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "truncated or modified"]);
@@ -99,7 +99,7 @@ fn refuses_extras(at: &Path) {
     }
     refuses(at, &merge(all), 1, &["360_1-17_1.csv", "no speeds", "--partial-with"]);
     let wrong = "flux --input cache --rate 24 --frames 1-5 --partial x.csv --partial-with report --partial-of 2-9";
-    refuses(at, wrong, 1, &["--partial-of is 2-9", "not frame 1"]);
+    refuses(at, wrong, 1, &["--partial-of is 2-9", "does not contain frame 1"]);
     refuses(at, "flux --input cache --rate 24 --frames 1-5 --partial-with report --output x.wav", 2, &["--partial"]);
 }
 

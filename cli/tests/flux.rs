@@ -424,7 +424,7 @@ fn the_reference_flame() {
     };
     let said = run("a.csv", "");
     assert!(said.contains("velocity is staggered") && said.contains("--placement file"), "{said}");
-    assert!(said.contains("cells per unit of its own time") && said.contains("0.125"), "{said}");
+    assert!(said.contains("cells per unit of Blender's time") && said.contains("0.125"), "{said}");
     assert!(!run("b.csv", "--placement file").contains("staggered"));
     let expected = std::fs::read_to_string(input.join("flux_reference.csv")).unwrap();
     let expected = Flux::read_csv(&expected, "reference").unwrap().rows;

@@ -100,7 +100,7 @@ fn options_out_of_range() {
         ("--channels 0", &["--channels", "0", "1"]),
         ("--channels 11", &["--channels", "11", "10"]),
         ("--preset no-such", &["no-such", "factory preset"]),
-        ("--speed-field good.wav", &["good.wav", "no speed field"]),
+        ("--speed-field good.wav", &["good.wav", "not a speed field"]),
         ("--speed-field none.field", &["none.field"]),
         ("--automation none.csv", &["none.csv"]),
         ("--dynamic-range off --learn good.wav", &["--learn", "--dynamic-range"]),

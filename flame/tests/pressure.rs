@@ -268,7 +268,10 @@ fn shards_that_do_not_fit_are_refused() {
     const HEAD: &str = "# pyrophone flux 2; x\n# cache c; rate 24.0; steps 1 1 0\nframe,flux,area,mean_curvature\n";
     for (text, says) in [
         ("frame,flux,area\n1,2,3\n".to_owned(), "line 1"),
-        ("# pyrophone flux 2; x\nframe,flux,area,mean_curvature\n".to_owned(), "line 2: no cache"),
+        (
+            "# pyrophone flux 2; x\nframe,flux,area,mean_curvature\n".to_owned(),
+            "line 2: the line with the cache is missing",
+        ),
         (format!("{HEAD}1,2,3,4\n1,2,3,4\n"), "line 5: duplicate frame 1"),
         (format!("{HEAD}1,NaN,3,4\n"), "line 4: 'NaN'"),
         (format!("{HEAD}1,2\n"), "line 4"),
