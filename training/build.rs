@@ -1,12 +1,12 @@
-//! A fingerprint of all source that a dictionary depends on, by which what an earlier build has kept on disk is told from what
-//! this one makes.
+//! A fingerprint of all source that a dictionary depends on, which distinguishes files stored by an earlier build from
+//! those of this one.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-/// From a file's bytes to a dictionary: decoding and resampling, transforms, learning, and the way here.
+/// Sources from a file's bytes to a dictionary: decoding and resampling, transforms, learning, and this crate.
 const SOURCES: [&str; 4] = ["../recording/src", "../maths/src", "../synthesis/src", "src"];
 
 fn main() {
@@ -17,7 +17,7 @@ fn main() {
         collect(Path::new(folder), &mut files);
         assert!(!files.is_empty(), "there is no source below {folder}");
         for file in &files {
-            // The text alone decides: where a checkout lies does not matter.
+            // Only the text counts: the location of a checkout does not matter.
             file.hash(&mut hasher);
             fs::read(file).unwrap_or_default().hash(&mut hasher);
         }

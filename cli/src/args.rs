@@ -10,11 +10,11 @@ use pyrophone_settings::Id;
 use crate::film_time::{FilmRate, Timecode};
 use crate::frame_list::FrameList;
 
-/// Turns a low-frequency flame signal into full-band fire.
+/// Turns a low-frequency flame signal into the full-band sound of fire.
 ///
-/// Reads WAV, AIFF, CAF, FLAC, Ogg Vorbis and MP3 files, or WAV from standard input (`-`). Writes 32-bit float WAV at the
-/// input's sample rate and length, neither normalised nor dithered; 24-bit FLAC if the output's name ends in .flac; WAV to
-/// standard output if it is `-`.
+/// Reads WAV, AIFF, CAF, FLAC, Ogg Vorbis and MP3 files, or WAV from standard input (`-`). Writes 32-bit float WAV at
+/// the input's sample rate and length, neither normalised nor dithered; 24-bit FLAC if the output's name ends in .flac;
+/// WAV to standard output if it is `-`.
 #[derive(Debug, Parser)]
 #[command(name = "pyrophone", version = env!("PYROPHONE_VERSION"), subcommand_required = true, arg_required_else_help = false)]
 #[command(after_help = EXIT_CODES)]
@@ -22,13 +22,13 @@ pub struct Cli {
     /// The command.
     #[command(subcommand)]
     pub command: Command,
-    /// Report what was done as JSON on standard output, or on standard error if the sound goes to standard output
+    /// Print a JSON summary to standard output, or to standard error if the sound goes to standard output
     #[arg(long, global = true, display_order = 900)]
     pub json: bool,
-    /// How progress is shown
+    /// Format of progress reports
     #[arg(long, global = true, value_enum, value_name = "KIND", default_value_t = Progress::Auto, hide = true)]
     pub progress: Progress,
-    /// Show neither progress nor notes, only errors
+    /// Print errors only, without progress or notes
     #[arg(long, short, global = true, display_order = 901)]
     pub quiet: bool,
 }
@@ -43,34 +43,34 @@ pub enum Progress {
 }
 
 /// Exit codes, for scripts.
-const EXIT_CODES: &str = "Exit codes: 0: the output was written. 1: refused or failed; one line on standard error says \
-    why, and nothing half-written is left. 2: the command line was not understood. Ctrl-C (130), SIGTERM (143) and SIGHUP \
-    (129) stop the work; the process cleans up and dies of the signal, so that shell loops end.";
+const EXIT_CODES: &str = "Exit codes: 0: success, the output was written. 1: failure; one line on standard error gives \
+    the reason, and no partial output is left. 2: invalid command line. Ctrl-C (130), SIGTERM (143) and SIGHUP (129) stop \
+    the command: it cleans up and then ends by that signal, so that shell loops stop too.";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Texture synthesis as published: offline, exact, ungated, levels unchanged
+    /// Run the published texture synthesis: offline, exact, ungated, levels unchanged
     Texture(TextureArgs),
-    /// Spectral bandwidth extension
+    /// Extend a flame signal's spectrum with noise
     Extend(ExtendArgs),
-    /// The plug-in's whole chain
+    /// Render through the plug-in's whole signal chain
     Render(RenderArgs),
-    /// Flame signal of a simulation: flux through the flame front, frame by frame, and its pressure
+    /// Measure a simulation's flame signal: flux through the flame front, frame by frame, and its pressure
     Flux(Box<FluxArgs>),
-    /// Flame signal from parts written by `flux --partial`
+    /// Merge parts written by `flux --partial` into one flame signal
     FluxMerge(FluxMergeArgs),
-    /// A render-farm job that measures a simulation in parts and merges them
+    /// Write a render-farm job that measures a simulation in parts and merges them
     FluxPlan(FluxPlanArgs),
-    /// Flame signal of a built-in scene, simulated here
+    /// Simulate a built-in scene and write its flame signal
     Simulate(SimulateArgs),
-    /// Vortex-sound texture: what a small turbulent region radiates, for a range of flow speeds
+    /// Record a vortex-sound texture: the sound of a small turbulent region over a range of flow speeds
     VortexTexture(VortexTextureArgs),
     /// List the factory presets and your own
     Presets,
-    /// List the parameters for presets, automation and --set, with their ranges
+    /// List all parameters, for presets, automation and --set, with their ranges
     Parameters,
-    /// Write a shell's completions to standard output
+    /// Write shell completions to standard output
     Completions(CompletionsArgs),
     /// Write manual pages, one for each command
     Man(ManArgs),
@@ -79,7 +79,7 @@ pub enum Command {
 /// Options of `pyrophone completions`.
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
-    /// The shell
+    /// Shell to write completions for
     #[arg(value_enum)]
     pub shell: clap_complete::Shell,
 }
@@ -98,7 +98,7 @@ pub struct TextureArgs {
     /// Flame signal; several channels are averaged
     #[arg(long, value_name = "IN.wav")]
     pub input: PathBuf,
-    /// Fire recording to learn from, resampled to the input's rate; the output has its channels
+    /// Fire recording to learn from, resampled to the input's rate; it also sets the number of output channels
     #[arg(long, visible_alias = "recording", value_name = "T.wav")]
     pub training: PathBuf,
     /// File to write
@@ -113,16 +113,16 @@ pub struct TextureArgs {
     /// Half-width of a feature in windows, 1-6
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     pub feature: usize,
-    /// Weight exp(-falloff * distance) of a feature's samples, 0-1
+    /// Falloff of the weights exp(-falloff * distance) of a feature's samples, 0-1
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
     pub falloff: f64,
     /// Leave the recording's dynamic range unchanged
     #[arg(long)]
     pub no_dynamic_range: bool,
-    /// How far the recording's dynamic range is mapped onto the input's, 0-1
+    /// Degree to which the recording's dynamic range is mapped onto the input's, 0-1
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub scaling_alpha: f64,
-    /// Accept windows up to (1 + eps) times as far as the nearest; 0 is exact
+    /// Tolerance of the search: accepts windows up to (1 + eps) times as distant as the nearest; 0 is exact
     #[arg(long, value_name = "X", default_value_t = 0.0, allow_negative_numbers = true)]
     pub eps: f64,
 }
@@ -130,13 +130,13 @@ pub struct TextureArgs {
 /// Options of `pyrophone extend`.
 #[derive(Debug, Args)]
 pub struct ExtendArgs {
-    /// Flame signal; several channels are averaged, extended, and written to as many channels
+    /// Flame signal; its channels are averaged, and the output has as many
     #[arg(long, value_name = "IN.wav")]
     pub input: PathBuf,
     /// File to write
     #[arg(long, value_name = "OUT.wav")]
     pub output: PathBuf,
-    /// The noise's power falls as frequency^(-alpha), 0-6
+    /// Slope of the noise, whose power falls as frequency^(-alpha), 0-6
     #[arg(long, value_name = "X", default_value_t = 2.5, allow_negative_numbers = true)]
     pub alpha: f64,
     /// Corner frequency of the envelope's low-pass [default: 180]
@@ -145,28 +145,28 @@ pub struct ExtendArgs {
     /// Half-width of a window in samples (without --reference: at 44.1 kHz, 100-2000)
     #[arg(long, value_name = "N", default_value_t = 500, allow_negative_numbers = true)]
     pub half_width: usize,
-    /// Centre of the band in which the noise is fitted [default: 180, without --reference the cutoff]
+    /// Centre of the band in which the noise is fitted [default: 180 with --reference, else the cutoff]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub fit_center: Option<f64>,
-    /// Width of that band: three standard deviations
+    /// Width of that band, three standard deviations
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true)]
     pub fit_width: f64,
-    /// Frequency where the input starts to fade [default: 165, without --reference the cutoff - 15]
+    /// Frequency where the input starts to fade [default: 165 with --reference, else the cutoff - 15]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub blend_start: Option<f64>,
-    /// Frequency where the noise has taken over [default: 195, without --reference the cutoff + 15]
+    /// Frequency where the input has faded out [default: 195 with --reference, else the cutoff + 15]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub blend_end: Option<f64>,
-    /// Factor on the fitted noise
+    /// Gain factor of the fitted noise
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub noise_amplitude: f64,
     /// Noise seed
     #[arg(long, value_name = "N", default_value_t = 42, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Also write the fitted factor of each window: window,time_s,beta
+    /// Also write each window's fitted factor, as window,time_s,beta
     #[arg(long, value_name = "FILE.csv")]
     pub betas: Option<PathBuf>,
-    /// Compute as published: over the whole signal at once, and 6.02 dB lower
+    /// Compute as published: over the whole signal at once, 6.02 dB lower
     #[arg(long)]
     pub reference: bool,
 }
@@ -176,26 +176,26 @@ pub struct ExtendArgs {
 #[group(skip)]
 #[command(group = ArgGroup::new("length").args(["input", "seconds"]).required(true).multiple(false))]
 pub struct RenderArgs {
-    /// Preset: a factory preset or one of your own, by name or title in any case (`pyrophone presets` lists them), or a
-    /// preset file
+    /// Factory preset or one of your own, by name or title in any case (`pyrophone presets` lists them), or a preset
+    /// file
     #[arg(long, value_name = "FILE|NAME")]
     pub preset: String,
     /// Main input
     #[arg(long, value_name = "IN.wav")]
     pub input: Option<PathBuf>,
-    /// Length of the output, for presets that need no input, 0.01-3600
+    /// Length of the output, in place of --input, for presets that need no input, 0.01-3600
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seconds: Option<f64>,
-    /// Sample rate of an output without an input
+    /// Sample rate of the output, with --seconds
     #[arg(long, value_name = "HZ", default_value_t = 48_000, requires = "seconds", conflicts_with = "input")]
     pub sample_rate: u32,
-    /// Sound whose envelope drives the engines, for drive_mode envelope
+    /// Sound whose envelope drives the engines, with drive_mode=envelope
     #[arg(long, value_name = "S.wav")]
     pub sidechain: Option<PathBuf>,
-    /// Fire recording that texture learns from
+    /// Fire recording for texture to learn from
     #[arg(long, visible_alias = "recording", value_name = "T.wav")]
     pub training: Option<PathBuf>,
-    /// Learn from this part of the recording only, in seconds
+    /// Part of the recording to learn from, in seconds
     #[arg(long, alias = "recording-region", value_name = "START-END", requires = "training", value_parser = region)]
     pub training_region: Option<[f64; 2]>,
     /// Gain of the recording in dB
@@ -208,7 +208,7 @@ pub struct RenderArgs {
         allow_negative_numbers = true
     )]
     pub training_gain: f64,
-    /// Normalise that part of the recording to full scale first
+    /// Normalise the selected part of the recording to full scale first
     #[arg(long, alias = "recording-normalise", requires = "training")]
     pub training_normalise: bool,
     /// Second fire recording, in slot 2: --set recording_blend=50 mixes half of it in, recording_slot=2 plays it alone
@@ -217,33 +217,33 @@ pub struct RenderArgs {
     /// Source of the input's loudness distribution, instead of the preset's choice
     #[arg(long, value_enum)]
     pub dynamic_range: Option<DynamicRange>,
-    /// Learn that distribution from this file instead of a first pass over the input
+    /// File to learn that distribution from, instead of a first pass over the input
     #[arg(long, value_name = "FILE.wav")]
     pub learn: Option<PathBuf>,
-    /// Steps and ramps of parameters: time_s,id,value or sample,id,value, and ,curve (step or linear)
+    /// Parameter automation: rows of time_s,id,value or sample,id,value, optionally with ,curve (step or linear)
     #[arg(long, value_name = "FILE.csv")]
     pub automation: Option<PathBuf>,
-    /// Speed field for vortex sound, written by simulate or flux; used where vortex_flow is field
+    /// Speed field for vortex sound, written by simulate or flux; used while vortex_flow is field
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
     /// File to write
     #[arg(long, value_name = "OUT.wav")]
     pub output: PathBuf,
-    /// Set a parameter after the preset; may be repeated
+    /// Parameter to set after loading the preset; may be repeated
     #[arg(long = "set", value_name = "id=value")]
     pub settings: Vec<String>,
-    /// Channels of the output [default: those of the input; without one 2]
+    /// Number of output channels [default: as the input; 2 without one]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub channels: Option<usize>,
 }
 
-/// A stretch of time in seconds, as in `1.5-4`.
+/// Reads a time range in seconds, as in `1.5-4`.
 fn region(text: &str) -> Result<[f64; 2], String> {
     let parts =
         text.split_once('-').and_then(|(start, end)| Some([start.trim().parse().ok()?, end.trim().parse().ok()?]));
     match parts {
         Some([start_s, end_s]) if start_s >= 0.0 && start_s < end_s && end_s < f64::INFINITY => Ok([start_s, end_s]),
-        _ => Err("write start and end in seconds, as in 1.5-4".to_owned()),
+        _ => Err("it must be START-END in seconds, as in 1.5-4".to_owned()),
     }
 }
 
@@ -259,7 +259,7 @@ pub enum DynamicRange {
 }
 
 impl DynamicRange {
-    /// The parameter and its text in the table of parameters.
+    /// The parameter's id and the text of this value.
     pub fn as_setting(self) -> (&'static str, &'static str) {
         let text = match self {
             Self::Off => "off",
@@ -277,40 +277,40 @@ pub struct FluxArgs {
     /// or a series of flux: CSV, .npy, or a sound file whose samples are the steps
     #[arg(long, value_name = "DIR|FILE")]
     pub input: PathBuf,
-    /// Grid of the burning field; `flame` means any of the usual names
+    /// Grid of the burning field; `flame` matches any of the usual names
     #[arg(long, value_name = "NAME", default_value = "flame")]
     pub field: String,
-    /// Grid (or grids) of the velocity; `velocity` means any of the usual names
+    /// Grid (or grids) of the velocity; `velocity` matches any of the usual names
     #[arg(long, value_name = "NAME", default_value = "velocity")]
     pub velocity: String,
     /// Position of the velocity's components in a voxel
     #[arg(long, value_enum, default_value_t = Placement::Collocated)]
     pub placement: Placement,
-    /// Factor that turns the velocity into world units per second [default: 1; for Blender's files 2.5 voxels]
+    /// Factor that converts the velocity to world units per second [default: 1; 2.5 voxels for Blender's files]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub velocity_scale: Option<f64>,
     /// Quantity to measure in each frame
     #[arg(long, value_enum, default_value_t = Measure::Flux)]
     pub measure: Measure,
-    /// Value of the field at the flame front [default: 0.5; for a level set 0]
+    /// Value of the field at the flame front [default: 0.5; 0 for a level set]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub iso: Option<f64>,
-    /// Parts into which a voxel's edge is divided, 1-16
+    /// Subdivisions of each voxel edge, 1-16
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     pub refine: usize,
     /// Frames to measure, ends included: 7, 1-100, -5--1, 1-8x2 (every second), 1,5-9
     #[arg(long, value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true)]
     pub frames: Option<FrameList>,
-    /// Write the frames' flux as a part for flux-merge
+    /// Write the frames' flux to a part file for flux-merge
     #[arg(long, value_name = "FILE.csv")]
     pub partial: Option<PathBuf>,
-    /// What flux-merge shall be able to make of the parts beside sound: kept in FILE.csv.extra
+    /// Further data for flux-merge, beyond what sound needs; stored in FILE.csv.extra
     #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', requires = "partial")]
     pub partial_with: Vec<PartialWith>,
-    /// Frames of all parts together, for --partial-with [default: all there are]
+    /// Frames of all parts together, for --partial-with [default: all frames]
     #[arg(long, value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true, requires = "partial_with")]
     pub partial_of: Option<FrameList>,
-    /// Interpolate frames that are missing or unreadable, instead of failing
+    /// Interpolate missing or unreadable frames instead of failing
     #[arg(long)]
     pub skip_bad: bool,
     /// Also write the flame fronts: DIR/front_NUMBER.ply
@@ -319,7 +319,7 @@ pub struct FluxArgs {
     /// Write every N-th front
     #[arg(long, value_name = "N", default_value_t = 1, requires = "mesh", value_parser = clap::value_parser!(u64).range(1..))]
     pub mesh_every: u64,
-    /// Format of those files
+    /// Format of the flame-front files
     #[arg(long, value_enum, value_name = "KIND", default_value_t = MeshKind::Ply, requires = "mesh")]
     pub mesh_kind: MeshKind,
     /// Also write a speed field for vortex sound: how fast the gas flows, and where
@@ -328,22 +328,22 @@ pub struct FluxArgs {
     /// Axis of the simulation that points up, for the speed field
     #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "speed_field")]
     pub up: UpAxis,
-    /// Also write a drive and its positions for each flame, told apart by connected fronts: DIR/cluster_001.wav and .csv
+    /// Also write a drive and its positions for each flame (connected front): DIR/cluster_001.wav and .csv
     #[arg(long, value_name = "DIR", conflicts_with = "partial")]
     pub per_cluster: Option<PathBuf>,
-    /// Flames with a drive of their own, 1-256; the quietest share one
+    /// Number of flames with separate drives, 1-256; the quietest share one
     #[arg(long, value_name = "N", default_value_t = 16, requires = "per_cluster", allow_negative_numbers = true)]
     pub clusters: usize,
-    /// How to fill in steps, up to 360 per second, if the simulation has fewer than 200
+    /// Method of filling in steps, up to 360 per second, if the simulation has fewer than 200
     #[arg(long, value_enum, default_value_t = Upsample::Auto)]
     pub upsample: Upsample,
-    /// Seed of the filled-in steps
+    /// Random seed of the filled-in steps
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub upsample_seed: u64,
-    /// When its steps take place.
+    /// Timeline of the steps.
     #[command(flatten)]
     pub timeline: TimelineArgs,
-    /// How the flux becomes sound.
+    /// Conversion of the flux to sound.
     #[command(flatten)]
     pub sound: SoundArgs,
 }
@@ -353,7 +353,7 @@ pub struct FluxArgs {
 pub enum PartialWith {
     /// The speed field, for flux-merge --speed-field
     SpeedField,
-    /// Pictures and facts, for flux-merge --report
+    /// Pictures and details, for flux-merge --report
     Report,
 }
 
@@ -366,22 +366,22 @@ pub enum Measure {
     Release,
     /// Expansion: the sum of the solver's divergence field
     Divergence,
-    /// How much the field changes from frame to frame
+    /// Amount by which the field changes from frame to frame
     Change,
 }
 
 /// Values of `--upsample`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Upsample {
-    /// flips below 200 steps per second, else off
+    /// flips below 200 steps per second, otherwise off
     Auto,
-    /// Not at all
+    /// No filling in
     Off,
-    /// Like flips, from the burning field alone
+    /// As flips, but from the burning field alone
     Release,
-    /// Parts of the flame change from one frame to the next at random times
+    /// Parts of the flame switch from one frame to the next at random times
     Flips,
-    /// Noise that falls with frequency, and follows how much the frames change
+    /// Noise that falls with frequency and scales with the change between frames
     Noise,
     /// A smooth curve through the frames' flux
     Cubic,
@@ -414,22 +414,22 @@ pub struct FluxPlanArgs {
     /// File to write the job to [default: standard output]
     #[arg(long, value_name = "FILE")]
     pub job: Option<PathBuf>,
-    /// Frames per second, for flux
+    /// Frames per second, passed to flux
     #[arg(long, value_name = "HZ")]
     pub rate: Option<String>,
-    /// Interpolate bad frames, for flux
+    /// Interpolate missing or unreadable frames, passed to flux
     #[arg(long)]
     pub skip_bad: bool,
-    /// An option of flux-merge, as in --merge-option=--peak-db=-12; may be repeated
+    /// Option to pass to flux-merge, as in --merge-option=--peak-db=-12; may be repeated
     #[arg(long = "merge-option", value_name = "OPTION", allow_hyphen_values = true)]
     pub merge_options: Vec<String>,
-    /// Speed field that the job also writes
+    /// Speed field for the job to write as well
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
-    /// Folder of a report that the job also writes
+    /// Folder of a report for the job to write as well
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
-    /// More options of flux, after --
+    /// Further options to pass to flux, after --
     #[arg(last = true, value_name = "FLUX OPTIONS")]
     pub flux_options: Vec<String>,
 }
@@ -439,9 +439,9 @@ pub struct FluxPlanArgs {
 pub enum FarmFormat {
     /// Open Job Description with chunks of tasks: AWS Deadline Cloud, `openjd run`
     Openjd,
-    /// A script that submits an array of jobs and one that depends on it
+    /// A script that submits a job array, and a merge job that waits for it
     Slurm,
-    /// A script that runs one part after the other
+    /// A script that runs the parts one after another
     Shell,
 }
 
@@ -451,16 +451,16 @@ pub struct FluxMergeArgs {
     /// Parts written by flux --partial, in any order, or folders of them
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
-    /// Also write a speed field, of parts that were measured with --partial-with speed-field
+    /// Also write a speed field, from parts measured with --partial-with speed-field
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
     /// Axis of the simulation that points up, for the speed field
     #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "speed_field")]
     pub up: UpAxis,
-    /// When its steps take place.
+    /// Timeline of the steps.
     #[command(flatten)]
     pub timeline: TimelineArgs,
-    /// How the flux becomes sound.
+    /// Conversion of the flux to sound.
     #[command(flatten)]
     pub sound: SoundArgs,
 }
@@ -474,25 +474,25 @@ pub struct SoundArgs {
     /// Sample rate of the output
     #[arg(long, value_name = "HZ", default_value_t = 44_100, allow_negative_numbers = true)]
     pub sample_rate: u32,
-    /// What to write
+    /// Signal to write
     #[arg(long = "as", value_enum, default_value_t = Kind::Pressure)]
     pub kind: Kind,
     /// Level of the loudest sample, -100 to 0
     #[arg(long, value_name = "DB", default_value_t = -6.0, allow_negative_numbers = true)]
     pub peak_db: f64,
-    /// File with the scale shared by all flames of a shot, instead of --peak-db; the first one writes it
+    /// File with the scale shared by all flames of a shot, instead of --peak-db; the first flame writes it
     #[arg(long, value_name = "FILE", conflicts_with = "peak_db")]
     pub scale_file: Option<PathBuf>,
-    /// Corner frequency of the pressure's high-pass, 0-1000; 0 switches it off
+    /// Corner frequency of the pressure's high-pass, 0-1000; 0 turns it off
     #[arg(long, value_name = "HZ", default_value_t = 30.0, allow_negative_numbers = true)]
     pub high_pass: f64,
     /// Position of the first sample on the timeline, for the file's BWF time stamp
     #[arg(long, value_name = "SAMPLES")]
     pub time_reference: Option<u64>,
-    /// Also write flux and area of every frame: frame,flux,area
+    /// Also write each frame's flux and area, as frame,flux,area
     #[arg(long, value_name = "FILE.csv")]
     pub flux_csv: Option<PathBuf>,
-    /// Also write a page with pictures and figures: DIR/index.html
+    /// Also write a report with pictures and figures: DIR/index.html
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
 }
@@ -517,7 +517,7 @@ pub enum Kind {
     Envelope,
 }
 
-/// Frames per second: `24`, `23.976`, `24000/1001`.
+/// Reads frames per second: `24`, `23.976`, `24000/1001`.
 fn rate(text: &str) -> Result<f64, String> {
     let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("'{text}' is not a number"));
     match text.split_once('/') {
@@ -526,7 +526,7 @@ fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Options for when a flux's steps take place.
+/// Options for the timeline of a flux signal's steps.
 #[derive(Debug, Clone, Args)]
 pub struct TimelineArgs {
     /// Frames per second of simulated time [default: as stated by the frames or the series]
@@ -535,10 +535,10 @@ pub struct TimelineArgs {
     /// Frame number at which the timeline starts, instead of --time-reference
     #[arg(long, value_name = "FRAME", conflicts_with = "time_reference", allow_negative_numbers = true)]
     pub start_frame: Option<i64>,
-    /// Frames per second of the film: positions are then in film frames; also written to iXML
+    /// Frames per second of the film; positions are then in film frames, and the rate is written to iXML
     #[arg(long, value_name = "HZ", value_parser = FilmRate::parse, conflicts_with_all = ["start_frame", "time_reference"])]
     pub film_rate: Option<FilmRate>,
-    /// Film frame of the simulation's first frame [default: its own number, if both have the same rate]
+    /// Film frame of the simulation's first frame [default: its own number, if both rates are the same]
     #[arg(long, value_name = "FRAME", requires = "film_rate", allow_negative_numbers = true)]
     pub film_frame: Option<i64>,
     /// Film frame at which the timeline starts
@@ -547,7 +547,7 @@ pub struct TimelineArgs {
     /// Timecode of the timeline's start, such as 01:00:00:00; drop-frame: 01:00:00;00
     #[arg(long, value_name = "HH:MM:SS:FF", value_parser = Timecode::parse, requires = "film_rate")]
     pub timecode: Option<Timecode>,
-    /// Curve of film frame, simulation frame, for a retimed shot
+    /// Retiming curve: rows of film frame,simulation frame
     #[arg(long, value_name = "FILE.csv", requires = "film_rate", conflicts_with = "film_frame")]
     pub retime: Option<PathBuf>,
     /// Name of the scene, for iXML
@@ -556,7 +556,7 @@ pub struct TimelineArgs {
     /// Name of the take, for iXML
     #[arg(long, value_name = "NAME")]
     pub take: Option<String>,
-    /// Write date and time into the file, which then differs from run to run
+    /// Write the date and time to the file, which then differs from run to run
     #[arg(long)]
     pub dated: bool,
 }
@@ -571,7 +571,7 @@ pub enum MeshKind {
 }
 
 impl MeshKind {
-    /// Extension of these files' names.
+    /// File name extension.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Ply => "ply",
@@ -583,7 +583,7 @@ impl MeshKind {
 /// Options of `pyrophone simulate`.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
-    /// The scene
+    /// Scene to simulate
     #[arg(value_name = "SCENE", value_parser = scenes())]
     pub scene: Scene,
     /// Length of the signal, 0.01-3600
@@ -595,19 +595,19 @@ pub struct SimulateArgs {
     /// Random seed
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Fuel and its speed, 0-4
+    /// Amount and speed of the fuel, 0-4
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub intensity: f64,
-    /// Wind, and motion of what burns, 0-4
+    /// Strength of the wind, and of the burning object's motion, 0-4
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub wind: f64,
-    /// Turbulence, 0-4
+    /// Strength of the turbulence, 0-4
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub turbulence: f64,
-    /// Seconds simulated before the signal starts, 0-60 [default: 0.5; flame_jet and explosion: 0]
+    /// Seconds simulated before the signal starts, 0-60 [default: 0.5; 0 for flame_jet and explosion]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub pre_roll: Option<f64>,
-    /// Parts into which a voxel's edge is divided to find the front, 1-16
+    /// Subdivisions of each voxel edge for finding the front, 1-16
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
     pub refine: usize,
     /// Also write every frame, for `pyrophone flux` and other programs: DIR/SCENE_NUMBER.npz
@@ -616,7 +616,7 @@ pub struct SimulateArgs {
     /// Also write a speed field for vortex sound: how fast the gas flows, and where
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
-    /// How the flux becomes sound.
+    /// Conversion of the flux to sound.
     #[command(flatten)]
     pub sound: SoundArgs,
 }
@@ -630,7 +630,7 @@ pub struct VortexTextureArgs {
     /// Period of the rows, 0.25-60
     #[arg(long, value_name = "S", default_value_t = 4.0, allow_negative_numbers = true)]
     pub seconds: f64,
-    /// Voxels of the box, up last, 8-128 each
+    /// Voxels of the box, vertical axis last, 8-128 each
     #[arg(long, value_name = "NXxNYxNZ", default_value = "16x16x24", value_parser = voxels)]
     pub voxels: [usize; 3],
     /// Edge of a voxel in m, 0.001-0.2
@@ -648,7 +648,7 @@ pub struct VortexTextureArgs {
     /// Random seed
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
-    /// Integrate as published, over 27 voxels around each, which cancel except at the box's sides
+    /// Integrate as published, over the 27 voxels around each one; these cancel except at the sides of the box
     #[arg(long)]
     pub paper: bool,
     /// File to write
@@ -661,29 +661,29 @@ pub struct VortexTextureArgs {
 pub enum FlowKind {
     /// A uniform flow with random perturbations
     Wind,
-    /// The same with hot gas in it, which rises
+    /// The same with hot, rising gas
     Fire,
-    /// A narrow fast flow in the middle
+    /// A narrow, fast flow in the middle
     Jet,
 }
 
-/// `LOW:HIGH:COUNT`.
+/// Reads `LOW:HIGH:COUNT`.
 fn speeds(text: &str) -> Result<(f64, f64, usize), String> {
     let parts: Vec<&str> = text.split(':').map(str::trim).collect();
     let [low, high, count] = parts[..] else {
-        return Err("it must be LOW:HIGH:COUNT, say 1:16:12".into());
+        return Err("it must be LOW:HIGH:COUNT, as in 1:16:12".into());
     };
     let speed = |text: &str| text.parse().map_err(|_| format!("'{text}' is not a speed"));
     Ok((speed(low)?, speed(high)?, count.parse().map_err(|_| format!("'{count}' is not a number of rows"))?))
 }
 
-/// `NXxNYxNZ`.
+/// Reads `NXxNYxNZ`.
 fn voxels(text: &str) -> Result<[usize; 3], String> {
     let sizes: Result<Vec<usize>, _> = text.split('x').map(|size| size.trim().parse()).collect();
-    sizes.ok().and_then(|sizes| sizes.try_into().ok()).ok_or("it must be NXxNYxNZ, say 16x16x24".into())
+    sizes.ok().and_then(|sizes| sizes.try_into().ok()).ok_or("it must be NXxNYxNZ, as in 16x16x24".into())
 }
 
-/// The scenes by their names.
+/// Parser of scene names.
 fn scenes() -> impl TypedValueParser<Value = Scene> {
     let named = Scene::ALL.map(|scene| PossibleValue::new(scene.name()).help(scene.summary()));
     PossibleValuesParser::new(named).try_map(|name| Scene::from_name(&name).ok_or("there is no such scene"))

@@ -1,8 +1,8 @@
-//! Everything that ends a command early, each in one line.
+//! Errors that end a command early, each reported in one line.
 
 use std::path::Path;
 
-/// Reason for which a command wrote no output.
+/// Reason why a command wrote no output.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A sound file could not be read, used or written.
@@ -11,18 +11,18 @@ pub enum Error {
     /// An option is out of range.
     #[error(transparent)]
     Option(pyrophone_synthesis::Error),
-    /// An engine refused a file.
+    /// An engine rejected a file.
     #[error("{path}: {source}")]
     File {
         /// The file.
         path: String,
-        /// The fault found.
+        /// Its cause.
         source: pyrophone_synthesis::Error,
     },
-    /// A parameter, preset or automation was refused.
+    /// A parameter, preset or automation was rejected.
     #[error("{0}")]
     Settings(String),
-    /// A flame could not be measured, or an option of that is out of range.
+    /// A flame could not be measured, or one of the options for that is out of range.
     #[error(transparent)]
     Flame(Box<pyrophone_flame::Error>),
     /// A frame could not be measured.
@@ -30,13 +30,13 @@ pub enum Error {
     Frame {
         /// Its file.
         path: String,
-        /// The fault found.
+        /// Its cause.
         source: Box<pyrophone_flame::Error>,
     },
     /// A simulation or series could not be read.
     #[error(transparent)]
     Import(Box<pyrophone_flame::import::Error>),
-    /// Stopped half way; what was done is kept.
+    /// Stopped half-way; the finished part is kept.
     #[error("{reason}; the {done} finished {what} are in {path}: run the command again to resume from there")]
     Unfinished {
         /// The reason.
@@ -48,19 +48,19 @@ pub enum Error {
         /// Path of the checkpoint.
         path: String,
     },
-    /// An option contradicts another, or a file.
+    /// An option conflicts with another option or with a file.
     #[error("{0}")]
     Conflict(String),
     /// Stopped by a signal, such as Ctrl-C's.
     #[error("cancelled; nothing was written")]
     Cancelled,
-    /// Signals cannot be caught.
+    /// Signal handlers could not be installed.
     #[error("Ctrl-C cannot be handled ({0}); run from an ordinary terminal")]
     Signal(#[from] std::io::Error),
 }
 
 impl Error {
-    /// For what an engine says of the sound in `path`.
+    /// Converter for an engine's error about the sound in `path`.
     pub fn of_file(path: &Path) -> impl Fn(pyrophone_synthesis::Error) -> Self + use<> {
         let path = path.display().to_string();
         move |source| match source {

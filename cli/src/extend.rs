@@ -1,4 +1,4 @@
-//! `pyrophone extend`: spectral bandwidth extension, streaming engine or as published.
+//! `pyrophone extend`: spectral bandwidth extension, by the streaming engine or as published.
 
 use std::io::Write;
 
@@ -20,16 +20,16 @@ const CUTOFF_HZ: f64 = 180.0;
 /// Half of the paper's blend (§4) in Hz.
 const BLEND_HALF_WIDTH_HZ: f64 = 15.0;
 
-/// One sound per channel, and the factor of every window.
+/// One signal per channel, and the factor of every window.
 struct Extended {
     channels: Vec<Vec<f32>>,
     betas: Vec<f64>,
     hop_samples: usize,
-    /// Of the engine; the published program has none.
+    /// Latency of the engine; the published program has none.
     latency_samples: Option<usize>,
 }
 
-/// Writes `input` with its spectrum extended, and its betas where asked for.
+/// Writes `input` with its spectrum extended, and its betas on request.
 pub fn run(args: &ExtendArgs, work: &Work) -> Result<Done, Error> {
     check(args)?;
     let (signal, broadcast) = input::load_with_place(&args.input, work)?;
@@ -57,12 +57,12 @@ pub fn run(args: &ExtendArgs, work: &Work) -> Result<Done, Error> {
     Ok(Done { files, latency_samples: extended.latency_samples, ..done })
 }
 
-/// Options out of range are refused before any file is read.
+/// Rejects options out of range before any file is read.
 fn check(args: &ExtendArgs) -> Result<(), Error> {
     if let Some(betas) = &args.betas {
         if *betas == args.output {
             let message =
-                format!("{}: --output and --betas name the same file; choose two names", args.output.display());
+                format!("{}: --output and --betas name the same file; choose different names", args.output.display());
             return Err(Error::Conflict(message));
         }
         check_not_among(betas, &[&args.input])?;
@@ -97,9 +97,8 @@ fn structure(args: &ExtendArgs) -> EngineConfig {
     EngineConfig { half_width: args.half_width, fit_width_hz: args.fit_width, ..EngineConfig::default() }
 }
 
-/// The streaming engine has one frequency where the published program has three: corner of the
-/// envelope, centre of the fit, centre of the blend. Those that are given must agree; the others
-/// follow.
+/// The streaming engine has one frequency where the published program has three: the corner of the envelope, the centre
+/// of the fit and the centre of the blend. Those that are given must agree; the others follow.
 fn controls(args: &ExtendArgs) -> Result<ExtendControls, Error> {
     if let Some((start, end)) = args.blend_start.zip(args.blend_end).filter(|(start, end)| start >= end) {
         let message = format!("--blend-start is {start} Hz and --blend-end {end} Hz; the start must be the lower one");
@@ -129,7 +128,11 @@ fn controls(args: &ExtendArgs) -> Result<ExtendControls, Error> {
             )));
         }
     }
-    let blend = if args.blend_start.is_some() { "twice the cutoff minus --blend-start" } else { "width of the blend" };
+    let blend = if args.blend_start.is_some() {
+        "twice the distance from --blend-start to the cutoff"
+    } else {
+        "width of the blend"
+    };
     in_range(blend, 2.0 * half_width, 2.0, 400.0)?;
     Ok(ExtendControls {
         alpha: args.alpha,
@@ -141,7 +144,7 @@ fn controls(args: &ExtendArgs) -> Result<ExtendControls, Error> {
     })
 }
 
-/// The published program, over the whole signal; the same in all channels.
+/// Output of the published program over the whole signal; all channels are the same.
 fn as_published(
     args: &ExtendArgs,
     drive: &[f64],
@@ -158,7 +161,7 @@ fn as_published(
     Ok(Extended { channels, betas: extended.betas, hop_samples: args.half_width, latency_samples: None })
 }
 
-/// The plugin's engine, its latency cut off; independent noise per channel.
+/// Output of the plug-in's engine, with its latency cut off; each channel has independent noise.
 fn streaming(args: &ExtendArgs, drive: &[f64], rate_hz: f64, channels: usize, work: &Work) -> Result<Extended, Error> {
     let stage = work.stage("extending");
     let controls = controls(args)?;
@@ -198,8 +201,8 @@ fn streaming(args: &ExtendArgs, drive: &[f64], rate_hz: f64, channels: usize, wo
     Ok(Extended { channels: outputs, betas, hop_samples: hop, latency_samples: Some(latency) })
 }
 
-/// The factors of windows 0, 1, ... from the fits after blocks 0, 1, ... of one window each. A
-/// silent window does not tell its number, but its neighbours do.
+/// The factors of windows 0, 1, ... from the fits after blocks 0, 1, ... of one window each. A silent window does not
+/// reveal its number, but its neighbours do.
 fn betas_of(fits: &[Fit], windows: usize) -> Vec<f64> {
     let behind = fits.iter().enumerate().find(|(_, fit)| fit.raw != 0.0);
     let behind = behind.map_or(0, |(block, fit)| block as i64 - fit.window);

@@ -1,14 +1,14 @@
-//! Film time as options give it: rates of editing, and timecode.
+//! Film time in options: frame rates and timecode.
 
 use crate::error::Error;
 
-/// Rates of television are these whole ones times 1000/1001.
+/// Ratio of television frame rates to the whole ones: 1000/1001.
 const PULLED: f64 = 1000.0 / 1001.0;
 
-/// Relative tolerance within which a rate means one of those: 23.976 and 23.98 are both 24000/1001.
+/// Relative tolerance for recognising those rates: 23.976 and 23.98 are both 24000/1001.
 const SAME_RATE: f64 = 2e-4;
 
-/// Frames of film a second, as a fraction.
+/// Frames of film per second, as a fraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FilmRate {
     frames: u32,
@@ -16,7 +16,7 @@ pub struct FilmRate {
 }
 
 impl FilmRate {
-    /// Reads `24`, `24000/1001`, `23.976`; says what is wrong with it.
+    /// Reads `24`, `24000/1001`, `23.976`; the error says what is wrong.
     pub fn parse(text: &str) -> Result<Self, String> {
         let number = |text: &str| text.trim().parse::<f64>().map_err(|_| format!("'{text}' is not a number"));
         let rate_hz = match text.split_once('/') {
@@ -24,7 +24,7 @@ impl FilmRate {
             None => number(text)?,
         };
         if !(1.0..=1000.0).contains(&rate_hz) {
-            return Err(format!("{rate_hz} frames per second of film is out of range; choose 1 to 1000"));
+            return Err(format!("a film rate of {rate_hz} frames per second is out of range; choose 1 to 1000"));
         }
         let whole = rate_hz.round();
         let pulled = (rate_hz / PULLED).round();
@@ -37,35 +37,35 @@ impl FilmRate {
         }
     }
 
-    /// Frames a second.
+    /// Frames per second.
     pub fn hz(self) -> f64 {
         f64::from(self.frames) / f64::from(self.seconds)
     }
 
-    /// Frames that timecode counts in a second.
+    /// Frames that timecode counts per second.
     fn nominal(self) -> u64 {
         u64::from(self.frames.div_ceil(self.seconds))
     }
 }
 
 impl std::fmt::Display for FilmRate {
-    /// As iXML writes it: `24000/1001`, `24/1`.
+    /// Formats as in iXML: `24000/1001`, `24/1`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}/{}", self.frames, self.seconds)
     }
 }
 
-/// A timecode: `01:02:03:04`, with a semicolon before the frames where some are dropped.
+/// A timecode, such as `01:02:03:04`; a semicolon before the frames marks drop-frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timecode {
     /// Hours, minutes, seconds, frames.
     parts: [u64; 4],
-    /// Whether frame numbers are dropped to keep up with the clock (30000/1001 and 60000/1001).
+    /// True if frame numbers are dropped to keep up with the clock (30000/1001 and 60000/1001).
     pub is_drop: bool,
 }
 
 impl Timecode {
-    /// Reads a timecode; says what is wrong with it.
+    /// Reads a timecode; the error says what is wrong.
     pub fn parse(text: &str) -> Result<Self, String> {
         let wrong = || format!("'{text}' is not a timecode such as 01:00:00:00");
         let parts: Option<Vec<u64>> = text.split([':', ';']).map(|part| part.parse().ok()).collect();
@@ -76,20 +76,22 @@ impl Timecode {
         Ok(Self { parts, is_drop: text.contains(';') })
     }
 
-    /// Seconds since midnight of film that runs at a rate.
+    /// Seconds since midnight, in film that runs at `rate`.
     ///
-    /// Fails where the rate has no such frame.
+    /// Fails if the rate has no such frame.
     pub fn seconds(self, rate: FilmRate) -> Result<f64, Error> {
         let [hours, minutes, seconds, frames] = self.parts;
         let nominal = rate.nominal();
         if frames >= nominal {
-            let message =
-                format!("--timecode has frame {frames}, but at {rate} frames per second they count to {}", nominal - 1);
+            let message = format!(
+                "--timecode has frame {frames}, but at {rate} frames per second the highest is {}",
+                nominal - 1
+            );
             return Err(Error::Conflict(message));
         }
         if self.is_drop && !(rate.seconds == 1001 && nominal.is_multiple_of(30)) {
             let message = format!(
-                "--timecode is drop-frame, which {rate} frames per second does not have; write a colon before the frames"
+                "--timecode is drop-frame, which does not exist at {rate} frames per second; write a colon before the frames"
             );
             return Err(Error::Conflict(message));
         }

@@ -1,4 +1,4 @@
-//! `pyrophone flux`: the flame signal of a simulation, or of a series of flux.
+//! `pyrophone flux`: the flame signal of a simulation or of a flux series.
 
 mod cache;
 mod clock;
@@ -36,14 +36,14 @@ use crate::input::{self, in_range};
 use crate::progress::Work;
 use crate::summary::Done;
 
-/// Tables of flux; other files are sounds or simulations.
+/// Extensions of flux tables; other files are sounds or simulations.
 const TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "npy"];
 
-/// Sounds whose samples are flux.
+/// Extensions of sounds whose samples are flux.
 const SOUNDS: [&str; 13] =
     ["wav", "wave", "bwf", "rf64", "w64", "aif", "aiff", "aifc", "caf", "flac", "ogg", "oga", "mp3"];
 
-/// Measures the frames of `input`, or takes its series, and writes what was asked for.
+/// Measures the frames of `input`, or reads its series, and writes the requested outputs.
 pub fn run(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     let others: Vec<&Path> = args.partial.iter().chain(&args.speed_field).map(|path| path.as_path()).collect();
     sound::check(&args.sound, args.timeline.rate, &others, args.per_cluster.is_some())?;
@@ -59,7 +59,7 @@ pub fn run(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     }
 }
 
-/// A series goes straight to pressure.
+/// Turns a series into pressure; nothing needs to be measured.
 fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
     let given = [
         ("--iso", args.iso.is_some()),
@@ -73,7 +73,7 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
     ];
     let shown = args.input.display();
     if let Some((option, _)) = given.iter().find(|(_, given)| *given) {
-        let what = if is_sound { "a sound, with a rate of its own" } else { "a series" };
+        let what = if is_sound { "a sound file, which has its own rate" } else { "a series" };
         let message = format!("{shown}: this is {what}, not a simulation, so {option} does not apply; leave it out");
         return Err(Error::Conflict(message));
     }
@@ -88,7 +88,7 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
         let first = match series.timing {
             Timing::Frames(first) => first,
             Timing::Times(_) if series.rate_hz.is_none() => {
-                let message = format!("{shown}: its times are uneven, but steps must be even; resample the series");
+                let message = format!("{shown}: its time steps are uneven, but must be even; resample the series");
                 return Err(Error::Conflict(message));
             }
             Timing::Times(_) => 0,
@@ -141,7 +141,7 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
     }
 }
 
-/// Refuses a place on the timeline that the sound cannot have.
+/// Rejects a timeline position that the sound cannot have.
 fn check_place(args: &FluxArgs, plan: &Plan, rate_hz: Option<f64>) -> Result<(), Error> {
     let Some(first) = plan.first_frame() else { return Ok(()) };
     let rate_hz = rate_hz.unwrap_or(signal::LIKELY_RATE_HZ);
@@ -149,12 +149,12 @@ fn check_place(args: &FluxArgs, plan: &Plan, rate_hz: Option<f64>) -> Result<(),
     sound::time_reference(&args.sound, &signal.on_timeline(&args.timeline).retimed()?).map(|_| ())
 }
 
-/// Whether parts are to hold more than their table.
+/// True if parts should hold `what` beside their table.
 fn holds(args: &FluxArgs, what: PartialWith) -> bool {
     args.partial_with.contains(&what)
 }
 
-/// Everything that was asked for, from what was measured.
+/// Writes the requested outputs from the measurements.
 fn write(
     args: &FluxArgs,
     plan: &Plan,
@@ -180,7 +180,7 @@ fn write(
     sound::note_interpolated(&flux.interpolated, plan.sequence.numbering());
     let signal = Signal::of_flux(&flux, rate_hz).counted(*plan.sequence.numbering());
     let signal = signal.on_timeline(&args.timeline);
-    // What is written of its own frames; those of other parts are looked at for the merge alone.
+    // Output for its own frames; those of other parts are read for the merge alone.
     let own = plan.own().ok_or(pyrophone_flame::Error::NoFrames)?;
     if let (Some(path), Some(rate_hz)) = (&args.speed_field, rate_hz) {
         let start_s = sound::time_reference(&args.sound, &signal)? as f64 / f64::from(args.sound.sample_rate);
@@ -208,7 +208,7 @@ fn write(
     Ok(done.with_files(files))
 }
 
-/// What a part holds beside its table; none where nothing is asked for, or where no frame of the whole is there.
+/// Data of a part beyond its table; none if nothing was requested, or if no frame of the whole exists.
 fn extras(
     args: &FluxArgs,
     plan: &Plan,

@@ -1,4 +1,4 @@
-//! `pyrophone flux-merge`: one signal from the parts that were measured apart.
+//! `pyrophone flux-merge`: one signal from parts that were measured separately.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use crate::progress::{Work, note};
 use crate::report::Picture;
 use crate::summary::Done;
 
-/// Things with their labels, in the order of the page.
+/// Values with their labels, in the order of the page.
 type Labelled<T> = Vec<(String, T)>;
 
 /// Writes what one run over all frames would have written, bit for bit.
@@ -60,7 +60,7 @@ pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Done, Error> {
     Ok(done.with_files(files))
 }
 
-/// Facts and pictures for the report: those of one run, if the parts hold them.
+/// Facts and pictures for the report: those of a single run, if the parts hold them.
 fn facts(
     args: &FluxMergeArgs,
     extras: Option<&Extras>,
@@ -75,13 +75,13 @@ fn facts(
         return (facts.labelled(&merged.settings, flux, args.up, rate_hz, &merged.numbering), pictures);
     }
     if args.sound.report.is_some() {
-        note("the parts hold no pictures, and so the report has none; measure them with --partial-with report");
+        note("the parts contain no pictures, so the report has none; measure them with --partial-with report");
     }
     let from = ("Merged from".into(), format!("{parts} parts"));
     (vec![("Measured with".into(), merged.settings.clone()), from], vec![])
 }
 
-/// What the parts hold beside their tables, if that is asked for.
+/// Extra data of the parts, if it is needed.
 fn extras(args: &FluxMergeArgs, shards: &[&Path], merged: &FluxShard) -> Result<Option<Extras>, Error> {
     if args.speed_field.is_none() && args.sound.report.is_none() {
         return Ok(None);
@@ -95,7 +95,7 @@ fn extras(args: &FluxMergeArgs, shards: &[&Path], merged: &FluxShard) -> Result<
     Ok(found)
 }
 
-/// Joins the parts' speeds.
+/// Joins the parts' speeds into one field.
 fn speed_field(path: &Path, args: &FluxMergeArgs, extras: Option<&Extras>, signal: &Signal) -> Result<(), Error> {
     let first_part = shards_name(&args.shards);
     let extras = extras.ok_or_else(|| joining::no_speeds(&first_part.display().to_string()))?;
@@ -105,7 +105,7 @@ fn speed_field(path: &Path, args: &FluxMergeArgs, extras: Option<&Extras>, signa
     }
     if stride(signal.rate_hz) != survey.every {
         let message = format!(
-            "--rate is {}, but the parts' speeds were measured at every {}. step, for another rate; measure them with this --rate",
+            "--rate is {}, but the parts' speeds were measured with a stride of {} steps, for another rate; measure them with this --rate",
             signal.rate_hz, survey.every
         );
         return Err(Error::Conflict(message));
@@ -114,7 +114,7 @@ fn speed_field(path: &Path, args: &FluxMergeArgs, extras: Option<&Extras>, signa
     motion::write(path, &survey.field(&speeds, args.up, signal.rate_hz, start_s)?)
 }
 
-/// The parts, those in folders in the order of their names.
+/// The parts; those in folders in the order of their names.
 fn shards(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     let mut shards = vec![];
     for path in named {
@@ -126,10 +126,8 @@ fn shards(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
         let is_part = |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
         let mut found: Vec<PathBuf> = found.filter(is_part).collect();
         if found.is_empty() {
-            let message = format!(
-                "{}: no parts here; name a folder in which flux --partial has written .csv files",
-                path.display()
-            );
+            let message =
+                format!("{}: no parts here; name a folder of .csv files written by flux --partial", path.display());
             return Err(Error::Conflict(message));
         }
         found.sort_unstable();
@@ -138,7 +136,7 @@ fn shards(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     Ok(shards)
 }
 
-/// The first part, by which the whole is named.
+/// The first part, which stands for the whole in messages.
 fn shards_name(shards: &[PathBuf]) -> &std::path::Path {
     shards.first().map_or(std::path::Path::new("the parts"), |path| path.as_path())
 }

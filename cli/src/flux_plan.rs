@@ -1,4 +1,4 @@
-//! `pyrophone flux-plan`: a job for a farm, from a look at the cache.
+//! `pyrophone flux-plan`: a render-farm job, planned from the cache's frames.
 
 mod openjd;
 mod shell;
@@ -15,27 +15,27 @@ use crate::output;
 use crate::progress::note;
 use crate::summary::{Done, print};
 
-/// Most jobs that are written out one by one.
+/// Largest number of jobs that are written out one by one.
 const MOST_CHUNKS: u64 = 100_000;
 
 /// A job, independent of the scheduler that runs it.
 struct Job {
     program: PathBuf,
     input: PathBuf,
-    /// The sound in the end.
+    /// The final sound.
     output: PathBuf,
     /// Folder of the parts.
     parts: PathBuf,
-    /// Frames, first and last, by their numbers.
+    /// First and last frame, by number.
     frames: (i64, i64),
     chunk: u64,
-    /// Options of every part's `flux`.
+    /// Options for each part's `flux`.
     measure: Vec<String>,
-    /// Options of `flux-merge`.
+    /// Options for `flux-merge`.
     merge: Vec<String>,
 }
 
-/// Writes a job that measures the frames of a cache in parts and puts them together.
+/// Writes a job that measures the frames of a cache in parts and merges them.
 pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
     in_range("--chunk", args.chunk as f64, 1.0, 1e9)?;
     output::check(&args.output, &[])?;
@@ -105,7 +105,7 @@ fn merge_options(args: &FluxPlanArgs) -> Result<Vec<String>, Error> {
     Ok(options)
 }
 
-/// A path that is the same from every folder; patterns for frames' names need not exist.
+/// A path that is valid from every folder; patterns for frame names need not exist.
 fn absolute(path: &Path) -> Result<PathBuf, Error> {
     let failed = |error: std::io::Error| Error::Conflict(format!("{}: {}", path.display(), error.kind()));
     std::path::absolute(path).map_err(failed)
@@ -122,7 +122,7 @@ impl Job {
         starts.map(move |from| (from, from.saturating_add(chunk - 1).min(last)))
     }
 
-    /// The arguments of one part's `flux`; `frames` is what the engine puts in for them.
+    /// Arguments of one part's `flux`; `frames` is the scheduler's placeholder for its frames.
     fn measure_arguments(&self, frames: &str) -> Vec<String> {
         let part = self.parts.join(format!("part_{frames}.csv"));
         let fixed = ["flux", "--input"].map(str::to_owned);
@@ -130,7 +130,7 @@ impl Job {
         fixed.into_iter().chain(named).chain([part.display().to_string()]).chain(self.measure.iter().cloned()).collect()
     }
 
-    /// The arguments of the `flux-merge` at the end.
+    /// Arguments of the final `flux-merge`.
     fn merge_arguments(&self) -> Vec<String> {
         let parts = self.parts.display().to_string();
         let fixed = ["flux-merge".to_owned(), parts, "--output".into(), self.output.display().to_string()];

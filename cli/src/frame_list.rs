@@ -1,17 +1,17 @@
-//! Lists of frames as farms write them: `7`, `1-100`, `-5--1`, `1-8x2`, `1,5-9`.
+//! Lists of frames in the notation of render farms: `7`, `1-100`, `-5--1`, `1-8x2`, `1,5-9`.
 
 use pyrophone_flame::import::Numbering;
 
-/// Frames from one to another.
+/// A range of frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Range {
     first: i64,
     last: i64,
-    /// Every so many frames one.
+    /// Stride in frames.
     every: u64,
 }
 
-/// The frames that are asked for, by the numbers in their files' names; a frame's sub-frames belong to it.
+/// Requested frames, by the numbers in their file names; a frame includes its sub-frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrameList {
     ranges: Vec<Range>,
@@ -19,13 +19,13 @@ pub struct FrameList {
 }
 
 impl FrameList {
-    /// Reads a list; says what is wrong with it.
+    /// Reads a list; the error says what is wrong.
     pub fn parse(text: &str) -> Result<Self, String> {
         let ranges: Result<Vec<Range>, String> = text.split(',').map(range).collect();
         Ok(Self { ranges: ranges?, text: text.trim().to_owned() })
     }
 
-    /// Whether a step is asked for.
+    /// True if a step is requested.
     pub fn holds(&self, step: i64, numbering: &Numbering) -> bool {
         self.ranges.iter().any(|range| range.holds(step, numbering))
     }
@@ -51,7 +51,7 @@ fn range(text: &str) -> Result<Range, String> {
         Some((range, every)) => (range, every.trim().parse().ok().filter(|every| *every > 0)),
         None => (text, Some(1)),
     };
-    let every = every.ok_or_else(|| format!("'{text}x...' needs a whole number above 0 after its x, as in 1-8x2"))?;
+    let every = every.ok_or_else(|| format!("'{text}x...' needs a whole number above 0 after the x, as in 1-8x2"))?;
     // The first minus parts the numbers unless it stands before the first one.
     let parting = text.trim().char_indices().skip(1).find(|(_, c)| *c == '-');
     let text = text.trim();

@@ -11,15 +11,15 @@ use crate::error::Error;
 use crate::output::is_standard;
 use crate::progress::{Work, note};
 
-/// Below this share of the channels' mean power, the power of their mean says that they cancel.
+/// Share of the channels' mean power below which the power of their mean indicates that they cancel.
 const CANCELLING_SHARE: f64 = 0.01;
 
-/// Reads a sound file, whatever its rate.
+/// Reads a sound file at its own rate.
 pub fn load(path: &Path, work: &Work) -> Result<Recording, Error> {
     load_with_place(path, work).map(|(recording, _)| recording)
 }
 
-/// Reads a sound file, and what it says of its place on the timeline.
+/// Reads a sound file, and the timeline position that it states.
 pub fn load_with_place(path: &Path, work: &Work) -> Result<(Recording, Option<Broadcast>), Error> {
     if is_standard(path) {
         let bytes = standard::read(work)?;
@@ -36,19 +36,19 @@ pub fn load_with_place(path: &Path, work: &Work) -> Result<(Recording, Option<Br
     Ok((recording, Broadcast::of_file(path)))
 }
 
-/// Says what is odd about a recording. Whether channels that cancel matter depends on what the sound is for.
+/// Notes anything odd about a recording. Cancelling channels are left out: they matter for some uses only.
 fn print_notes(recording: &Recording) {
     for found in recording.notes.iter().filter(|found| **found != Note::ChannelsCancel) {
         note(&format!("{}: {found}", recording.name));
     }
 }
 
-/// Reads a sound file and brings it to `rate_hz`.
+/// Reads a sound file and resamples it to `rate_hz`.
 pub fn load_at(path: &Path, rate_hz: u32, work: &Work) -> Result<Recording, Error> {
     at_rate(&load(path, work)?, rate_hz, work)
 }
 
-/// Brings a sound to `rate_hz`.
+/// Resamples a sound to `rate_hz`.
 pub fn at_rate(recording: &Recording, rate_hz: u32, work: &Work) -> Result<Recording, Error> {
     let stage = work.stage("resampling");
     stop(resample(recording, rate_hz, &|done| stage.at(done)))
@@ -61,7 +61,7 @@ fn stop(result: Result<Recording, pyrophone_recording::Error>) -> Result<Recordi
     })
 }
 
-/// Reads a file of text.
+/// Reads a text file.
 pub fn text(path: &Path) -> Result<String, Error> {
     let not_text = |_| Error::Conflict(format!("{}: this is not a text file; choose another", path.display()));
     String::from_utf8(pyrophone_recording::read(path)?).map_err(not_text)
@@ -72,7 +72,7 @@ pub fn as_f64(channels: &[Vec<f32>]) -> Vec<Vec<f64>> {
     channels.iter().map(|samples| samples.iter().map(|sample| f64::from(*sample)).collect()).collect()
 }
 
-/// The mean of the channels, as the engines are driven by; says so where the channels cancel in it.
+/// Mean of the channels, which drives the engines; notes channels that cancel.
 pub fn mean(recording: &Recording) -> Vec<f64> {
     let count = recording.channels.len() as f64;
     let mean: Vec<f64> = (0..recording.len_samples())
@@ -89,14 +89,14 @@ pub fn mean(recording: &Recording) -> Vec<f64> {
     mean
 }
 
-/// The input's rate must be one that the engines are made for.
+/// Rejects an input whose rate the engines do not support.
 pub fn check_rate(recording: &Recording, path: &Path) -> Result<(), Error> {
     const ALLOWED_HZ: std::ops::RangeInclusive<u32> = 8_000..=384_000;
     if ALLOWED_HZ.contains(&recording.sample_rate_hz) {
         return Ok(());
     }
     Err(Error::Conflict(format!(
-        "{}: the sample rate is {} Hz, but an input's must lie between {} and {} Hz; convert it to 48000 Hz",
+        "{}: the sample rate is {} Hz, but must lie between {} and {} Hz; convert it to 48000 Hz",
         path.display(),
         recording.sample_rate_hz,
         ALLOWED_HZ.start(),
@@ -104,7 +104,7 @@ pub fn check_rate(recording: &Recording, path: &Path) -> Result<(), Error> {
     )))
 }
 
-/// Refuses an option outside its range, NaN included.
+/// Rejects an option outside its range, NaN included.
 pub fn in_range(option: &'static str, found: f64, low: f64, high: f64) -> Result<(), Error> {
     if found >= low && found <= high {
         return Ok(());

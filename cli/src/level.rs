@@ -4,7 +4,7 @@ use ebur128::{Channel, EbuR128, Mode};
 
 use crate::notes::note;
 
-/// Below this a listener turns up the volume, or misses the sound; in LUFS.
+/// Loudness in LUFS below which listeners turn up the volume or miss the sound.
 const QUIET_LUFS: f64 = -40.0;
 
 /// Samples per call of the meter, so that no second copy of the sound is needed.
@@ -13,26 +13,26 @@ const BLOCK_SAMPLES: usize = 1 << 16;
 /// Peak and loudness of a sound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Level {
-    /// The largest sample, whatever its sign; 1 is full scale.
+    /// Magnitude of the largest sample; 1 is full scale.
     pub peak: f32,
-    /// Integrated loudness; none where all is silence, or shorter than the 0.4 s that are measured at a time.
+    /// Integrated loudness; none for silence, or for sounds shorter than the 0.4 s of a measuring block.
     pub lufs: Option<f64>,
 }
 
 impl Level {
-    /// Measures `channels` of equal length, in the order of this project's layouts.
+    /// Measures `channels` of equal length, in the channel order of this project's layouts.
     pub fn of(channels: &[Vec<f32>], sample_rate_hz: u32) -> Self {
         let peak = channels.iter().flatten().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
         let lufs = loudness(channels, sample_rate_hz).ok().filter(|lufs| lufs.is_finite());
         Self { peak, lufs }
     }
 
-    /// The peak in dB of full scale; none for silence.
+    /// The peak in dBFS; none for silence.
     pub fn peak_dbfs(&self) -> Option<f64> {
         (self.peak > 0.0).then(|| 20.0 * f64::from(self.peak).log10())
     }
 
-    /// Says so where the sound is too loud for players, or too quiet to be heard well.
+    /// Notes a sound that is too loud for players, or hard to hear.
     pub fn note_extremes(&self) {
         if let Some(message) = self.remark() {
             note(&message);
@@ -66,7 +66,7 @@ fn loudness(channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<f64, ebur128::
     meter.loudness_global()
 }
 
-/// Loudspeakers of a channel count, for the measure's weights: the sides count more, the LFE not at all.
+/// Loudspeakers of a channel count, for the weights of the measurement: surrounds count more, the LFE not at all.
 fn map(channels: usize) -> &'static [Channel] {
     use Channel::{Center, Left, LeftSurround, Mm090, Mm135, Mp090, Mp135, Right, RightSurround, Um045, Unused, Up045};
     match channels {

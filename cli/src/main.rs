@@ -1,8 +1,8 @@
-//! `pyrophone`: fire from a low-frequency flame signal, file in, file out.
+//! `pyrophone`: the sound of fire from a low-frequency flame signal, file in, file out.
 //!
-//! Exit code 0: the output was written. 1: refused or failed, with one line on standard error that
-//! says why and what to do; no output was left behind. 2: the command line was not understood. A signal stops the work,
-//! and once nothing half-done is left the process dies of it: 128 + its number, as shells report it.
+//! Exit code 0: the output was written. 1: the command failed; one line on standard error says why and what to do, and
+//! no output is left behind. 2: the command line was invalid. A signal stops the work; after cleaning up, the process
+//! ends by that signal: 128 + its number, as shells report it.
 
 mod args;
 mod error;
@@ -62,14 +62,14 @@ fn main() -> ExitCode {
     stop.die_of_signal().unwrap_or(code)
 }
 
-/// The arguments, and the name of the command as it is typed.
+/// The arguments, and the command's name as typed.
 fn parse() -> Result<(Cli, String), clap::Error> {
     let matches = Cli::command().try_get_matches()?;
     let name = matches.subcommand_name().unwrap_or_default().to_owned();
     Ok((Cli::from_arg_matches(&matches)?, name))
 }
 
-/// Runs the command; its results, if it writes files.
+/// Runs the command; returns its results if it writes files.
 fn run(cli: &Cli, work: &Work) -> Result<Option<Done>, Error> {
     match &cli.command {
         Command::Texture(args) => texture::run(args, work).map(Some),
@@ -93,7 +93,7 @@ fn run(cli: &Cli, work: &Work) -> Result<Option<Done>, Error> {
     }
 }
 
-/// The summary goes where the sound does not.
+/// Prints the summary to whichever stream the sound does not use.
 fn print_summary(done: &Done, command: &str) {
     let summary = done.to_json(command, &notes::take());
     if done.output.as_deref().is_some_and(output::is_standard) {
@@ -108,14 +108,14 @@ fn fail(error: &Error) -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// The command that explains the command that was typed.
+/// The help command for the command that was typed.
 fn help() -> String {
     let commands = Cli::command();
     let typed = std::env::args().skip(1).find(|word| commands.find_subcommand(word).is_some());
     typed.map_or_else(|| "pyrophone --help".to_owned(), |command| format!("pyrophone {command} --help"))
 }
 
-/// Help and version as they are; an error in one line.
+/// Prints help and version unchanged, and an error in one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
         // Nobody reads a pipe that was closed: not worth an error.

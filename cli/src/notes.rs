@@ -1,6 +1,7 @@
 //! Notes to the user that do not end the work.
 //!
-//! A process is one command, so there is one list of notes: they arise anywhere, and `--json` prints them all at the end.
+//! A process runs one command, so there is one list of notes: they arise anywhere, and `--json` prints them all at the
+//! end.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -8,17 +9,17 @@ use std::sync::{Mutex, PoisonError};
 static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From now on, prints only errors on standard error.
+/// Silences notes on standard error from now on.
 pub fn be_quiet() {
     IS_QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether only errors are printed.
+/// True if only errors are printed.
 pub fn is_quiet() -> bool {
     IS_QUIET.load(Ordering::Relaxed)
 }
 
-/// Says something that the user should know but that does not end the work.
+/// Prints something that the user should know, without ending the work.
 pub fn note(message: &str) {
     if !is_quiet() {
         eprintln!("note: {message}");
@@ -26,7 +27,7 @@ pub fn note(message: &str) {
     NOTES.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
 }
 
-/// All notes so far, which are then forgotten.
+/// Returns all notes so far and clears the list.
 pub fn take() -> Vec<String> {
     std::mem::take(&mut *NOTES.lock().unwrap_or_else(PoisonError::into_inner))
 }

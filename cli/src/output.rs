@@ -13,13 +13,13 @@ use crate::level::Level;
 use crate::notes::note;
 use crate::summary::Sound;
 
-/// Name of standard input and output.
+/// Argument for standard input or output.
 pub const STANDARD: &str = "-";
 
-/// Extensions of WAV files; a name without one is a WAV file too.
+/// Extensions of WAV files; a name without an extension is a WAV file too.
 const WAV: [&str; 3] = ["", "wav", "wave"];
 
-/// The kinds of outputs.
+/// Kinds of output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Wav,
@@ -28,13 +28,13 @@ enum Kind {
     Standard,
 }
 
-/// Whether `path` stands for standard input or output.
+/// True if `path` means standard input or output.
 pub fn is_standard(path: &Path) -> bool {
     path.as_os_str() == STANDARD
 }
 
-/// Refuses, before any work is done for it, a sound file that is made from itself, is of no kind that is written, or
-/// could not be written; and inputs that are all to come from standard input.
+/// Rejects, before any work is done, an output that would overwrite one of its sources, has an unsupported format, or
+/// cannot be written; also rejects more than one input from standard input.
 pub fn check(output: &Path, sources: &[&Path]) -> Result<(), Error> {
     if sources.iter().filter(|source| is_standard(source)).count() > 1 {
         return Err(Error::Conflict(
@@ -43,7 +43,7 @@ pub fn check(output: &Path, sources: &[&Path]) -> Result<(), Error> {
     }
     if is_standard(output) {
         if std::io::stdout().is_terminal() {
-            let message = "--output is -, but standard output is a terminal; send it to a file or a pipe";
+            let message = "--output is -, but standard output is a terminal; redirect it to a file or a pipe";
             return Err(Error::Conflict(message.into()));
         }
         return Ok(());
@@ -53,7 +53,7 @@ pub fn check(output: &Path, sources: &[&Path]) -> Result<(), Error> {
     check_file(output)
 }
 
-/// Refuses any other file that could not be written.
+/// Rejects any other file that could not be written.
 pub fn check_file(output: &Path) -> Result<(), Error> {
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
@@ -63,7 +63,7 @@ pub fn check_file(output: &Path) -> Result<(), Error> {
     Ok(check_writable(output)?)
 }
 
-/// Refuses, once they are known, channels and a rate that the kind of file cannot have.
+/// Rejects, once they are known, a channel count and rate that the file format does not support.
 pub fn check_format(output: &Path, channels: usize, sample_rate_hz: u32) -> Result<(), Error> {
     match kind(output)? {
         Kind::Flac => Ok(check_flac(output, channels, sample_rate_hz)?),
@@ -71,7 +71,7 @@ pub fn check_format(output: &Path, channels: usize, sample_rate_hz: u32) -> Resu
     }
 }
 
-/// Writes a sound that is to be heard: says so where it is too loud or too quiet.
+/// Writes a sound meant for listening; notes a level that is too high or too low.
 pub fn write(
     output: &Path,
     channels: Vec<Vec<f32>>,
@@ -83,7 +83,7 @@ pub fn write(
     Ok(sound)
 }
 
-/// Writes a signal, which may be of any level.
+/// Writes a signal of any level.
 pub fn write_signal(
     output: &Path,
     mut channels: Vec<Vec<f32>>,
@@ -133,7 +133,7 @@ fn kind(output: &Path) -> Result<Kind, Error> {
     }
 }
 
-/// Makes a folder and those above it, where they do not exist.
+/// Creates a folder and its parents if needed.
 pub fn make_folder(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|error| {
         let (path, reason) = (folder.display().to_string(), error.kind().to_string());

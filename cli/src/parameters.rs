@@ -1,11 +1,11 @@
-//! `pyrophone parameters`: what presets, automation and `--set` may say.
+//! `pyrophone parameters`: the vocabulary of presets, automation and `--set`.
 
 use pyrophone_settings::{Kind, PARAMETERS, Parameter};
 use serde::Serialize;
 
 use crate::summary::{json, print};
 
-/// A parameter as `--json` prints it; values are those that presets and automation take.
+/// A parameter as printed by `--json`; values are in the form that presets and automation use.
 #[derive(Serialize)]
 struct Listed {
     id: &'static str,
@@ -16,13 +16,13 @@ struct Listed {
     kind: &'static str,
     low: f64,
     high: f64,
-    /// Whether the lowest value means "off".
+    /// True if the lowest value means "off".
     off_at_low: bool,
     default: String,
-    /// Names of the values of a choice.
+    /// Names of a choice's values.
     choices: &'static [&'static str],
     automatable: bool,
-    /// The published value, where there is one.
+    /// The published value, if there is one.
     paper: Option<String>,
     help: &'static str,
 }
@@ -49,7 +49,7 @@ pub fn run(as_json: bool) {
     print(&PARAMETERS.iter().map(lines).collect::<String>());
 }
 
-/// The values allowed, and the default.
+/// The allowed values and the default.
 fn range(parameter: &Parameter) -> String {
     let default = parameter.to_text(parameter.default_value());
     let allowed = match parameter.kind {

@@ -1,4 +1,4 @@
-//! `pyrophone presets`: those that come with Pyrophone, and the user's.
+//! `pyrophone presets`: the factory presets and the user's own.
 
 use pyrophone_settings::{Id, Library, Preset};
 use serde::Serialize;
@@ -7,17 +7,17 @@ use crate::error::Error;
 use crate::notes::{note, take};
 use crate::summary::{json, print};
 
-/// A preset as `--json` prints it.
+/// A preset as printed by `--json`.
 #[derive(Serialize)]
 struct Listed {
     name: String,
-    /// Its name in words.
+    /// Its display name.
     title: String,
-    /// Who made it; may be empty.
+    /// Its author; may be empty.
     author: String,
     /// `factory` or `user`.
     origin: &'static str,
-    /// Its file, where it is the user's.
+    /// Its file, for a user preset.
     path: Option<String>,
     description: String,
     tags: Vec<String>,

@@ -1,4 +1,4 @@
-//! Progress: a bar on a terminal, now and then a line elsewhere, nothing with `--quiet`.
+//! Progress: a bar on a terminal, occasional lines elsewhere, nothing with `--quiet`.
 
 mod lines;
 
@@ -14,22 +14,22 @@ use crate::stop::Stop;
 
 pub use crate::notes::note;
 
-/// Steps of a bar.
+/// Resolution of a bar in steps.
 const STEPS: u64 = 1000;
 
-/// The running command, as its user sees and stops it.
+/// The running command, with its progress display and its stop signal.
 pub struct Work {
     stop: Stop,
     progress: Progress,
 }
 
 impl Work {
-    /// Work that ends once `stop` has a signal.
+    /// Creates work that stops when `stop` receives a signal.
     pub fn new(stop: Stop, progress: Progress) -> Self {
         Self { stop, progress }
     }
 
-    /// A named part of the work.
+    /// Starts a named stage of the work.
     pub fn stage(&self, name: &'static str) -> Stage<'_> {
         let shown = match (is_quiet(), std::io::stderr().is_terminal()) {
             (false, _) if self.progress == Progress::Openjd => Shown::Lines(Lines::for_openjd()),
@@ -40,7 +40,7 @@ impl Work {
         Stage { shown, work: self }
     }
 
-    /// Fails where the user or the system has stopped the work.
+    /// Fails if the user or the system has stopped the work.
     pub fn check(&self) -> Result<(), Error> {
         if self.stop.has_come() { Err(Error::Cancelled) } else { Ok(()) }
     }
@@ -55,7 +55,7 @@ fn bar(name: &'static str) -> ProgressBar {
     bar
 }
 
-/// A part of the work; its bar goes away with it.
+/// A stage of the work; its bar disappears when it ends.
 pub struct Stage<'a> {
     shown: Shown,
     work: &'a Work,
@@ -68,7 +68,7 @@ enum Shown {
 }
 
 impl Stage<'_> {
-    /// Shows how much is done (0-1); returns whether to continue.
+    /// Shows the finished share (0-1); returns whether to continue.
     pub fn at(&self, done: f32) -> bool {
         match &self.shown {
             Shown::Bar(bar) => bar.set_position((f64::from(done.clamp(0.0, 1.0)) * STEPS as f64) as u64),

@@ -1,4 +1,4 @@
-//! `pyrophone render`: the plugin's whole chain.
+//! `pyrophone render`: the plug-in's whole signal chain.
 
 mod play;
 mod source;
@@ -27,7 +27,7 @@ use crate::progress::{Work, note};
 use crate::summary::Done;
 use crate::{input, output};
 
-/// Writes what the plugin makes of `input`, played from position 0, its latency cut off.
+/// Writes the plug-in's output for `input`, played from position 0, with the latency cut off.
 pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     let values = values(args)?;
     let automation = match &args.automation {
@@ -35,7 +35,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
         None => Automation::default(),
     };
     if args.learn.is_some() && args.dynamic_range.is_some_and(|choice| choice != crate::args::DynamicRange::Learned) {
-        let message = "--learn contradicts --dynamic-range off and running; leave one of them out";
+        let message = "--learn contradicts --dynamic-range off and --dynamic-range running; leave one of them out";
         return Err(Error::Conflict(message.into()));
     }
     check_output(args)?;
@@ -75,7 +75,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     Ok(Done { latency_samples: Some(chain.latency_samples()), ..Done::with_sound(&args.output, sound) })
 }
 
-/// Gives the engines the recordings, the second one in the slot after the first.
+/// Loads the recordings into the engines, the second one into the slot after the first.
 fn load_recordings(chain: &mut Chain, args: &RenderArgs, values: &Values, work: &Work) -> Result<(), Error> {
     let cut = Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
     let (rate_hz, structure) = (chain.sample_rate_hz(), values.structure());
@@ -92,7 +92,7 @@ fn load_recordings(chain: &mut Chain, args: &RenderArgs, values: &Values, work: 
     Ok(())
 }
 
-/// Refuses an output that could not be written, or is one of the files that it is made from.
+/// Rejects an output that cannot be written or would overwrite one of its sources.
 fn check_output(args: &RenderArgs) -> Result<(), Error> {
     let sources = [
         &args.input,
@@ -108,7 +108,7 @@ fn check_output(args: &RenderArgs) -> Result<(), Error> {
     output::check(&args.output, &sources)
 }
 
-/// Refuses a part that the recording has not, and says so where it has not all of it.
+/// Rejects a region outside the recording; notes one that extends beyond it.
 fn check_region(region_s: Option<[f64; 2]>, recording: &Recording, path: &Path) -> Result<(), Error> {
     let duration_s = recording.len_samples() as f64 / f64::from(recording.sample_rate_hz);
     let Some([start_s, end_s]) = region_s.filter(|[_, end_s]| *end_s > duration_s) else { return Ok(()) };
@@ -116,7 +116,7 @@ fn check_region(region_s: Option<[f64; 2]>, recording: &Recording, path: &Path) 
     if start_s >= duration_s {
         return Err(Error::Conflict(format!("{found}; choose a part inside it")));
     }
-    note(&format!("{found}; the part that exists is used"));
+    note(&format!("{found}; only the part that exists is used"));
     Ok(())
 }
 
@@ -124,7 +124,7 @@ fn speed_field(path: &Path) -> Result<SpeedField, Error> {
     SpeedField::from_bytes(&pyrophone_recording::read(path)?).map_err(Error::of_file(path))
 }
 
-/// Gas for vortex sound of the flow `live`, simulated as it is asked for.
+/// Gas for the vortex flow `live`, simulated on demand.
 fn simulate_gas(chain: &mut Chain) -> Result<(), Error> {
     let step_s = chain.live_step_s();
     let flows = [LiveFlow::new(step_s)?, LiveFlow::new(step_s)?];
@@ -133,7 +133,7 @@ fn simulate_gas(chain: &mut Chain) -> Result<(), Error> {
     chain.set_simulators(simulators, &places).map_err(Error::Option)
 }
 
-/// The preset, then `--dynamic-range` (or `--learn`, which asks for the learned one), then `--set`.
+/// The preset's values, then `--dynamic-range` (or `--learn`, which implies `learned`), then `--set`.
 fn values(args: &RenderArgs) -> Result<Values, Error> {
     let mut values = Preset::find(&args.preset)?.values;
     let learn = args.learn.as_ref().map(|_| crate::args::DynamicRange::Learned);
@@ -165,7 +165,8 @@ fn output_channels(args: &RenderArgs, main: &Recording) -> Result<usize, Error> 
     )))
 }
 
-/// Texture without a recording is silent: an error where nothing else would sound, else worth a note.
+/// Checks that something will sound. Texture without a recording is silent: an error if nothing else sounds, otherwise
+/// a note.
 fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(), Error> {
     let may_sound = |id: Id| {
         let off = |plain: f64| id.parameter().is_off(plain);
@@ -175,14 +176,14 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     let mut flows = events.iter().filter(|event| event.parameter == Id::VortexFlow as usize);
     let follows = field(values.get(Id::VortexFlow)) || flows.any(|event| field(event.value));
     if args.speed_field.is_some() && !(follows && may_sound(Id::VortexLevel)) {
-        note("the speed field is not used: that needs vortex_flow=field and a vortex_level");
+        note("the speed field is not used; set vortex_flow=field and a vortex_level");
     }
     let is_set = |id: Id, is_wanted: fn(f64) -> bool| {
         is_wanted(values.get(id)) || events.iter().any(|event| event.parameter == id as usize && is_wanted(event.value))
     };
     let uses_second = is_set(Id::RecordingBlend, |blend| blend > 0.0) || is_set(Id::RecordingSlot, |slot| slot == 1.0);
     if args.recording_b.is_some() && !uses_second {
-        note("the second recording is not used: that needs a recording_blend, or recording_slot=2");
+        note("the second recording is not used; set a recording_blend, or recording_slot=2");
     }
     if args.training.is_some() || args.recording_b.is_some() && uses_second || !may_sound(Id::TextureLevel) {
         return Ok(());
@@ -191,7 +192,7 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
         if values.controls().crackle.fuel != Fuel::Off {
             return Ok(());
         }
-        note("there is no --training, so spectral extension stands in for texture");
+        note("there is no --training, so spectral extension replaces texture");
         return Ok(());
     }
     if [Id::LowLevel, Id::ExtensionLevel, Id::VortexLevel].into_iter().any(may_sound) {
@@ -202,7 +203,7 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     Err(Error::Conflict(message))
 }
 
-/// Says which sounds the drive does not listen to.
+/// Notes inputs that the drive does not use.
 fn say_what_is_unused(args: &RenderArgs, values: &Values, events: &[Event]) {
     let listens = |wanted: &dyn Fn(&str) -> bool| {
         let is_wanted = |plain: f64| DRIVE_MODES.get(plain as usize).is_some_and(|mode| wanted(mode));
@@ -211,16 +212,16 @@ fn say_what_is_unused(args: &RenderArgs, values: &Values, events: &[Event]) {
     };
     if args.input.is_some() && !listens(&|mode| mode != "flame") {
         note(
-            "drive_mode is flame: a built-in flame burns, and the input only sets length, sample rate and channels; \
-             choose another drive_mode to be driven by it",
+            "drive_mode is flame: a built-in flame drives the engines, and the input only sets length, sample rate and channels; \
+             choose another drive_mode to use its sound",
         );
     }
     if args.sidechain.is_some() && !listens(&|mode| mode == "envelope") {
-        note("the sidechain is not used: that needs drive_mode=envelope");
+        note("the sidechain is not used; set drive_mode=envelope");
     }
 }
 
-/// The sidechain's channels at the input's rate and of its length: cut, or followed by silence.
+/// The sidechain's channels at the input's rate and length: cut, or padded with silence.
 fn sidechain(args: &RenderArgs, main: &Recording, work: &Work) -> Result<Vec<Vec<f32>>, Error> {
     let Some(path) = &args.sidechain else { return Ok(vec![]) };
     let mut channels = input::load_at(path, main.sample_rate_hz, work)?.channels;
@@ -236,7 +237,7 @@ fn needs_learning(values: &Values, events: &[Event]) -> bool {
         || events.iter().any(|event| event.parameter == Id::DynamicRange as usize && is_learned(event.value))
 }
 
-/// From `--learn`, else from a first pass over the input.
+/// The distribution from `--learn`, otherwise from a first pass over the input.
 fn learned(
     args: &RenderArgs,
     values: &Values,

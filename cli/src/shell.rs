@@ -1,4 +1,4 @@
-//! `pyrophone completions` and `pyrophone man`: what packages install beside the program.
+//! `pyrophone completions` and `pyrophone man`: files that packages install beside the program.
 
 use clap::CommandFactory;
 use pyrophone_recording::write_file;
@@ -8,14 +8,14 @@ use crate::error::Error;
 use crate::output::make_folder;
 use crate::summary::{Done, print};
 
-/// Writes a shell's completions to standard output.
+/// Writes shell completions to standard output.
 pub fn completions(args: &CompletionsArgs) {
     let mut script = vec![];
     clap_complete::generate(args.shell, &mut Cli::command(), "pyrophone", &mut script);
     print(&String::from_utf8_lossy(&script));
 }
 
-/// Writes a page for the program and one for each command.
+/// Writes a manual page for the program and one for each command.
 pub fn man(args: &ManArgs) -> Result<Done, Error> {
     make_folder(&args.output)?;
     let mut program = Cli::command().disable_help_subcommand(true);

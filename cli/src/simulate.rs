@@ -1,4 +1,4 @@
-//! `pyrophone simulate`: a flame of our own, and its signal.
+//! `pyrophone simulate`: the flame signal of a built-in scene.
 
 mod kept;
 
@@ -27,13 +27,13 @@ use crate::summary::Done;
 /// Value of the burning field at the flame front.
 const ISO: f64 = 0.5;
 
-/// Pictures of the front in a report.
+/// Number of pictures of the front in a report.
 const PICTURES: u64 = 12;
 
-/// Steps after which what is done is kept.
+/// Steps between checkpoints.
 const KEEP_STEPS: u64 = 360;
 
-/// Simulates a scene and writes what was asked for.
+/// Simulates a scene and writes the requested outputs.
 pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
     let field: Vec<&Path> = args.speed_field.iter().map(|path| path.as_path()).collect();
     sound::check(&args.sound, None, &field, false)?;
@@ -73,20 +73,20 @@ struct Plan {
     scene: Scene,
     front: Front,
     refine: usize,
-    /// Steps before the first that is kept, and those that are.
+    /// Steps before the first recorded step, and recorded steps.
     pre_roll: u64,
     count: u64,
     cache: Option<PathBuf>,
-    /// Whether pictures are asked for.
+    /// True if pictures are requested.
     draws: bool,
-    /// Sub-volumes whose speeds are asked for.
+    /// Sub-volumes whose speeds are requested.
     regions: Option<Regions>,
 }
 
-/// Fronts to be drawn, with their frames.
+/// Fronts to draw, with their frames.
 type Meshes = Vec<(i64, Mesh)>;
 
-/// Everything that was measured.
+/// All measurements.
 struct Simulated {
     steps: Steps,
     meshes: Meshes,
@@ -98,7 +98,7 @@ struct Measured {
     row: Row,
     /// Speeds of the sub-volumes, at every step that the field needs.
     speeds: Option<Vec<f32>>,
-    /// The front, where it is to be drawn.
+    /// The front, if it is to be drawn.
     mesh: Option<Mesh>,
 }
 
@@ -140,7 +140,7 @@ impl Plan {
         )
     }
 
-    /// What a run that goes on must have in common with the one that began. How long it is to be is not in it.
+    /// Settings that a resumed run must share with the interrupted one. The length is not among them.
     fn settings(&self) -> String {
         let cache = self.cache.as_ref().map(|folder| format!(", cache {}", folder.display())).unwrap_or_default();
         let field = if self.regions.is_some() { ", speed field" } else { "" };
@@ -154,7 +154,7 @@ impl Plan {
         Ok(format!("{x}×{y}×{z} voxels of {:.1} mm", 1000.0 * domain.voxel_size_m()))
     }
 
-    /// Flux and area of all steps that are kept, and the fronts to be drawn.
+    /// Flux and area of all recorded steps, and the fronts to draw.
     fn simulate(&self, kept: &mut SimulationCheckpoint, work: &Work) -> Result<Simulated, Error> {
         if let Some(folder) = &self.cache {
             make_folder(folder)?;
@@ -192,7 +192,7 @@ impl Plan {
         Ok(Simulated { steps, meshes, flow })
     }
 
-    /// Goes on up to step `end`, or until it is cancelled; the fronts of all steps are measured.
+    /// Continues up to step `end`, or until cancelled; the fronts of all steps are measured.
     fn stretch(&self, simulation: &mut Simulation, end: u64, stage: &Stage<'_>) -> Result<Vec<Measured>, Error> {
         let total = (self.pre_roll + self.count) as f32;
         let mut measured = vec![];
@@ -220,14 +220,14 @@ impl Plan {
         })
     }
 
-    /// The speed field of what was measured.
+    /// The speed field of the measured speeds.
     fn field(&self, flow: &Flow) -> Result<SpeedField, Error> {
         let Some(regions) = &self.regions else { return Err(pyrophone_flame::Error::NoMotion.into()) };
         let rate_hz = STEP_RATE_HZ / stride(STEP_RATE_HZ) as f64;
         Ok(regions.field(flow, rate_hz, Up::Z, End::Clamped)?)
     }
 
-    /// The last step, if it is one of those that are kept; numbered from the first of these, and in the cache.
+    /// The last step, if it is recorded; numbered from the first recorded step, as in the cache.
     fn frame(&self, simulation: &Simulation) -> Result<Option<Frame>, Error> {
         let Some(number) = simulation.steps().checked_sub(self.pre_roll + 1) else { return Ok(None) };
         if let Some(path) = self.cache_path(number) {
@@ -238,7 +238,7 @@ impl Plan {
         Ok(Some(Frame { number: i64::try_from(number).unwrap_or(i64::MAX), ..frame }))
     }
 
-    /// Whether the speed field has a step at a frame.
+    /// True if the speed field has a step at a frame.
     fn is_in_field(&self, frame: u64) -> bool {
         self.regions.is_some() && frame.is_multiple_of(stride(STEP_RATE_HZ))
     }
@@ -247,7 +247,7 @@ impl Plan {
         self.cache.as_ref().map(|folder| folder.join(format!("{}_{frame:06}.npz", self.scene.name())))
     }
 
-    /// Frames that this run will not write would be mixed up with its own.
+    /// Rejects a folder with frames that this run would not overwrite: they would be mixed with its own.
     fn check_cache(&self, folder: &Path) -> Result<(), Error> {
         let own = |name: &str| {
             let number = name.strip_prefix(self.scene.name()).and_then(|rest| rest.strip_prefix('_'));
@@ -258,7 +258,7 @@ impl Plan {
             others.map(|name| name.to_string_lossy().into_owned()).find(|name| name.ends_with(".npz") && !own(name));
         foreign.map_or(Ok(()), |name| {
             let shown = folder.display();
-            Err(Error::Conflict(format!("{shown}: it holds {name} from another run; choose another folder")))
+            Err(Error::Conflict(format!("{shown}: it contains {name} from another run; choose another folder")))
         })
     }
 

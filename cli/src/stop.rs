@@ -1,8 +1,8 @@
 //! Signals that stop the work.
 //!
-//! A signal only leaves its number here, so that the work ends at its next step and no half-written file is left. Then
-//! the process dies of that signal after all: a shell that runs it in a loop ends the loop only where its child was
-//! killed, and not where it exited.
+//! The handler only records the signal's number, so that the work ends at its next step and leaves no half-written
+//! file. The process then ends by that signal after all: a shell loop stops only if its child was killed by the signal,
+//! not if it exited.
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::error::Error;
 #[cfg(not(unix))]
 const INTERRUPT: usize = 2;
 
-/// The signal that has arrived, if one has.
+/// The signal that has arrived, if any.
 #[derive(Clone)]
 pub struct Stop {
     /// Its number; 0 for none.
@@ -22,7 +22,7 @@ pub struct Stop {
 }
 
 impl Stop {
-    /// Begins to listen: for Ctrl-C, for what `kill` and a batch system send, and for a terminal that goes away.
+    /// Starts listening: for Ctrl-C, for the signals of `kill` and batch systems, and for a terminal that closes.
     pub fn listen() -> Result<Self, Error> {
         let signal = Arc::new(AtomicUsize::new(0));
         #[cfg(unix)]
@@ -41,12 +41,12 @@ impl Stop {
         Ok(Self { signal })
     }
 
-    /// Whether a signal has arrived.
+    /// True if a signal has arrived.
     pub fn has_come(&self) -> bool {
         self.number() != 0
     }
 
-    /// Ends the process as the signal would have, where one has arrived; else does nothing.
+    /// Ends the process as the signal would have, if one has arrived; otherwise does nothing.
     pub fn die_of_signal(&self) -> Option<ExitCode> {
         let number = u8::try_from(self.number()).ok().filter(|number| *number != 0)?;
         #[cfg(unix)]
@@ -60,8 +60,8 @@ impl Stop {
     }
 }
 
-/// Whether the program was started with a signal ignored, as `nohup` has it for work that is to outlive its terminal. Only
-/// Linux tells.
+/// True if the program was started with a signal ignored, as by `nohup` for work that should outlive its terminal.
+/// Detectable on Linux only.
 #[cfg(unix)]
 fn is_ignored(number: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -1,6 +1,6 @@
 //! Summary of a command's results, for `--json`.
 //!
-//! The shape is a promise to scripts: keys are only ever added. What does not apply, or cannot be told, is `null`.
+//! The shape is a promise to scripts: keys are only ever added. Values that do not apply or are unknown are `null`.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,13 +12,13 @@ use crate::level::Level;
 /// Results of a command.
 #[derive(Debug, Default)]
 pub struct Done {
-    /// The output that was asked for with `--output`.
+    /// The output requested with `--output`.
     pub output: Option<PathBuf>,
     /// The sound in it.
     pub sound: Option<Sound>,
-    /// Everything else that was written.
+    /// All other files that were written.
     pub files: Vec<PathBuf>,
-    /// The engines' latency, which is cut off the output already.
+    /// The engines' latency, already cut off the output.
     pub latency_samples: Option<usize>,
 }
 
@@ -33,11 +33,11 @@ pub struct Sound {
     pub channels: usize,
     /// Peak and loudness.
     pub level: Level,
-    /// BLAKE3 of its samples, as [`pyrophone_recording::samples_hash`] tells it.
+    /// BLAKE3 of its samples, from [`pyrophone_recording::samples_hash`].
     pub hash: String,
 }
 
-/// The object that is written.
+/// The JSON object.
 #[derive(Serialize)]
 struct Summary<'a> {
     command: &'a str,
@@ -54,18 +54,18 @@ struct Summary<'a> {
 }
 
 impl Done {
-    /// A sound in the file that was asked for.
+    /// Results with a sound in the requested file.
     pub fn with_sound(output: &Path, sound: Sound) -> Self {
         Self { output: Some(output.to_owned()), sound: Some(sound), ..Self::default() }
     }
 
-    /// With more files.
+    /// Adds more files.
     pub fn with_files(mut self, files: Vec<PathBuf>) -> Self {
         self.files.extend(files);
         self
     }
 
-    /// As JSON, on lines of its own, the last one ended.
+    /// The summary as JSON, ending with a newline.
     pub fn to_json(&self, command: &str, notes: &[String]) -> String {
         let sound = self.sound.as_ref();
         let text = |path: &PathBuf| path.display().to_string();
@@ -85,17 +85,17 @@ impl Done {
     }
 }
 
-/// Writes text to standard output. Where nobody reads it any more, as behind `| head`, that is not worth an error.
+/// Writes text to standard output. A closed pipe, as with `| head`, is not worth an error.
 pub fn print(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
-/// JSON of a value made of texts, numbers and lists, which always have a JSON form.
+/// JSON of a value made of texts, numbers and lists, which always has a JSON form.
 pub fn json(value: &impl Serialize) -> String {
     serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }
 
-/// Finer than levels are heard, and the same on any machine.
+/// Rounds to hundredths: finer than audible differences of level, and the same on any machine.
 fn hundredths(value: f64) -> f64 {
     // Adding 0 turns a rounded -0 into 0.
     (100.0 * value).round() / 100.0 + 0.0

@@ -14,7 +14,7 @@ use crate::progress::{Work, note};
 use crate::summary::Done;
 use crate::{input, output};
 
-/// Writes the fire of `training` that follows `input`.
+/// Writes the fire made from `training` that follows `input`.
 pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
     let shape =
         PyramidConfig { levels: args.levels, window: args.window, feature: args.feature, falloff: args.falloff };
@@ -38,7 +38,7 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
     Ok(Done::with_sound(&args.output, sound))
 }
 
-/// The dictionary of a training sound at its rate, for the published program.
+/// The dictionary of a training sound at its own rate, for the published program.
 fn index(training: &Recording, path: &Path, shape: &PyramidConfig, work: &Work) -> Result<Arc<Dictionary>, Error> {
     say_if_cancelling(training);
     let stage = work.stage("indexing");
@@ -50,26 +50,26 @@ fn index(training: &Recording, path: &Path, shape: &PyramidConfig, work: &Work) 
     Ok(Arc::new(dictionary))
 }
 
-/// Says so where the channels of what is learnt from cancel.
+/// Notes channels of the training sound that cancel.
 pub fn say_if_cancelling(training: &Recording) {
     if training.notes.contains(&Note::ChannelsCancel) {
         note(&format!("{}: {}", training.name, Note::ChannelsCancel));
     }
 }
 
-/// Refuses a dictionary of which not one window has all that a search compares.
+/// Rejects a dictionary without a single complete window to search.
 pub fn check_windows(dictionary: &Dictionary, path: &Path) -> Result<(), Error> {
     if (0..dictionary.shape().top()).any(|level| dictionary.index(level).is_some()) {
         return Ok(());
     }
     Err(Error::Conflict(format!(
-        "{}: {:.3} s is too short for a window of texture; use a longer recording or fewer levels",
+        "{}: {:.3} s is too short for one texture window; use a longer recording or fewer levels",
         path.display(),
         dictionary.seconds(),
     )))
 }
 
-/// Options out of range are refused before any file is read.
+/// Rejects options out of range before any file is read.
 fn check(args: &TextureArgs) -> Result<(), Error> {
     let structure = EngineConfig {
         levels: args.levels,

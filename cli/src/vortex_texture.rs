@@ -1,4 +1,4 @@
-//! `pyrophone vortex-texture`: what turbulent gas radiates at a range of speeds.
+//! `pyrophone vortex-texture`: the sound that turbulent gas radiates over a range of speeds.
 
 mod kept;
 
@@ -17,7 +17,7 @@ use crate::output::check_file;
 use crate::progress::{Stage, Work, note};
 use crate::summary::Done;
 
-/// Part of a row's work that is taken to be done when it is settled.
+/// Share of a row's work that settling is assumed to take.
 const SETTLING: f64 = 0.3;
 
 /// Records a texture and writes it.
@@ -43,7 +43,7 @@ pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<Done, Error> {
     }
 }
 
-/// A texture to be recorded.
+/// A texture to record.
 struct Plan {
     recipe: Recipe,
     speeds_m_s: Vec<f64>,
@@ -70,7 +70,7 @@ impl Plan {
         Ok(Self { recipe, speeds_m_s: speeds(low, high, count)? })
     }
 
-    /// What a run that goes on must have in common with the one that began. Which rows there are to be is not in it.
+    /// Settings that a resumed run must share with the interrupted one. The set of rows is not among them.
     fn settings(&self) -> String {
         let Recipe { kind, voxels: [x, y, z], voxel_size_m, rate_hz, period_s, perturbation, origin, seed } =
             self.recipe;
@@ -81,7 +81,7 @@ impl Plan {
         )
     }
 
-    /// All rows, as many at a time as there are cores; each is kept once it is done.
+    /// Records all rows, as many at a time as there are cores; each is stored once it is done.
     fn record(&self, kept: &Mutex<TextureCheckpoint>, work: &Work) -> Result<Vec<Row>, Error> {
         let stage = work.stage("recording");
         let total: usize = self.speeds_m_s.iter().map(|speed| self.recipe.recorded_steps(*speed)).sum();
@@ -132,7 +132,7 @@ impl Plan {
     }
 }
 
-/// One bar for all rows.
+/// One progress bar for all rows.
 struct Meter<'a> {
     stage: &'a Stage<'a>,
     /// Thousandths of steps done.
@@ -141,7 +141,7 @@ struct Meter<'a> {
 }
 
 impl Meter<'_> {
-    /// Counts finished steps; false to stop.
+    /// Adds finished steps; returns false to stop.
     fn add(&self, steps: f64) -> bool {
         let more = (steps * 1e3) as u64;
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;

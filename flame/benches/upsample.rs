@@ -1,5 +1,5 @@
-//! How true the steps between frames are: scenes, and the reference cache, at 360 steps a second, against what is made of a
-//! few of these frames.
+//! Fidelity of the steps between frames: scenes, and the reference cache, at 360 steps a second, against a
+//! reconstruction from a few of these frames.
 //!
 //! `cargo xtask bench upsample`. Arguments (behind `--`): scenes' names; `resolution=40`, `seconds=2`.
 

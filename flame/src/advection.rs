@@ -1,19 +1,19 @@
-//! Whether a flow carries what it should: a check of its rate and unit.
+//! A check of a flow's rate and unit: does the flow carry what it should?
 //!
-//! Smoke goes where the gas goes. If a frame's smoke, moved by `factor · velocity · time` to the next frame, fits that best
-//! at a factor far from one, then either the frames are not as far apart in time as was said, or the velocity is not in
-//! the world's units per second. The flame itself does not move with its gas and tells nothing.
+//! Smoke goes where the gas goes. If moving a frame's smoke by `factor · velocity · time` matches the next frame best
+//! at a factor far from one, then either the frames are not as far apart in time as stated, or the velocity is not in
+//! world units per second. The flame itself does not move with its gas and reveals nothing.
 
 use crate::grid::{BLOCK, Grid};
 use crate::velocity::{Velocity, trilinear};
 
-/// Voxels that are looked at, at most.
+/// Largest number of voxels examined.
 const MOST_VOXELS: usize = 20_000;
 
-/// Factors tried: powers of the square root of two, as far as these exponents either way.
+/// Factors tried: powers of the square root of two, with exponents up to this in either direction.
 const MOST_STEPS: i32 = 14;
 
-/// Values above this part of the largest count as smoke.
+/// Values above this share of the largest count as smoke.
 const LEAST_SHARE: f32 = 0.02;
 
 /// The factor at which a flow carries a field best.
@@ -23,21 +23,22 @@ pub struct Fit {
     pub factor: f64,
     /// Share of the field's change that remains unexplained with it, 0-1.
     pub left: f64,
-    /// The same at a factor of one; above 1 if moving the field is worse than leaving it.
+    /// The same share at a factor of one; above 1 if moving the field is worse than leaving it in place.
     pub left_at_one: f64,
 }
 
 impl Fit {
-    /// Whether the factor is far from one and so much better that rate and unit cannot both be right.
+    /// True if the factor is so far from one, and so much better, that rate and unit cannot both be right.
     pub fn is_wrong(&self) -> bool {
         let is_far = !(0.6..=1.7).contains(&self.factor);
         is_far && self.left < 0.85 && self.left < 0.8 * self.left_at_one
     }
 }
 
-/// Finds the factor for pairs of frames `time_s` apart: a field, what it has become, and the flow of the first.
+/// Finds the factor for pairs of frames `time_s` apart: a field, the field in the next frame, and the flow of the
+/// first.
 ///
-/// None where nothing changes, or nothing moves.
+/// None if nothing changes or nothing moves.
 pub fn fit(pairs: &[(Grid<1>, Grid<1>, Velocity)], time_s: f64) -> Option<Fit> {
     let voxels: Vec<Vec<[i32; 3]>> = pairs.iter().map(|(before, ..)| smoky(before)).collect();
     let unexplained = |factor: f64| -> f64 {
@@ -61,7 +62,7 @@ fn mismatch(before: &Grid<1>, after: &Grid<1>, flow: &Velocity, voxels: &[[i32; 
     let miss = |index: &[i32; 3]| {
         let world = transform.to_world(index.map(f64::from));
         let speed = flow.at(world);
-        // Back along the path, to where what is here now has been.
+        // Back along the path, to where the smoke that is here now came from.
         let from = std::array::from_fn(|axis| world[axis] - time_s * speed[axis]);
         let expected = trilinear(before, transform.to_index(from))[0];
         let found = trilinear(after, after.transform().to_index(world))[0];
@@ -70,7 +71,7 @@ fn mismatch(before: &Grid<1>, after: &Grid<1>, flow: &Velocity, voxels: &[[i32; 
     voxels.iter().map(miss).sum()
 }
 
-/// Voxels of smoke at even distances.
+/// Evenly spaced voxels of smoke.
 fn smoky(field: &Grid<1>) -> Vec<[i32; 3]> {
     let largest = field.blocks().flat_map(|(_, block)| block.iter()).fold(0.0f32, |largest, [x]| largest.max(x.abs()));
     let mut voxels = vec![];
@@ -92,7 +93,7 @@ mod tests {
 
     const SIZE: usize = 24;
 
-    /// A cloud that has gone `shift` voxels of 0.1, in a wind of 3 a second.
+    /// A cloud that has moved by `shift` voxels of 0.1, in a wind of 3 per second.
     fn pair(shift: f64) -> (Grid<1>, Grid<1>, Velocity) {
         let transform = Transform::uniform(0.1, [0.0; 3]).unwrap();
         let cloud = |shift: f64| {

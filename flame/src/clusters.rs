@@ -1,38 +1,38 @@
-//! Flames of one simulation told apart: the connected parts of its front, followed from step to step.
+//! The separate flames of a simulation: the connected parts of its front, followed from step to step.
 //!
 //! ```text
 //! step ─ parts of the front ─ overlap with the step before ─ tracks ─ hand-over ─ one series of flux each
 //! ```
 //!
-//! A part goes on as the part of the next step that overlaps it most, else as the nearest one. What is left begins or ends
-//! there. The series add up to the flux of the whole.
+//! A part continues as the part of the next step that overlaps it most, otherwise as the nearest one. The remaining
+//! parts begin or end there. The series add up to the flux of the whole.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::front::Cluster;
 
-/// Farthest a part may move in one step without overlapping itself, in sums of both steps' radii.
+/// Farthest move of a part in one step without overlap, in sums of both steps' radii.
 const REACH: f64 = 2.0;
 
 /// Beginning of a track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Birth {
-    /// It is there from the first step.
+    /// Present from the first step.
     Start,
-    /// Nothing burnt there before.
+    /// Nothing burned there before.
     Ignited,
-    /// It was torn off another track.
+    /// Split off another track.
     Split(usize),
 }
 
 /// End of a track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Death {
-    /// It is there up to the last step.
+    /// Present until the last step.
     End,
     /// Nothing burns there any more.
     Extinguished,
-    /// It became part of another track.
+    /// Merged into another track.
     Merged(usize),
 }
 
@@ -43,7 +43,7 @@ pub struct Point {
     pub flux: f64,
     /// Area of the front.
     pub area: f64,
-    /// Mean place of the front.
+    /// Mean position of the front.
     pub centroid: [f64; 3],
 }
 
@@ -59,7 +59,7 @@ pub struct Track {
 }
 
 impl Track {
-    /// Sum of all changes of its flux, up and down: what is heard of it.
+    /// Sum of all changes of its flux, up and down: a measure of its audibility.
     pub fn variation(&self) -> f64 {
         let fluxes = || self.points.values().map(|point| point.flux);
         fluxes().zip(fluxes().skip(1)).map(|(before, after)| (after - before).abs()).sum()
@@ -70,17 +70,17 @@ impl Track {
 #[derive(Debug, Clone, Default)]
 pub struct Tracker {
     tracks: Vec<Track>,
-    /// The parts of the last step and their tracks.
+    /// Parts of the last step with their tracks.
     last: Vec<(usize, Cluster)>,
     has_begun: bool,
 }
 
 impl Tracker {
-    /// Adds the parts of a step; steps come in ascending order.
+    /// Adds the parts of a step; steps must ascend.
     pub fn add(&mut self, step: i64, clusters: Vec<Cluster>) {
         let overlaps = overlaps(&self.last, &clusters);
         let mut tracks = self.continued(&clusters, &overlaps);
-        // The part of the step before that an unclaimed one overlaps most is what it was torn off.
+        // An unclaimed part was split off the previous step's part that it overlaps most.
         for (now, track) in tracks.iter_mut().enumerate().filter(|(_, track)| track.is_none()) {
             let origin = strongest(&overlaps, |(before, other)| (*other == now).then_some(*before));
             let birth = match origin {
@@ -110,7 +110,7 @@ impl Tracker {
         self.tracks
     }
 
-    /// The track that goes on in each part, where one does.
+    /// The track that continues in each part, if any.
     fn continued(&self, clusters: &[Cluster], overlaps: &BTreeMap<(usize, usize), f64>) -> Vec<Option<usize>> {
         let mut pairs: Vec<((usize, usize), f64)> = overlaps.iter().map(|(pair, shared)| (*pair, -shared)).collect();
         let overlapping: BTreeSet<usize> = overlaps.keys().map(|(before, _)| *before).collect();
@@ -124,7 +124,7 @@ impl Tracker {
                 }
             }
         }
-        // Largest overlap first, then the nearest of what overlaps nothing.
+        // Largest overlap first, then the nearest of the parts without overlap.
         pairs.sort_by(|a, b| a.1.total_cmp(&b.1));
         far.sort_by(|a, b| a.1.total_cmp(&b.1));
         let mut tracks = vec![None; clusters.len()];
@@ -139,7 +139,7 @@ impl Tracker {
     }
 }
 
-/// Area that parts of two steps have in the same cubes of space, the lesser of the two in each.
+/// Area that parts of two steps share in the same cubes of space: in each cube, the smaller of the two.
 fn overlaps(last: &[(usize, Cluster)], clusters: &[Cluster]) -> BTreeMap<(usize, usize), f64> {
     let mut there: BTreeMap<[i64; 3], Vec<(usize, f64)>> = BTreeMap::new();
     for (before, (_, cluster)) in last.iter().enumerate() {
@@ -158,7 +158,7 @@ fn overlaps(last: &[(usize, Cluster)], clusters: &[Cluster]) -> BTreeMap<(usize,
     overlaps
 }
 
-/// Of the pairs that `pick` takes something from, what it takes from the one with the largest overlap.
+/// The result of `pick` for the pair with the largest overlap, among the pairs for which there is one.
 fn strongest(
     overlaps: &BTreeMap<(usize, usize), f64>,
     pick: impl Fn(&(usize, usize)) -> Option<usize>,
@@ -167,9 +167,9 @@ fn strongest(
     found.max_by(|a, b| a.1.total_cmp(b.1)).map(|(picked, _)| picked)
 }
 
-/// Flux of every track at its steps and, while it takes over from what it was torn off or is taken over by what it becomes part
-/// of, at theirs: over `handover` steps flux passes gradually, because a part's whole flux appears at once where a front
-/// tears, and would click. The sum over all tracks is that of their points.
+/// Flux of every track at its own steps and, during a hand-over, at those of the track that it was split off or merges
+/// into. A part's whole flux would appear at once where a front splits, with a click, so it passes gradually over
+/// `handover` steps. The sum over all tracks is that of their points.
 pub fn series(tracks: &[Track], handover: u64) -> Vec<BTreeMap<i64, f64>> {
     let mut series = vec![BTreeMap::new(); tracks.len()];
     let mut give = |track: usize, step: i64, flux: f64| {
@@ -179,7 +179,7 @@ pub fn series(tracks: &[Track], handover: u64) -> Vec<BTreeMap<i64, f64>> {
     };
     for (own, track) in tracks.iter().enumerate() {
         let (Some(first), Some(last)) = (track.points.keys().next(), track.points.keys().next_back()) else { continue };
-        // Without any steps of hand-over, all belongs to the track itself at once.
+        // Without hand-over steps, all of it belongs to the track itself at once.
         let share = |steps: u64| ((steps as f64 + 1.0) / (handover as f64 + 1.0)).min(1.0);
         for (step, Point { flux, .. }) in &track.points {
             let mut kept = *flux;

@@ -1,6 +1,6 @@
-//! Errors of simulations, and of what is asked of them.
+//! Errors of simulations and their settings.
 
-/// Reason for which a flame could not be read, measured or simulated.
+/// Reason why a flame could not be read, measured or simulated.
 ///
 /// Every message is one line: what was found, what is allowed, what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -44,28 +44,28 @@ pub enum Error {
         /// The value found.
         found: f64,
     },
-    /// A flow that is to be recorded does not come to rest in its mean.
+    /// A flow to be recorded does not settle to a steady mean.
     #[error(
-        "the flow has not settled after {passages} passages: its velocity variance changes by {change:.2} of itself (0.2 allowed), its divergence is {divergence:.0e} of speed over voxel (0.001 allowed); choose more voxels"
+        "the flow has not settled after {passages} passages: its velocity variance still changes by {change:.2} of its value (0.2 allowed), and its divergence is {divergence:.0e} of speed over voxel size (0.001 allowed); use more voxels"
     )]
     Unsettled {
         /// Passages through the box.
         passages: usize,
-        /// Change of the unrest's energy over three passages, as a part of it.
+        /// Change of the velocity variance over three passages, relative to it.
         change: f64,
-        /// Divergence left over, as a part of the largest speed per voxel.
+        /// Remaining divergence, relative to the largest speed per voxel.
         divergence: f64,
     },
     /// One side of an axis is periodic and the other is not.
     #[error("one side of the box is periodic and the opposite one is not; make both periodic or neither")]
     OneSidedPeriod,
-    /// A saved simulation cannot be gone on with.
+    /// A saved simulation cannot be resumed.
     #[error("the saved simulation is unusable ({reason}); start again without it")]
     Checkpoint {
         /// The fault found.
         reason: &'static str,
     },
-    /// The field burns everywhere but where it is stored.
+    /// The field burns everywhere outside its stored part.
     #[error(
         "the field's background is {background}, above the iso value {iso}, so the flame is unbounded; choose another field or a higher iso value"
     )]
@@ -75,7 +75,7 @@ pub enum Error {
         /// The iso value.
         iso: f64,
     },
-    /// A surface would be too large to be meant.
+    /// A surface too large to be intended.
     #[error(
         "the flame front would have {found} pieces, but at most {allowed} are allowed; check the iso value, or crop the simulation"
     )]
@@ -85,7 +85,7 @@ pub enum Error {
         /// The most allowed.
         allowed: u128,
     },
-    /// A voxel's index is beyond reason.
+    /// A voxel index out of bounds.
     #[error(
         "the field reaches index {index:?}, but indices must lie between -2^30 and 2^30; move or crop the simulation"
     )]
@@ -93,16 +93,16 @@ pub enum Error {
         /// The index.
         index: [i64; 3],
     },
-    /// A value is NaN or infinite, or became so.
+    /// A value is or became NaN or infinite.
     #[error("the {what} is not a finite number everywhere; simulate or export this step again")]
     NotFinite {
         /// `field`, `velocity` or `flux`.
         what: &'static str,
     },
-    /// Not one frame was measured.
+    /// No frame was measured.
     #[error("no frame could be measured; at least one good frame is needed")]
     NoFrames,
-    /// A table of flux or a partial one cannot be read.
+    /// A flux table, whole or partial, cannot be read.
     #[error("{name}, line {line}: {reason}; write the file again with `pyrophone flux`")]
     Table {
         /// The file.
@@ -126,7 +126,7 @@ pub enum Error {
         /// Its settings.
         second_settings: String,
     },
-    /// Partial tables come from different caches, or from different states of one.
+    /// Partial tables come from different caches, or from different states of one cache.
     #[error(
         "{first} and {second} were measured from different caches, or from one that was simulated again; measure one of them again"
     )]
@@ -147,7 +147,7 @@ pub enum Error {
         second: String,
     },
     /// Frames between the first and the last are in no partial table.
-    #[error("frame {frame} is in none of the files, but frames before and after it are; add the part that holds it")]
+    #[error("frame {frame} is in none of the files, but frames before and after it are; add the part that contains it")]
     Hole {
         /// The first frame missing.
         frame: i64,
@@ -155,10 +155,10 @@ pub enum Error {
     /// The flow does not move.
     #[error("nothing moves in any step, so there is no speed field; check the velocity's grid")]
     NoMotion,
-    /// An engine refused what was made for it.
+    /// An engine rejected data made for it.
     #[error(transparent)]
     Engine(#[from] pyrophone_synthesis::Error),
-    /// Work was called off by its progress callback.
+    /// Work was cancelled by its progress callback.
     #[error("cancelled")]
     Cancelled,
 }

@@ -31,7 +31,7 @@ pub struct Row {
     pub flux: f64,
     /// The front's area.
     pub area: f64,
-    /// The front's mean curvature; none where the table it was read from does not say.
+    /// The front's mean curvature; none if the table does not state it.
     pub mean_curvature: Option<f64>,
 }
 
@@ -51,16 +51,16 @@ pub type Steps = BTreeMap<i64, Option<Row>>;
 pub struct Flux {
     /// The steps, in order and without gaps.
     pub rows: Vec<Row>,
-    /// Numbers of those that were not measured but interpolated, in order.
+    /// Numbers of the interpolated steps, in order.
     pub interpolated: Vec<i64>,
 }
 
 impl Flux {
-    /// Fills what was skipped or is missing: linear between its neighbours, and the nearest step's values before the
-    /// first and after the last one measured.
+    /// Fills skipped and missing steps: linearly between neighbours, and with the nearest step's values before the
+    /// first and after the last measured step.
     ///
     /// # Errors
-    /// Fails where nothing was measured, or beyond [`MAX_FRAMES`].
+    /// If nothing was measured, or beyond [`MAX_FRAMES`].
     pub fn from_steps(steps: &Steps) -> Result<Self, Error> {
         let measured: Vec<Row> = steps.values().flatten().copied().collect();
         let (Some(first), Some(last)) = (steps.keys().next(), steps.keys().next_back()) else {
@@ -95,11 +95,11 @@ impl Flux {
         self.rows.iter().map(|row| row.flux).collect()
     }
 
-    /// Writes `frame,flux,area` and, where steps per second are known, `time_s`; flux and area read back as the same
+    /// Writes `frame,flux,area` and, if steps per second are known, `time_s`; flux and area read back as the same
     /// `f64`. Frames are named by `label`.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn write_csv(&self, rate_hz: Option<f64>, label: impl Fn(i64) -> String, to: &mut impl Write) -> IoResult<()> {
         writeln!(to, "frame,flux,area{}", if rate_hz.is_some() { ",time_s" } else { "" })?;
         self.rows.iter().try_for_each(|row| {
@@ -109,11 +109,11 @@ impl Flux {
         })
     }
 
-    /// Reads what [`write_csv`](Self::write_csv) wrote, or any table whose first columns are these; `name` is used in
-    /// messages. Frames missing in between are interpolated.
+    /// Reads the output of [`write_csv`](Self::write_csv), or any table that begins with the same columns; `name` is
+    /// used in messages. Missing frames in between are interpolated.
     ///
     /// # Errors
-    /// [`Error::Table`] with the line where a row is malformed; [`Error::NoFrames`] where no frame was measured.
+    /// [`Error::Table`] with the line if a row is malformed; [`Error::NoFrames`] if no frame was measured.
     pub fn read_csv(text: &str, name: &str) -> Result<Self, Error> {
         let mut steps = Steps::new();
         let mut has_header = false;
@@ -131,16 +131,16 @@ impl Flux {
             let [flux, area] = numbers
                 .get(..2)
                 .and_then(|two| two.try_into().ok())
-                .ok_or_else(|| damaged("flux and area must follow the frame's number".into()))?;
+                .ok_or_else(|| damaged("flux and area must follow the frame number".into()))?;
             if steps.insert(frame, Some(Row { frame, flux, area, mean_curvature: None })).is_some() {
-                return Err(damaged(format!("frame {frame} stands there twice")));
+                return Err(damaged(format!("duplicate frame {frame}")));
             }
         }
         Self::from_steps(&steps)
     }
 }
 
-/// The row at `frame`, linear from `before` to `after`; the nearer of the two outside them.
+/// The row at `frame`, linear between `before` and `after`; outside them, the nearer of the two.
 fn between(before: &Row, after: &Row, frame: i64) -> Row {
     let span = after.frame.saturating_sub(before.frame).max(0);
     let share = if span == 0 { 0.0 } else { frame.saturating_sub(before.frame).clamp(0, span) as f64 / span as f64 };
@@ -153,17 +153,17 @@ fn between(before: &Row, after: &Row, frame: i64) -> Row {
     }
 }
 
-/// What changes from a step to the next, by the number of the first one; the numbers are the upsampler's own.
+/// Changes from each step to the next, by the number of the first one; the values are defined by the upsampler.
 pub type Changes = BTreeMap<i64, Vec<f64>>;
 
-/// A part of a simulation's table, with what must agree before parts are put together.
+/// A part of a simulation's table, with the data that must agree when parts are merged.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FluxShard {
     /// Settings of the measurement, one line; empty if nothing burns in any frame, or none could be measured.
     pub settings: String,
-    /// The cache it was measured from, one word; nothing where that does not matter.
+    /// The cache that was measured, as one word; empty if it does not matter.
     pub cache: String,
-    /// Steps per second, where they are known.
+    /// Steps per second, if known.
     pub rate_hz: Option<f64>,
     /// Relation of frame numbers to its steps.
     pub numbering: Numbering,
@@ -175,11 +175,11 @@ pub struct FluxShard {
 
 impl FluxShard {
     /// Writes lines with the settings and the cache, then `frame,flux,area,mean_curvature` (skipped frames have empty
-    /// fields), then changes, and last how many steps there are with a hash of all before, by which a file that was cut is
-    /// told.
+    /// fields), then changes, and last the number of steps with a hash of everything before, which reveals truncated
+    /// files.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn write(&self, to: &mut impl Write) -> IoResult<()> {
         let mut text = vec![];
         self.write_head(&mut text)?;
@@ -197,7 +197,7 @@ impl FluxShard {
     /// Writes the lines before the steps. Control characters become spaces.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn write_head(&self, to: &mut impl Write) -> IoResult<()> {
         let plain = |text: &str| text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>();
         let [stride, subframes, rest] = self.numbering.parts();
@@ -207,7 +207,7 @@ impl FluxShard {
         writeln!(to, "frame,flux,area,mean_curvature")
     }
 
-    /// Reads the line of the cache.
+    /// Reads the line with the cache.
     fn read_cache(&mut self, line: &str) -> Option<()> {
         let mut parts = line.strip_prefix(CACHE_MARK)?.splitn(3, "; ");
         self.cache = parts.next()?.to_owned();
@@ -222,7 +222,7 @@ impl FluxShard {
     /// Writes one step's line.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn write_step(frame: i64, row: Option<&Row>, to: &mut impl Write) -> IoResult<()> {
         match row {
             None => writeln!(to, "{frame},,,"),
@@ -233,20 +233,20 @@ impl FluxShard {
         }
     }
 
-    /// Writes the line of a change from step `frame` to the next.
+    /// Writes the line of the change from step `frame` to the next.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn write_change(frame: i64, change: &[f64], to: &mut impl Write) -> IoResult<()> {
         write!(to, "{CHANGE_MARK}{frame}")?;
         change.iter().try_for_each(|number| write!(to, ",{number:?}"))?;
         writeln!(to)
     }
 
-    /// Reads what [`write`](Self::write) wrote; `name` is used in messages.
+    /// Reads the output of [`write`](Self::write); `name` is used in messages.
     ///
     /// # Errors
-    /// Fails where it is no part, or one that was cut or changed.
+    /// If the text is not a part, or was truncated or modified.
     pub fn read(text: &str, name: &str) -> Result<Self, Error> {
         let damaged = |line, reason: String| Error::Table { name: name.into(), line, reason };
         if !text.starts_with(MARK) {
@@ -256,13 +256,13 @@ impl FluxShard {
         let count = text.lines().count();
         let part = Self::read_unfinished(body, name)?;
         let expected = format!("{END_MARK}{} {:016x}\n", part.steps.len(), hash(body.as_bytes()));
-        if end == expected { Ok(part) } else { Err(damaged(count, "the part was cut or changed".into())) }
+        if end == expected { Ok(part) } else { Err(damaged(count, "the part was truncated or modified".into())) }
     }
 
     /// Reads a part whose last line is still to come.
     ///
     /// # Errors
-    /// As [`read`](Self::read), but for a missing last line.
+    /// As [`read`](Self::read), except that the last line may be missing.
     pub fn read_unfinished(text: &str, name: &str) -> Result<Self, Error> {
         let damaged = |line, reason: String| Error::Table { name: name.into(), line, reason };
         let mut head = text.lines();
@@ -270,7 +270,9 @@ impl FluxShard {
             return Err(damaged(1, "this is not a part of a flux table".into()));
         };
         let mut part = Self { settings: settings.into(), ..Self::default() };
-        head.next().and_then(|line| part.read_cache(line)).ok_or_else(|| damaged(2, "no cache is named".into()))?;
+        head.next()
+            .and_then(|line| part.read_cache(line))
+            .ok_or_else(|| damaged(2, "the line with the cache is missing".into()))?;
         for (number, line) in lines(text).skip(1) {
             part.read_line(line).map_err(|reason| damaged(number, reason))?;
         }
@@ -283,7 +285,7 @@ impl FluxShard {
         let (frame, numbers) = fields_of(&fields)?;
         if change.is_some() {
             let before = self.changes.insert(frame, numbers);
-            return before.map_or(Ok(()), |_| Err(format!("the change of frame {frame} stands there twice")));
+            return before.map_or(Ok(()), |_| Err(format!("duplicate change of frame {frame}")));
         }
         let row = match numbers[..] {
             [] => None,
@@ -292,14 +294,13 @@ impl FluxShard {
             _ => return Err("there must be 0, 2 or 3 values".into()),
         };
         let before = self.steps.insert(frame, row);
-        before.map_or(Ok(()), |_| Err(format!("frame {frame} stands there twice")))
+        before.map_or(Ok(()), |_| Err(format!("duplicate frame {frame}")))
     }
 
-    /// Puts parts together, each with the name that stands in messages, in any order.
+    /// Merges parts in any order, each with its name for messages.
     ///
     /// # Errors
-    /// Fails where their settings or caches differ, where two hold the same frame, and where a frame between the first and
-    /// the last is in none. Parts in which nothing burns or could be measured have no settings.
+    /// If their settings or caches differ, if two contain the same frame, or if a frame between the first and the last is missing. Parts in which nothing burns or could be measured have no settings.
     pub fn merge(parts: &[(String, Self)]) -> Result<Self, Error> {
         let is_measured = |(_, part): &&(String, Self)| part.steps.values().any(Option::is_some);
         let decides = |(_, part): &&(String, Self)| !part.settings.is_empty();
@@ -343,16 +344,16 @@ fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// Lines that say something, numbered from 1.
+/// Lines with content, numbered from 1.
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let says = |line: &str| !line.trim().is_empty() && !line.starts_with('#');
     text.lines().enumerate().filter(move |(_, line)| says(line)).map(|(index, line)| (index + 1, line))
 }
 
-/// A frame's number, and the values after it up to the first empty field.
+/// A frame number, and the values after it up to the first empty field.
 fn fields_of(fields: &[&str]) -> Result<(i64, Vec<f64>), String> {
     let (frame, values) = fields.split_first().ok_or("the line is empty")?;
-    let frame = frame.parse().map_err(|_| format!("'{}' is not a frame's number", clean(frame)))?;
+    let frame = frame.parse().map_err(|_| format!("'{}' is not a frame number", clean(frame)))?;
     let number = |field: &&str| match field.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("'{}' is not a finite number", clean(field))),

@@ -1,4 +1,4 @@
-//! One step of a simulation, as far as its sound needs it.
+//! One step of a simulation, reduced to the data that its sound needs.
 
 use crate::grid::{Grid, Transform};
 use crate::velocity::{Placement, Velocity};
@@ -6,16 +6,16 @@ use crate::velocity::{Placement, Velocity};
 /// The burning field and the flow at one step.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// The step's number, as its file names it.
+    /// Number of the step, as in its file name.
     pub number: i64,
-    /// The field whose iso-surface is the flame front; larger where it burns.
+    /// Field whose iso-surface is the flame front; larger in the flame.
     pub field: Grid<1>,
-    /// The flow, in the world's units per second.
+    /// The flow, in world units per second.
     pub velocity: Velocity,
 }
 
 impl Frame {
-    /// A step before ignition, in which there is neither flame nor flow.
+    /// A step before ignition, without flame or flow.
     pub fn unlit(number: i64) -> Self {
         let transform = Transform::identity();
         let velocity = Velocity::Vectors(Grid::new([0.0; 3], transform), Placement::Collocated);

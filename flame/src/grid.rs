@@ -1,4 +1,4 @@
-//! Sampled fields: sparse blocks of voxels, as simulation caches and the solver hand them over.
+//! Sampled fields: sparse blocks of voxels, as provided by simulation caches and the solver.
 
 mod join;
 
@@ -12,24 +12,24 @@ pub const BLOCK: i32 = 8;
 /// Voxels of a block.
 pub const BLOCK_VOXELS: usize = (BLOCK * BLOCK * BLOCK) as usize;
 
-/// Smallest and largest voxel edge that makes sense, in world units.
+/// Smallest and largest sensible voxel edge, in world units.
 const VOXEL_SIZE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
-/// How a grid's indices lie in the world: `world = index * matrix + translation`, row vectors. An integer index is the
-/// *centre* of a voxel.
+/// Mapping of a grid's indices to the world: `world = index * matrix + translation`, with row vectors. An integer index
+/// is the *centre* of a voxel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
-    /// Row a: where a step of one voxel along axis a leads, in world units.
+    /// Row a: the world displacement of one voxel along axis a.
     rows: [[f64; 3]; 3],
     inverse: [[f64; 3]; 3],
     translation: [f64; 3],
 }
 
 impl Transform {
-    /// The transform with this matrix, row after row, and this translation.
+    /// The transform with this matrix, row by row, and this translation.
     ///
     /// # Errors
-    /// [`Error::Transform`] where the matrix cannot be inverted or a voxel's edges are not between 1e-9 and 1e9.
+    /// [`Error::Transform`] if the matrix cannot be inverted or a voxel's edges are not between 1e-9 and 1e9.
     pub fn new(rows: [[f64; 3]; 3], translation: [f64; 3]) -> Result<Self, Error> {
         let finite = rows.iter().flatten().chain(&translation).all(|value| value.is_finite());
         let sane = rows.iter().all(|row| VOXEL_SIZE.contains(&length(*row)));
@@ -46,13 +46,13 @@ impl Transform {
         Ok(Self { rows, inverse, translation })
     }
 
-    /// Indices are places.
+    /// The identity: indices are world positions.
     pub const fn identity() -> Self {
         let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         Self { rows: unit, inverse: unit, translation: [0.0; 3] }
     }
 
-    /// Voxels of edge `voxel_size`, index 0 at `origin`.
+    /// Voxels of edge `voxel_size`, with index 0 at `origin`.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -66,7 +66,7 @@ impl Transform {
         std::array::from_fn(|axis| turned[axis] + self.translation[axis])
     }
 
-    /// The index of a place in the world.
+    /// The index of a world position.
     pub fn to_index(&self, world: [f64; 3]) -> [f64; 3] {
         let from: [f64; 3] = std::array::from_fn(|axis| world[axis] - self.translation[axis]);
         std::array::from_fn(|axis| (0..3).map(|of| from[of] * self.inverse[of][axis]).sum())
@@ -77,7 +77,7 @@ impl Transform {
         std::array::from_fn(|axis| (0..3).map(|of| step[of] * self.rows[of][axis]).sum())
     }
 
-    /// The matrix that takes an area vector from index space to the world: the cofactors of the rows.
+    /// The matrix that converts an area vector from index space to the world: the cofactors of the rows.
     pub(crate) fn cofactors(&self) -> [[f64; 3]; 3] {
         let [x, y, z] = self.rows;
         [cross(y, z), cross(z, x), cross(x, y)]
@@ -91,12 +91,12 @@ impl Transform {
         (self.rows.map(onto), other.to_index(self.translation))
     }
 
-    /// A gradient per index as a gradient per world unit.
+    /// Converts a gradient per index to one per world unit.
     pub fn gradient_to_world(&self, gradient: [f64; 3]) -> [f64; 3] {
         self.inverse.map(|row| dot(row, gradient))
     }
 
-    /// Whether the world's axes turn the other way round than the grid's.
+    /// True if the grid's axes have the opposite handedness to the world's.
     pub fn is_mirrored(&self) -> bool {
         dot(self.rows[0], cross(self.rows[1], self.rows[2])) < 0.0
     }
@@ -107,13 +107,13 @@ impl Transform {
     }
 }
 
-/// A field of `N` numbers per voxel, `f32`, in blocks of 8×8×8; whatever is in no block or tile is background.
+/// A field of `N` numbers per voxel, `f32`, in blocks of 8×8×8; outside all blocks and tiles it is background.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid<const N: usize> {
     blocks: BTreeMap<[i32; 3], Box<[[f32; N]; BLOCK_VOXELS]>>,
     /// Cubes of one value, 2^`log2` voxels along an edge.
     tiles: BTreeMap<(u32, [i32; 3]), [f32; N]>,
-    /// The sizes among the tiles, each once.
+    /// The sizes that occur among the tiles.
     tile_sizes: Vec<u32>,
     background: [f32; N],
     transform: Transform,
@@ -128,7 +128,7 @@ impl<const N: usize> Grid<N> {
     /// A field from an array of `shape` (x, y, z; z fastest) whose first value is at index (0, 0, 0); zero outside.
     ///
     /// # Errors
-    /// Fails where the array's length is not the product of its shape.
+    /// If the array's length is not the product of its shape.
     pub fn dense(shape: [usize; 3], values: &[[f32; N]], transform: Transform) -> Result<Self, Error> {
         let expected = shape.iter().try_fold(1usize, |product, size| product.checked_mul(*size));
         if expected != Some(values.len()) || shape.iter().any(|size| *size > 1 << 20) {
@@ -146,18 +146,18 @@ impl<const N: usize> Grid<N> {
         Ok(grid)
     }
 
-    /// The block at `key` (index / 8), made of background where there is none yet.
+    /// The block at `key` (index / 8), created from background if there is none yet.
     pub fn block_mut(&mut self, key: [i32; 3]) -> &mut [[f32; N]; BLOCK_VOXELS] {
         let background = self.background;
         self.blocks.entry(key).or_insert_with(|| filled(background))
     }
 
-    /// Puts a block at `key` (index / 8) in place of what was there.
+    /// Puts a block at `key` (index / 8), replacing what was there.
     pub fn insert_block(&mut self, key: [i32; 3], block: Box<[[f32; N]; BLOCK_VOXELS]>) {
         self.blocks.insert(key, block);
     }
 
-    /// The field with every value changed, that of the background too.
+    /// The field with every value changed, including the background.
     pub fn map(mut self, change: impl Fn([f32; N]) -> [f32; N]) -> Self {
         let voxels = self.blocks.values_mut().flat_map(|block| block.iter_mut());
         for value in voxels.chain(self.tiles.values_mut()).chain([&mut self.background]) {
@@ -188,7 +188,7 @@ impl<const N: usize> Grid<N> {
         self.blocks.get(&key).map(Box::as_ref)
     }
 
-    /// The value of an index that lies in no block.
+    /// The value at an index that lies in no block.
     pub fn outside_blocks(&self, index: [i32; 3]) -> [f32; N] {
         let tile = self.tile_sizes.iter().find_map(|log2| {
             let origin = index.map(|i| (i >> log2) << log2);
@@ -207,7 +207,7 @@ impl<const N: usize> Grid<N> {
         self.tiles.iter().map(|((log2, origin), value)| (*origin, *log2, *value))
     }
 
-    /// The value far from everything.
+    /// The background value.
     pub fn background(&self) -> [f32; N] {
         self.background
     }
@@ -217,12 +217,13 @@ impl<const N: usize> Grid<N> {
         &self.transform
     }
 
-    /// The same voxels elsewhere in the world.
+    /// The same voxels with another transform.
     pub fn with_transform(self, transform: Transform) -> Self {
         Self { transform, ..self }
     }
 
-    /// Lowest and highest index (inclusive) in any block of a value that differs from the background; none where none does.
+    /// Lowest and highest index (inclusive) in any block of a value that differs from the background; none if all are
+    /// background.
     pub fn bounds(&self) -> Option<([i32; 3], [i32; 3])> {
         let mut bounds: Option<([i32; 3], [i32; 3])> = None;
         for (key, block) in self.blocks() {
@@ -242,7 +243,7 @@ impl<const N: usize> Grid<N> {
         bounds
     }
 
-    /// Whether every value is finite.
+    /// True if every value is finite.
     pub fn is_finite(&self) -> bool {
         let blocks = self.blocks.values().flat_map(|block| block.iter());
         blocks.chain(self.tiles.values()).chain([&self.background]).flatten().all(|value| value.is_finite())

@@ -1,4 +1,4 @@
-//! A small flow that is simulated while it sounds (Dobashi et al. 2004, §6: 15 × 15 × 20 voxels).
+//! A small flow, simulated during playback (Dobashi et al. 2004, §6: 15 × 15 × 20 voxels).
 
 use pyrophone_synthesis::vortex::{Asked, Simulator};
 
@@ -6,19 +6,19 @@ use crate::error::Error;
 use crate::solver::{Domain, Emitter, EmitterShape, Forcing, Parameters, Side, Solver};
 use crate::speed_field::{Regions, Up};
 
-/// Voxels of the box, up last, and their edge in m.
+/// Voxels of the box, vertical axis last, and their edge in m.
 const VOXELS: [usize; 3] = [15, 15, 20];
 const VOXEL_M: f64 = 0.05;
 
-/// Radius and half the height in m of what lets hot gas in, at the bottom.
+/// Radius and half-height in m of the hot-gas inlet at the bottom.
 const RADIUS_M: f64 = 0.15;
 const HALF_HEIGHT_M: f64 = 0.05;
 
-/// Speed in m/s from which on the gas that comes in is as hot as it gets.
+/// Speed in m/s at which the incoming gas reaches its highest temperature.
 const HOT_M_S: f64 = 1.0;
 /// Speed in m/s below which nothing blows.
 const CALM_M_S: f64 = 0.05;
-/// Upward acceleration of the hottest gas in m/s²: three times the air's temperature.
+/// Upward acceleration of the hottest gas in m/s²: three times the temperature of air.
 const BUOYANCY_M_S2: f64 = 20.0;
 /// Cooling rate of the hottest gas, in 1/s.
 const COOLING_HZ: f64 = 30.0;
@@ -30,7 +30,7 @@ const STIRRING_HZ: f64 = 6.0;
 const REST_HZ: f64 = 2.5;
 const CONFINEMENT: f64 = 4.0;
 
-/// Number of all that is random.
+/// Seed of all randomness.
 const SEED: u64 = 1;
 
 /// Hot gas, blown in at the bottom of an open box at a speed that changes from step to step.
@@ -42,10 +42,10 @@ pub struct LiveFlow {
 }
 
 impl LiveFlow {
-    /// Gas at rest, to be moved on by `step_s` (0.0001-1 s) at a time.
+    /// Gas at rest, with a step of `step_s` (0.0001-1 s).
     ///
     /// # Errors
-    /// Where `step_s` is out of range.
+    /// If `step_s` is out of range.
     pub fn new(step_s: f64) -> Result<Self, Error> {
         crate::error::in_range("time step in s", step_s, 1e-4, 1.0)?;
         let sides = [[Side::Open; 2], [Side::Open; 2], [Side::Wall, Side::Open]];
@@ -63,20 +63,20 @@ impl LiveFlow {
         Ok(Self { solver, regions, step_s })
     }
 
-    /// Back to gas at rest.
+    /// Returns to gas at rest.
     pub fn reset(&mut self) {
         self.solver.reset();
     }
 
-    /// Places of the sub-volumes in m: to the right, to the front and up from the middle of the bottom.
+    /// Positions of the sub-volumes in m: to the right, to the front and up from the centre of the bottom.
     pub fn places(&self) -> Vec<[f32; 3]> {
         self.regions.places(Up::Z)
     }
 
-    /// One step, in which gas comes in at `speed_m_s` (0-100); the sub-volumes' mean speeds in m/s after it.
+    /// Takes one step, with gas entering at `speed_m_s` (0-100), and returns the sub-volumes' mean speeds in m/s.
     ///
     /// # Errors
-    /// Fails where the gas's velocity has no field, which is a fault of the solver.
+    /// If the gas's velocity has no field, which is a fault of the solver.
     pub fn step(&mut self, speed_m_s: f64) -> Result<Vec<f32>, Error> {
         let speed_m_s = if speed_m_s.is_nan() { 0.0 } else { speed_m_s.clamp(0.0, 100.0) };
         let emitter = Emitter {
@@ -98,7 +98,7 @@ impl LiveFlow {
             temperature: 0.0,
             ..emitter
         };
-        // Held at rest, hot gas would stay there for good.
+        // Gas held at rest would stay hot there for good.
         let blows = Some(emitter).filter(|_| speed_m_s > CALM_M_S);
         let emitters = std::iter::once(rest).chain(blows).collect();
         let surroundings = Forcing { emitters, ..Forcing::default() };
@@ -107,17 +107,17 @@ impl LiveFlow {
     }
 }
 
-/// A simulation on the very thread that asks for it: for renders, which wait for what they need.
+/// A simulation on the calling thread: for renders, which wait for their results.
 #[derive(Debug)]
 pub struct Inline {
     flow: LiveFlow,
     run: u64,
-    /// The last two steps that were asked for, and their speeds.
+    /// The last two requested steps, with their speeds.
     done: [Option<(u64, Vec<f32>)>; 2],
 }
 
 impl Inline {
-    /// Before its first run.
+    /// A simulation before its first run.
     pub fn new(flow: LiveFlow) -> Self {
         Self { flow, run: 0, done: [None, None] }
     }
@@ -170,7 +170,7 @@ mod tests {
         assert!(over < 0.2, "{over} m/s ten seconds later, which is heard no more");
         let slower = fastest(&run(&mut LiveFlow::new(STEP_S).unwrap(), 91, |_| 3.0)[90]);
         assert!(slower < 0.8 * blown, "{slower} and {blown} m/s");
-        // What is blown in below arrives above later.
+        // Gas blown in below arrives at the top later.
         let places = flow.places();
         let first = |which: &dyn Fn(f32) -> bool| {
             let moves = |step: &Vec<f32>| step.iter().zip(&places).any(|(v, place)| which(place[2]) && *v > 0.5);

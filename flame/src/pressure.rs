@@ -5,7 +5,7 @@ use pyrophone_synthesis::drive::{Drive, mitchell_netravali};
 
 use crate::error::{Error, in_range};
 
-/// The corner of the paper's high-pass (§6) in Hz.
+/// Corner of the paper's high-pass (§6) in Hz.
 pub const HIGH_PASS_HZ: f64 = 30.0;
 
 /// Frequency above which spectral extension takes over in the paper (§4), in Hz.
@@ -33,11 +33,11 @@ pub struct Options {
     pub sample_rate_hz: u32,
     /// Pressure or envelope.
     pub kind: Kind,
-    /// Corner of the high-pass in Hz, 0-1000; 0 switches it off. Envelopes have none.
+    /// Corner of the high-pass in Hz, 0-1000; 0 turns it off. Envelopes have none.
     pub high_pass_hz: f64,
     /// Level of the loudest sample in dB of full scale, -100 to 0.
     pub peak_db: f64,
-    /// Factor on the pressure or envelope, whatever its peak, above 0; none to follow `peak_db`.
+    /// Factor applied to the pressure or envelope regardless of its peak, above 0; none to follow `peak_db`.
     pub scale: Option<f64>,
 }
 
@@ -59,7 +59,7 @@ impl Options {
     /// Checks all options.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the first option outside its range.
+    /// [`Error::OutOfRange`], naming the first option outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         in_range("the step rate in Hz", self.rate_hz, 1.0, 768_000.0)?;
         in_range("the sample rate in Hz", f64::from(self.sample_rate_hz), 8_000.0, 384_000.0)?;
@@ -72,14 +72,14 @@ impl Options {
 /// Assessment of a step rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Advice {
-    /// It holds all that the paper's cutoff leaves to the simulation.
+    /// The steps cover all that the paper's cutoff leaves to the simulation.
     Full,
-    /// It ends below the paper's cutoff: spectral extension should take over at the Nyquist frequency.
+    /// The steps end below the paper's cutoff: spectral extension should take over at the Nyquist frequency.
     Narrow {
         /// Half the step rate in Hz.
         nyquist_hz: f64,
     },
-    /// It ends below the high-pass: there is no pressure in it, only an envelope.
+    /// The steps end below the high-pass: they contain only an envelope, no pressure.
     EnvelopeOnly {
         /// Half the step rate in Hz.
         nyquist_hz: f64,
@@ -87,7 +87,7 @@ pub enum Advice {
 }
 
 impl Advice {
-    /// On `rate_hz` steps per second.
+    /// Assessment of `rate_hz` steps per second.
     pub fn on(rate_hz: f64) -> Self {
         match 0.5 * rate_hz {
             nyquist_hz if nyquist_hz <= HIGH_PASS_HZ => Self::EnvelopeOnly { nyquist_hz },
@@ -108,7 +108,7 @@ impl std::fmt::Display for Advice {
             ),
             Self::EnvelopeOnly { nyquist_hz } => write!(
                 f,
-                "the steps hold frequencies up to {nyquist_hz} Hz only, below the high-pass at {HIGH_PASS_HZ} Hz: they make an envelope, not a pressure; use the envelope, or simulate {} steps per second",
+                "the steps hold frequencies up to {nyquist_hz} Hz only, below the high-pass at {HIGH_PASS_HZ} Hz: they yield an envelope, not a pressure; use the envelope, or simulate {} steps per second",
                 2.0 * CUTOFF_HZ
             ),
         }
@@ -120,15 +120,15 @@ impl std::fmt::Display for Advice {
 pub struct Sound {
     /// Samples; the first is at the first step.
     pub samples: Vec<f32>,
-    /// Factor that was applied to the pressure (flux per second) or envelope.
+    /// Factor applied to the pressure (flux per second) or envelope.
     pub scale: f64,
 }
 
-/// Renders a series of flux: `values.len() / rate_hz` seconds. A series that does not change, but for
-/// rounding, is silent as pressure.
+/// Renders a series of flux: `values.len() / rate_hz` seconds. A series that is constant apart from rounding gives
+/// silent pressure.
 ///
 /// # Errors
-/// Fails where the series is empty, not finite or longer than an hour, and where an option is out of range.
+/// If the series is empty, not finite or longer than an hour, or if an option is out of range.
 pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
     options.validate()?;
     if values.is_empty() {
@@ -151,7 +151,7 @@ pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
         Kind::Pressure => high_passed(&derivative(values, options.rate_hz, sample_rate_hz), options)?,
         Kind::Envelope => {
             let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
-            // The kernel's negative lobes may lead below zero, where no envelope goes.
+            // The kernel's negative lobes may lead below zero, which no envelope may be.
             smooth(&sizes, options.rate_hz, sample_rate_hz).into_iter().map(|value| value.max(0.0)).collect()
         }
     };
@@ -159,16 +159,16 @@ pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
     if !peak.is_finite() {
         return Err(Error::NotFinite { what: "flux" });
     }
-    // Smaller than this it is rounding, or nothing.
+    // Anything smaller is rounding, or nothing.
     let to_peak = if peak > f64::MIN_POSITIVE { maths::pow(10.0, options.peak_db / 20.0) / peak } else { 1.0 };
     let scale = options.scale.unwrap_or(to_peak);
     Ok(Sound { samples: samples.into_iter().map(|sample| (sample * scale) as f32).collect(), scale })
 }
 
-/// Changes of a series that are no more than this part of its values are rounding.
+/// Changes of a series up to this share of its values are rounding.
 const ROUNDING: f64 = 1e-10;
 
-/// Whether a series only changes by rounding, which scaled to a peak would be heard as noise.
+/// True if a series changes only by rounding, which would be audible as noise when scaled to a peak.
 fn is_still(values: &[f64]) -> bool {
     let (low, high) =
         values.iter().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(*value), high.max(*value)));
@@ -179,18 +179,18 @@ fn is_still(values: &[f64]) -> bool {
 /// Mitchell & Netravali with B = C = 1/3. The series continues with its end values beyond both ends.
 pub fn derivative(values: &[f64], rate_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
     convolved(values, rate_hz, sample_rate_hz, |taps| {
-        // Where the steps are denser than the samples, the weights' sum wavers round one, and its slope round zero.
+        // If the steps are denser than the samples, the sum of the weights fluctuates around one, and its slope around
+        // zero.
         taps.rate_hz * (taps.slope * taps.weight - taps.value * taps.weight_slope) / (taps.weight * taps.weight)
     })
 }
 
-/// I(t) at audio rate, the same cubic between the steps.
+/// I(t) at audio rate, with the same cubic between the steps.
 fn smooth(values: &[f64], rate_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
     convolved(values, rate_hz, sample_rate_hz, |taps| taps.nearest + taps.value / taps.weight)
 }
 
-/// Sums over the steps near one time. Values are differences from the nearest step, so that what is constant cancels
-/// exactly.
+/// Sums over the steps near one time. Values are differences from the nearest step, so that constants cancel exactly.
 struct Taps {
     nearest: f64,
     value: f64,
@@ -233,7 +233,7 @@ fn convolved(values: &[f64], rate_hz: f64, sample_rate_hz: f64, result: impl Fn(
         .collect()
 }
 
-/// The plugin's own high-pass, so that both hear the same.
+/// Applies the plug-in's own high-pass, so that both sound the same.
 fn high_passed(pressure: &[f64], options: &Options) -> Result<Vec<f64>, Error> {
     let rate_hz = f64::from(options.sample_rate_hz);
     let out_of_range = |_| Error::OutOfRange { what: "the sample rate in Hz", found: rate_hz, low: 8e3, high: 384e3 };

@@ -1,10 +1,10 @@
-//! A series that repeats without a seam.
+//! Conversion of a series to a seamless loop.
 
-/// One period of a series: its first values fade in while the last `fade` of them, which the period ends before, fade
-/// out, so that the period's end goes on in its beginning.
+/// One period of a series: its first values fade in while the last `fade` of them, which lie beyond the period's end,
+/// fade out, so that the end of the period continues into its beginning.
 ///
-/// What is beside the mean fades with equal power: the two stretches have nothing to do with each other. The result is
-/// `fade` values shorter, and the fade at most half of the series.
+/// The deviation from the mean fades with equal power, because the two sections are unrelated. The result is `fade`
+/// values shorter, and the fade is at most half of the series.
 pub fn seamless(values: &[f64], fade: usize) -> Vec<f64> {
     let fade = fade.min(values.len() / 2);
     let (period, beyond) = values.split_at(values.len() - fade);
@@ -24,7 +24,7 @@ mod tests {
 
     #[test]
     fn the_end_goes_on_in_the_beginning() {
-        // A random walk: its steps are small, but it ends far from where it began.
+        // A random walk: its steps are small, but it ends far from its start.
         let mut random = Random::new(3);
         let mut at = 100.0;
         let walk: Vec<f64> = (0..5000)

@@ -1,4 +1,5 @@
-//! The motion of a flow as speeds of sub-volumes over time: what vortex sound's sources follow (Dobashi et al. 2004, §6).
+//! The motion of a flow as speeds of sub-volumes over time, which the sources of vortex sound follow (Dobashi et al.
+//! 2004, §6).
 
 use pyrophone_synthesis::vortex::{End, SpeedField};
 
@@ -6,26 +7,26 @@ use crate::error::Error;
 use crate::solver::Solver;
 use crate::velocity::Velocity;
 
-/// Most sub-volumes that a box is cut into.
+/// Largest number of sub-volumes of a box.
 const MOST_REGIONS: f64 = 160.0;
 
-/// Steps per second that a field has at least, where the flow is known as often.
+/// Smallest number of steps per second in a field, if the flow is known that often.
 const RATE_HZ: f64 = 30.0;
 
-/// Sub-volumes that never reach this part of the fastest one's speed are left out.
+/// Sub-volumes that never reach this share of the fastest one's speed are left out.
 const STILL: f32 = 0.05;
 
 /// Axis of the flow's world that points up; the others are right and front, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Up {
-    /// As Houdini has it.
+    /// Y, as in Houdini.
     Y,
-    /// As the scenes and Blender have it.
+    /// Z, as in the scenes and in Blender.
     #[default]
     Z,
 }
 
-/// A box of the world, cut into nearly cubic sub-volumes.
+/// A box of the world, divided into nearly cubic sub-volumes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regions {
     low: [f64; 3],
@@ -36,11 +37,13 @@ pub struct Regions {
 }
 
 impl Regions {
-    /// Cuts the box from `low` to `high`, in m, whose flow is known at every `voxel` m. An empty box is one point.
+    /// Divides the box from `low` to `high`, in m, whose flow is known at every `voxel` m. An empty box is a single
+    /// point.
     pub fn new(low: [f64; 3], high: [f64; 3], voxel: f64) -> Self {
         let voxel = voxel.max(1e-9);
         let size: [f64; 3] = std::array::from_fn(|axis| (high[axis] - low[axis]).max(voxel));
-        // The largest cubes of which at most so many fit: by volume first, then finer than that never.
+        // The largest cubes of which no more than the allowed number fit: initially by volume, then refined downwards
+        // only.
         let mut edge = maths::cbrt(size.iter().product::<f64>() / MOST_REGIONS).max(voxel);
         let cut = |edge: f64| size.map(|size| (size / edge).round().max(1.0) as usize);
         while cut(edge).iter().product::<usize>() as f64 > MOST_REGIONS {
@@ -51,7 +54,7 @@ impl Regions {
         Self { low, edges, counts, samples: edges.map(|edge| (edge / voxel).round().clamp(1.0, 64.0) as usize) }
     }
 
-    /// Cuts a solver's box.
+    /// Divides a solver's box.
     pub fn of_solver(solver: &Solver) -> Self {
         let domain = solver.domain();
         let (low, voxel) = (solver.origin_m(), domain.voxel_size_m());
@@ -64,7 +67,7 @@ impl Regions {
         self.counts.iter().product()
     }
 
-    /// Never: there is one at least.
+    /// Always false: there is at least one.
     pub fn is_empty(&self) -> bool {
         false
     }
@@ -94,28 +97,28 @@ impl Regions {
         std::array::from_fn(|axis| self.low[axis] + self.edges[axis] * index[axis] as f64)
     }
 
-    /// Middle of a sub-volume: to the right and to the front of the box's middle, and above its bottom.
+    /// Centre of a sub-volume: to the right and to the front of the box's centre, and above its bottom.
     fn place(&self, region: usize, up: Up) -> [f32; 3] {
         let corner = self.corner(region);
         let middle = |axis: usize| self.low[axis] + 0.5 * self.edges[axis] * self.counts[axis] as f64;
         let beside = |axis: usize| (corner[axis] + 0.5 * self.edges[axis] - middle(axis)) as f32;
         let above = |axis: usize| (corner[axis] + 0.5 * self.edges[axis] - self.low[axis]) as f32;
         match up {
-            // Turned, not mirrored: Y up has its front at -Z.
+            // Rotated, not mirrored: with Y up, the front is at -Z.
             Up::Y => [beside(0), -beside(2), above(1)],
             Up::Z => [beside(0), beside(1), above(2)],
         }
     }
 
-    /// Middles of all sub-volumes in m: to the right and to the front of the box's middle, and above its bottom.
+    /// Centres of all sub-volumes in m: to the right and to the front of the box's centre, and above its bottom.
     pub fn places(&self, up: Up) -> Vec<[f32; 3]> {
         (0..self.len()).map(|region| self.place(region, up)).collect()
     }
 
-    /// The field of `steps`, each from [`mean_speeds`](Self::mean_speeds), `rate_hz` of them per second.
+    /// The field of `steps`, each from [`mean_speeds`](Self::mean_speeds), at `rate_hz` steps per second.
     ///
     /// # Errors
-    /// Fails where there are none, where nothing moves, and where [`SpeedField::new`] refuses them.
+    /// If there are no steps, if nothing moves, or if [`SpeedField::new`] rejects them.
     pub fn field(&self, steps: &[Vec<f32>], rate_hz: f64, up: Up, end: End) -> Result<SpeedField, Error> {
         let fastest = |region: usize| steps.iter().map(|step| step[region]).fold(0.0f32, f32::max);
         let fastest: Vec<f32> = (0..self.len()).map(fastest).collect();
@@ -130,7 +133,7 @@ impl Regions {
     }
 }
 
-/// Of a flow that is known `rate_hz` times per second, every how many-eth step a field needs.
+/// Stride between stored steps, for a flow known `rate_hz` times per second.
 pub fn stride(rate_hz: f64) -> u64 {
     (rate_hz / RATE_HZ).floor().max(1.0) as u64
 }

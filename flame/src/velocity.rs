@@ -1,14 +1,14 @@
-//! The flow's velocity at any place.
+//! Velocity of the flow at any position.
 
 use crate::grid::{BLOCK, Grid, Transform, slot};
 
 /// Position of a velocity's components in a voxel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Placement {
-    /// All at its centre.
+    /// All components at its centre.
     #[default]
     Collocated,
-    /// Component a on the middle of the voxel's lower face across axis a (a MAC grid).
+    /// Component a at the centre of the voxel's lower face across axis a (a MAC grid).
     Staggered,
 }
 
@@ -18,13 +18,13 @@ pub enum Placement {
 pub enum Velocity {
     /// One grid of vectors along the world's axes.
     Vectors(Grid<3>, Placement),
-    /// A grid per component, each with a transform of its own.
+    /// One grid per component, each with its own transform.
     Components(Box<[Grid<1>; 3]>),
 }
 
 impl Velocity {
-    /// The velocity at a place in the world, trilinear between the samples (Chadwick & James 2011, §3); zero, or the
-    /// field's background, where nothing is stored.
+    /// Velocity at a world position, trilinear between the samples (Chadwick & James 2011, §3); zero, or the field's
+    /// background, where nothing is stored.
     pub fn at(&self, world: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Vectors(grid, Placement::Collocated) => trilinear(grid, grid.transform().to_index(world)),
@@ -42,7 +42,8 @@ impl Velocity {
         }
     }
 
-    /// Lowest and highest place in the world of a sample that differs from the background; none where none does.
+    /// Lowest and highest world positions of samples that differ from the background; none if there are no such
+    /// samples.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         fn of<const N: usize>(grid: &Grid<N>) -> Option<[[f64; 3]; 2]> {
             let (low, high) = grid.bounds()?;
@@ -58,7 +59,7 @@ impl Velocity {
         }
     }
 
-    /// Whether every value is finite.
+    /// True if every value is finite.
     pub fn is_finite(&self) -> bool {
         match self {
             Self::Vectors(grid, _) => grid.is_finite(),
@@ -86,13 +87,13 @@ impl Velocity {
     }
 }
 
-/// The box around two boxes, each by its lowest and highest corner.
+/// The bounding box of two boxes, each given by its lowest and highest corner.
 pub fn join(a: [[f64; 3]; 2], b: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
     [std::array::from_fn(|axis| a[0][axis].min(b[0][axis])), std::array::from_fn(|axis| a[1][axis].max(b[1][axis]))]
 }
 
-/// The velocity at many places that lie near each other, told as indices of some other grid: the samples around a place are
-/// kept for the next.
+/// Velocity at many positions near each other, given as indices of another grid: the samples around a position are kept
+/// for the next.
 pub(crate) enum Probe<'a> {
     Collocated(Box<Cells<'a, 3>>),
     Staggered(Box<[Cells<'a, 3>; 3]>),
@@ -100,7 +101,7 @@ pub(crate) enum Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    /// For places told as indices of a grid that lies in the world as `from` says.
+    /// A probe for positions given as indices of a grid with transform `from`.
     pub fn new(velocity: &'a Velocity, from: &Transform) -> Self {
         match velocity {
             Velocity::Vectors(grid, Placement::Collocated) => {
@@ -126,12 +127,12 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// A grid, and the samples around the last few places asked for.
+/// A grid, and the samples around the most recent positions.
 pub(crate) struct Cells<'a, const N: usize> {
     grid: &'a Grid<N>,
     rows: [[f64; 3]; 3],
     translation: [f64; 3],
-    /// Of two neighbouring cells along any axis, both.
+    /// The most recent cells; two neighbouring cells along any axis are both kept.
     kept: [Cell<N>; 8],
 }
 
@@ -163,7 +164,7 @@ impl<'a, const N: usize> Cells<'a, N> {
         }
     }
 
-    /// The cell that holds a place, and where in it the place lies; none beyond all indices.
+    /// The cell that contains a position, and the position within it; none beyond all indices.
     fn cell(&mut self, place: [f64; 3]) -> Option<(&[[f64; 8]; N], [f64; 3])> {
         let index: [f64; 3] = std::array::from_fn(|axis| {
             (0..3).map(|of| place[of] * self.rows[of][axis]).sum::<f64>() + self.translation[axis]
@@ -181,14 +182,14 @@ impl<'a, const N: usize> Cells<'a, N> {
     }
 }
 
-/// Whether an index fits its type; beyond, no grid has values.
+/// True if an index fits its type; beyond, no grid has values.
 fn is_indexable(index: [f64; 3]) -> bool {
     index.iter().all(|i| i.abs() < f64::from(1 << 30))
 }
 
 /// The samples at the corners of the cell at `base`.
 fn corners<const N: usize>(grid: &Grid<N>, base: [i32; 3]) -> [[f64; 8]; N] {
-    // Mostly all eight voxels lie in one block, which then is looked up only once.
+    // Usually all eight voxels lie in one block, which is then looked up only once.
     let is_inner = base.iter().all(|i| i & (BLOCK - 1) != BLOCK - 1);
     let block = if is_inner { grid.block(base.map(|i| i.div_euclid(BLOCK))) } else { None };
     if is_inner && block.is_none() {

@@ -1,4 +1,4 @@
-//! Whole signals through a plugin.
+//! Bounces of whole signals through a plug-in.
 
 use std::thread;
 use std::time::Duration;
@@ -8,7 +8,7 @@ use crate::{Block, BusLayout, Configuration, Event, HostError, Plugin, Processor
 /// Division of the signal into blocks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum BlockSize {
-    /// All of this many frames, except the last.
+    /// Blocks of this many frames, except the last.
     Fixed(usize),
     /// Each of 0 to `max` frames, drawn from `seed`.
     Random {
@@ -43,15 +43,15 @@ pub struct BounceOptions {
     pub block: BlockSize,
     /// Zeros played before the input, in samples. They are cut off the output again.
     pub pad_before: usize,
-    /// Extra length of the output after the input's end, in samples.
+    /// Extra length of the output after the end of the input, in samples.
     pub extra_after: usize,
     /// The host's position at the first sample played, padding included.
     pub start_position: i64,
     /// Automation, in any order.
     pub automation: Vec<AutomationPoint>,
-    /// Whether the host renders offline.
+    /// True if the host renders offline.
     pub offline: bool,
-    /// Whether input and output share their memory.
+    /// True if input and output share their memory.
     pub in_place: bool,
 }
 
@@ -80,15 +80,16 @@ pub struct Bounce {
     pub channels: Vec<Vec<f32>>,
     /// The latency that was compensated, in samples.
     pub latency_samples: u32,
-    /// Requests made while playing. A change of latency among them means that the compensation was wrong.
+    /// Requests made during playback. A change of latency among them means that the compensation was wrong.
     pub requests: Requests,
 }
 
-/// Plays a signal through an inactive plugin on a thread of its own, compensates the latency, and leaves the plugin inactive.
+/// Plays a signal through an inactive plug-in on a separate thread, compensates the latency, and leaves the plug-in
+/// inactive.
 ///
 /// # Errors
-/// As [`Plugin::activate`] and [`Processor::process`]; [`HostError::Channels`] when input or sidechain do not fit the layout;
-/// [`HostError::Activate`] when the block size allows no frame at all.
+/// As [`Plugin::activate`] and [`Processor::process`]; [`HostError::Channels`] if input or sidechain do not fit the
+/// layout; [`HostError::Activate`] if the block size allows no frame at all.
 pub fn bounce(
     plugin: &mut dyn Plugin,
     input: &[Vec<f32>],
@@ -107,7 +108,7 @@ pub fn bounce(
         layout: options.layout,
         offline: options.offline,
     })?;
-    // What it asks for while being activated (a latency that was 0 before) is settled by reading the latency afterwards.
+    // Requests made during activation (a latency that was 0 before) are settled by reading the latency afterwards.
     let _ = plugin.run_callbacks();
     let latency_samples = plugin.latency_samples();
     let skip = options.pad_before + latency_samples as usize;
@@ -151,7 +152,7 @@ pub fn bounce(
     Ok(Bounce { channels, latency_samples, requests })
 }
 
-/// Everything the playing thread needs, padded to its whole length.
+/// Data for the playing thread, padded to its whole length.
 struct Stream {
     input: Vec<Vec<f32>>,
     sidechain: Option<Vec<Vec<f32>>>,

@@ -2,12 +2,12 @@
 
 use crate::{Block, BusLayout, HostError};
 
-/// Samples after the end of a block that the plugin must not touch.
+/// Samples after the end of a block that the plug-in must not touch.
 const GUARD_SAMPLES: usize = 16;
-/// Stands in the output before the plugin writes it, and in the guard after it: a sample left as it was is seen.
+/// Value in the output before the plug-in writes it, and in the guard after it: an untouched sample is recognised.
 const UNTOUCHED: f32 = f32::from_bits(0x7fc0_dead);
 
-/// Owned channels of one instance, so that no pointer given to a plugin outlives what it points to.
+/// Owned channels of one instance, so that no pointer given to a plug-in outlives its target.
 pub(crate) struct Buses {
     layout: BusLayout,
     max_block: usize,
@@ -24,7 +24,7 @@ pub(crate) struct Pointers {
 }
 
 impl Buses {
-    /// `layout` as the plugin has it: with a sidechain that the caller may leave away.
+    /// Buses for `layout`, the plug-in's own: with a sidechain that the caller may omit.
     pub fn new(layout: BusLayout, max_block: usize) -> Self {
         let channels = |count: u32| vec![vec![0.0; max_block + GUARD_SAMPLES]; count as usize];
         Self {
@@ -80,7 +80,7 @@ impl Buses {
         Ok((frames, Pointers { input, sidechain, output }))
     }
 
-    /// Copies what the plugin wrote into the block.
+    /// Copies the plug-in's output into the block.
     pub fn store(&self, block: &mut Block<'_>, frames: usize) -> Result<(), HostError> {
         for (own, taken) in self.output.iter().zip(block.output.iter_mut()) {
             let guard = &own[frames..frames + GUARD_SAMPLES];

@@ -93,7 +93,7 @@ impl ClapPlugin {
         ClapId::from_raw(id).zip(range.copied()).ok_or(HostError::UnknownParameter { id })
     }
 
-    /// Selects the ports and gives them as the plugin then has them.
+    /// Selects the ports and returns the plug-in's resulting layout.
     fn select_layout(&mut self, layout: BusLayout) -> Result<BusLayout, HostError> {
         let ports: PluginAudioPorts = self.extension("audio ports")?;
         let configurations: Option<PluginAudioPortsConfig> = self.instance.plugin_handle().get_extension();
@@ -274,7 +274,8 @@ impl Plugin for ClapPlugin {
         gui.create(&handle, configuration).map_err(|_| failed("created for this system's windows"))?;
         self.editor_is_open = true;
         let size = gui.get_size(&handle).ok_or_else(|| failed("asked for its size"))?;
-        // SAFETY: the window is the caller's and an id, not memory; should it be gone, the system says so.
+        // SAFETY: the window is the caller's, and an id instead of memory; if it no longer exists, the system reports
+        // that.
         unsafe {
             #[cfg(windows)]
             let parent = Window::from_win32_hwnd(window as usize as *mut std::ffi::c_void);
@@ -343,7 +344,7 @@ fn load_entry(bundle: &Path) -> Result<PluginEntry, String> {
     if let Some(entry) = entries.get(&path) {
         return Ok(entry.clone());
     }
-    // SAFETY: loading runs code of the bundle, which is what the caller asked for.
+    // SAFETY: loading runs code of the bundle, as the caller requested.
     let entry = unsafe { PluginEntry::load(&path) }.map_err(|error| error.to_string())?;
     entries.insert(path, entry.clone());
     Ok(entry)

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use crate::BusLayout;
 
-/// Reason for which a host could not do what it was asked.
+/// Reason why a host could not do as requested.
 #[derive(Debug, thiserror::Error)]
 pub enum HostError {
     /// The bundle could not be opened.
@@ -16,7 +16,7 @@ pub enum HostError {
     /// No parameter has this numeric id.
     #[error("the plug-in has no parameter with the numeric id {id}; `Plugin::parameters` lists those it has")]
     UnknownParameter {
-        /// The id asked for.
+        /// The requested id.
         id: u32,
     },
     /// The plugin does not understand this text as a value.
@@ -33,16 +33,16 @@ pub enum HostError {
         /// `save` or `load`.
         action: &'static str,
     },
-    /// A state is not what nice-plug writes.
+    /// A state is not in nice-plug's format.
     #[error("not a state of this plug-in: {0}")]
     StateFormat(String),
     /// The plugin has no such channel layout.
     #[error("the plug-in has no layout {0}")]
     Layout(BusLayout),
-    /// The plugin refused to become active, or the configuration makes no sense.
+    /// The plug-in refused to become active, or the configuration makes no sense.
     #[error("the plug-in cannot be activated: {0}")]
     Activate(String),
-    /// The plugin is active and must not be, or the other way round.
+    /// The plug-in is active and must not be, or vice versa.
     #[error("the plug-in is {found}, but must be {needed} for this")]
     Lifecycle {
         /// Its state.
@@ -68,7 +68,7 @@ pub enum HostError {
         /// Channels needed.
         needed: String,
     },
-    /// An event lies outside its block, or before the event ahead of it.
+    /// An event is outside its block, or earlier than the previous event.
     #[error("an event at offset {offset} in a block of {frames} frames; events must be in order and inside the block")]
     EventOffset {
         /// The event's offset.

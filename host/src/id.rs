@@ -1,7 +1,7 @@
-/// The numeric id under which a parameter appears in CLAP and VST3, from its string id.
+/// The numeric id of a parameter in CLAP and VST3, from its string id.
 ///
-/// nice-plug (`wrapper/util.rs`, `hash_param_id`) multiplies by 31 and adds, byte by byte, and clears the top bit, which VST3
-/// keeps for the host.
+/// nice-plug (`wrapper/util.rs`, `hash_param_id`) multiplies by 31 and adds, byte by byte, and clears the top bit,
+/// which VST3 reserves for the host.
 #[must_use]
 pub const fn numeric_id(id: &str) -> u32 {
     let bytes = id.as_bytes();

@@ -22,12 +22,12 @@ pub use plugin::{
 
 use std::path::Path;
 
-/// Opens the first plugin of a bundle.
+/// Opens the first plug-in of a bundle.
 ///
 /// The bundle's code stays loaded until the process ends, as in most hosts: instances of the same bundle share it.
 ///
 /// # Errors
-/// [`HostError::Load`] when the bundle is missing, cannot be loaded or holds no plugin.
+/// [`HostError::Load`] if the bundle is missing, cannot be loaded or contains no plug-in.
 pub fn load(bundle: &Path, format: Format) -> Result<Box<dyn Plugin>, HostError> {
     match format {
         Format::Clap => Ok(Box::new(clap::ClapPlugin::load(bundle)?)),

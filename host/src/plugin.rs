@@ -13,7 +13,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Both formats, for tests that must hold in each.
+    /// Both formats, for tests that must pass in each.
     pub const ALL: [Self; 2] = [Self::Clap, Self::Vst3];
 
     /// The bundle's file name extension, without the dot.
@@ -69,7 +69,7 @@ pub struct Configuration {
     pub max_block: usize,
     /// The buses.
     pub layout: BusLayout,
-    /// Whether the host renders offline (as fast as it can) or in real time.
+    /// True if the host renders offline (as fast as possible), false in real time.
     pub offline: bool,
 }
 
@@ -88,11 +88,11 @@ pub struct Parameter {
     pub steps: u32,
     /// Default value, normalised.
     pub default: f64,
-    /// Whether the host may automate it.
+    /// True if the host may automate it.
     pub automatable: bool,
-    /// Whether it is hidden from people.
+    /// True if it is hidden from users.
     pub hidden: bool,
-    /// Whether it is the host's bypass switch.
+    /// True if it is the host's bypass switch.
     pub bypass: bool,
 }
 
@@ -116,16 +116,16 @@ pub struct ControllerMessage {
     pub channel: u8,
     /// Number of the controller, 0-127.
     pub controller: u8,
-    /// Where it stands, 0-127.
+    /// Position, 0-127.
     pub position: u8,
 }
 
 /// The host's timeline at the first frame of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transport {
-    /// Whether the transport runs.
+    /// True if the transport runs.
     pub playing: bool,
-    /// Position in samples, if the host has one. A VST3 context always has one: there `None` leaves the whole context out.
+    /// Position in samples, if the host has one. A VST3 context always has one: there, `None` omits the whole context.
     pub position: Option<i64>,
     /// Tempo in beats per minute, if the host has one.
     pub tempo: Option<f64>,
@@ -152,7 +152,7 @@ pub struct Block<'a> {
     pub events: &'a [Event],
     /// The timeline; `None` if the host provides none.
     pub transport: Option<Transport>,
-    /// Whether input and output share their memory, as hosts are free to do.
+    /// True if input and output share their memory, as hosts may choose.
     pub in_place: bool,
 }
 
@@ -161,23 +161,23 @@ pub struct Block<'a> {
 pub enum Tail {
     /// This many samples.
     Samples(u32),
-    /// For ever.
+    /// An infinite tail.
     Infinite,
 }
 
-/// Requests that the plug-in has made since the last query.
+/// Requests made by the plug-in since the last query.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Requests {
-    /// To be deactivated and activated again.
+    /// Request to be deactivated and activated again.
     pub restart: bool,
-    /// To read the latency again.
+    /// Request to read the latency again.
     pub latency_changed: bool,
-    /// To read the values of the parameters again.
+    /// Request to read the values of the parameters again.
     pub values_changed: bool,
 }
 
 impl Requests {
-    /// Whether either asked.
+    /// Requests made in either.
     #[must_use]
     pub const fn or(self, other: Self) -> Self {
         Self {
@@ -188,7 +188,8 @@ impl Requests {
     }
 }
 
-/// What the hosts of this crate add to the menu of every parameter: an entry, and another one in a menu of its own, by their numbers.
+/// Entries that this crate's hosts add to the menu of every parameter, by their numbers: one in the menu, and one in a
+/// submenu.
 pub const MENU: [(i32, &str); 2] = [(77, "Show automation"), (78, "To a modulator")];
 /// The name of that menu.
 pub const SUBMENU: &str = "Link";
@@ -210,7 +211,8 @@ pub trait Plugin {
     /// [`HostError::UnknownParameter`].
     fn value(&mut self, id: u32) -> Result<f64, HostError>;
 
-    /// Sets a parameter to a normalised value from the main thread: at once while inactive, with the next block while active.
+    /// Sets a parameter to a normalised value from the main thread: at once while inactive, with the next block while
+    /// active.
     ///
     /// # Errors
     /// [`HostError::UnknownParameter`].
@@ -228,7 +230,7 @@ pub trait Plugin {
     /// [`HostError::UnknownParameter`]; [`HostError::Text`] when the plugin does not understand it.
     fn parse(&mut self, id: u32, text: &str) -> Result<f64, HostError>;
 
-    /// The whole state, as the host would keep it in its session; see [`state`](crate::state) for what is in it.
+    /// The whole state, as a host would store it in its session; [`state`](crate::state) describes its contents.
     ///
     /// # Errors
     /// [`HostError::State`].
@@ -237,61 +239,64 @@ pub trait Plugin {
     /// Loads a state, also while the processor plays on another thread.
     ///
     /// # Errors
-    /// [`HostError::State`] when the plugin refuses it.
+    /// [`HostError::State`] if the plug-in rejects it.
     fn set_state(&mut self, state: &[u8]) -> Result<(), HostError>;
 
-    /// Makes the plugin ready to play and gives the half that plays.
+    /// Prepares the plug-in for playing and returns the half that plays.
     ///
-    /// A layout without sidechain is also found where the plugin only has layouts with one: that bus is then left unconnected.
+    /// A layout without sidechain also matches if the plug-in only has layouts with one: that bus is then left
+    /// unconnected.
     ///
     /// # Errors
-    /// [`HostError::Layout`], [`HostError::Activate`], [`HostError::Lifecycle`] when it is active already.
+    /// [`HostError::Layout`], [`HostError::Activate`], [`HostError::Lifecycle`] if it is active already.
     fn activate(&mut self, configuration: &Configuration) -> Result<Box<dyn Processor>, HostError>;
 
-    /// Takes the playing half back and ends the active state.
+    /// Takes back the playing half and ends the active state.
     ///
     /// # Errors
-    /// [`HostError::Lifecycle`] when the plugin is not active or `processor` is of another instance.
+    /// [`HostError::Lifecycle`] if the plug-in is not active or `processor` belongs to another instance.
     fn deactivate(&mut self, processor: Box<dyn Processor>) -> Result<(), HostError>;
 
-    /// The values that the plug-in has told the host since the last query, as its parameters move by themselves. The host takes note
-    /// of them: in VST3 it hands them on to the controller.
+    /// The values that the plug-in has sent to the host since the last query, because its parameters moved by
+    /// themselves. The host records them: in VST3 it passes them on to the controller.
     fn take_told_values(&mut self) -> Vec<Event>;
 
-    /// What was chosen of the host's menus since the last query: the parameter, and the number of the entry.
+    /// Choices in the host's menus since the last query: the parameter, and the number of the entry.
     fn take_menu_choices(&mut self) -> Vec<(u32, i32)>;
 
     /// The latency that the plugin reports, in samples; meaningful while active.
     fn latency_samples(&mut self) -> u32;
 
-    /// Does what a host does on its main thread when idle: runs the callbacks the plugin asked for, and returns its other requests.
+    /// Does the work of an idle main thread: runs the callbacks that the plug-in requested, and returns its other
+    /// requests.
     fn run_callbacks(&mut self) -> Requests;
 
-    /// Opens the editor inside a window of the system's and gives its size in pixels.
+    /// Opens the editor inside a system window and returns its size in pixels.
     ///
     /// # Errors
-    /// [`HostError::Unsupported`] where there is no editor, or none that can be embedded.
+    /// [`HostError::Unsupported`] if there is no editor, or none that can be embedded.
     fn open_editor(&mut self, window: u32) -> Result<(u32, u32), HostError>;
 
-    /// Tells the open editor how many pixels a point has on this screen, and gives its size in pixels then.
+    /// Sets the number of pixels per point for the open editor, and returns its resulting size in pixels.
     ///
     /// # Errors
-    /// [`HostError::Unsupported`] where no editor is open, or it does not want to know.
+    /// [`HostError::Unsupported`] if no editor is open, or it does not support this.
     fn scale_editor(&mut self, scale: f64) -> Result<(u32, u32), HostError>;
 
-    /// Resizes the open editor to the size in pixels nearest to this that it takes, and gives that.
+    /// Resizes the open editor to the nearest size in pixels that it accepts, and returns that size.
     ///
     /// # Errors
-    /// [`HostError::Unsupported`] where no editor is open, or it keeps its size.
+    /// [`HostError::Unsupported`] if no editor is open, or it does not resize.
     fn resize_editor(&mut self, size: (u32, u32)) -> Result<(u32, u32), HostError>;
 
-    /// Size in pixels that the editor has asked for since the last time.
+    /// Size in pixels that the editor has requested since the last call.
     fn take_wanted_editor_size(&mut self) -> Option<(u32, u32)>;
 
     /// Closes the editor, if it is open.
     fn close_editor(&mut self);
 
-    /// Forgets the open editor without closing it, as hosts should not but may, so that it goes with the plugin.
+    /// Forgets the open editor without closing it, as hosts should not but may, so that it is destroyed with the
+    /// plug-in.
     fn forget_editor(&mut self);
 }
 
@@ -300,27 +305,28 @@ pub trait Processor: Send {
     /// Starts playing; the plugin resets.
     ///
     /// # Errors
-    /// [`HostError::Process`] when the plugin refuses.
+    /// [`HostError::Process`] if the plug-in refuses.
     fn start(&mut self) -> Result<(), HostError>;
 
     /// Stops playing.
     fn stop(&mut self);
 
-    /// Makes the plugin forget what it has heard. In VST3 this is a stop and a start.
+    /// Makes the plug-in forget its past input. In VST3 this is a stop and a start.
     ///
     /// # Errors
-    /// [`HostError::Process`] when the plugin refuses.
+    /// [`HostError::Process`] if the plug-in refuses.
     fn reset(&mut self) -> Result<(), HostError>;
 
-    /// Plays one block, of any number of frames from 0 to the longest announced.
+    /// Plays one block, of any number of frames from 0 to the announced maximum.
     ///
     /// # Errors
     /// [`HostError::Lifecycle`] before `start`; [`HostError::BlockTooLong`], [`HostError::Channels`],
-    /// [`HostError::EventOffset`] for a block that makes no sense; [`HostError::Process`] and [`HostError::Overrun`] when the plugin
-    /// fails.
+    /// [`HostError::EventOffset`] for a block that makes no sense; [`HostError::Process`] and [`HostError::Overrun`] if
+    /// the plug-in fails.
     fn process(&mut self, block: &mut Block<'_>) -> Result<(), HostError>;
 
-    /// Has these messages come with the next block, in order of their offsets. A VST3 host maps them to parameters as the plug-in says.
+    /// Sends these messages with the next block, in order of their offsets. A VST3 host maps them to parameters as the
+    /// plug-in states.
     fn move_controllers(&mut self, messages: &[ControllerMessage]);
 
     /// The tail that the plugin reports at present.

@@ -1,9 +1,9 @@
-//! Format of the state that nice-plug saves, so that tests can take states apart and make bad ones.
+//! Format of the state that nice-plug saves, so that tests can parse states and make bad ones.
 //!
 //! It is JSON: `{"version": "0.1.0", "params": {"alpha": {"f32": 2.5}, "levels": {"i32": 6}, "bypass": {"bool": false},
-//! "drive": {"string": "flux"}}, "fields": {"recording": "{\"path\":\"/a.wav\"}"}}`. Parameters stand there under their string ids with
-//! their plain values; persistent fields are JSON texts within a JSON string. CLAP puts the length of the JSON before it, as an
-//! unsigned 64-bit little-endian number.
+//! "drive": {"string": "flux"}}, "fields": {"recording": "{\"path\":\"/a.wav\"}"}}`. Parameters are stored under their
+//! string ids with their plain values; persistent fields are JSON texts within a JSON string. In CLAP, the length of
+//! the JSON precedes it, as an unsigned 64-bit little-endian number.
 
 use std::collections::BTreeMap;
 
@@ -15,17 +15,17 @@ use crate::{Format, HostError};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StateValue {
-    /// Of a continuous parameter, in its own unit.
+    /// Value of a continuous parameter, in its own unit.
     F32(f32),
-    /// Of a whole-number parameter, or the index of a choice.
+    /// Value of an integer parameter, or the index of a choice.
     I32(i32),
-    /// Of a switch.
+    /// Value of a switch.
     Bool(bool),
     /// The id of a choice.
     String(String),
 }
 
-/// A state taken apart.
+/// A parsed state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Version of the plugin that wrote it.
@@ -38,19 +38,19 @@ pub struct State {
 }
 
 impl State {
-    /// Takes a state apart.
+    /// Parses a state.
     ///
     /// # Errors
-    /// [`HostError::StateFormat`] when it is not what nice-plug writes.
+    /// [`HostError::StateFormat`] if it is not in nice-plug's format.
     pub fn from_bytes(format: Format, bytes: &[u8]) -> Result<Self, HostError> {
         let json = json_of(format, bytes)?;
         serde_json::from_slice(json).map_err(|error| HostError::StateFormat(error.to_string()))
     }
 
-    /// Puts a state together again.
+    /// Serialises the state.
     ///
     /// # Errors
-    /// [`HostError::StateFormat`] when a number in it cannot be written as JSON.
+    /// [`HostError::StateFormat`] if a number in it cannot be written as JSON.
     pub fn to_bytes(&self, format: Format) -> Result<Vec<u8>, HostError> {
         let json = serde_json::to_vec(self).map_err(|e| HostError::StateFormat(e.to_string()))?;
         Ok(wrap(format, &json))
@@ -60,7 +60,7 @@ impl State {
 /// The JSON within a state.
 ///
 /// # Errors
-/// [`HostError::StateFormat`] when it is shorter than it says.
+/// [`HostError::StateFormat`] if it is shorter than it states.
 pub fn json_of(format: Format, bytes: &[u8]) -> Result<&[u8], HostError> {
     if format == Format::Vst3 {
         return Ok(bytes);
@@ -75,7 +75,7 @@ pub fn json_of(format: Format, bytes: &[u8]) -> Result<&[u8], HostError> {
         .ok_or_else(|| HostError::StateFormat(format!("{} bytes where it says {length}", json.len())))
 }
 
-/// Any bytes in the envelope of a format, for states that are meant to be bad.
+/// Any bytes in the envelope of a format, for states that are intended to be bad.
 #[must_use]
 pub fn wrap(format: Format, json: &[u8]) -> Vec<u8> {
     match format {

@@ -1,15 +1,15 @@
-//! Checks of a built bundle by calls that well-behaved hosts do not make, and by promises that validators look for.
+//! Checks of a built bundle by calls that well-behaved hosts do not make, and by requirements that validators verify.
 //!
-//! Each check has a name, loads an instance of its own and says what it found. They repeat what clap-validator,
-//! pluginval, Steinberg's validator and real hosts have found in this plug-in, so that it is found here first, and
-//! where none of those is installed.
+//! Each check has a name, loads its own instance and reports what it found. They repeat the findings of clap-validator,
+//! pluginval, Steinberg's validator and real hosts about this plug-in, so that problems appear here first, even where
+//! none of those is installed.
 
 use std::path::Path;
 
 use crate::Format;
 use crate::{clap, vst3};
 
-/// One check: its name, and what it does with a bundle.
+/// One check: its name and its function on a bundle.
 pub struct Check {
     /// The requirement.
     pub name: &'static str,
@@ -40,7 +40,7 @@ pub(crate) fn ensure(holds: bool, found: impl FnOnce() -> String) -> Result<(), 
     if holds { Ok(()) } else { Err(found()) }
 }
 
-/// Whether two names in a list are the same; which.
+/// The first name that occurs twice in a list.
 pub(crate) fn duplicate(names: &[String]) -> Option<&String> {
     names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)).map(|(_, name)| name)
 }

@@ -40,13 +40,13 @@ pub(crate) struct Vst3Plugin {
     processor: ComPtr<IAudioProcessor>,
     controller: ComPtr<IEditController>,
     handler: ComWrapper<Handler>,
-    /// The plugin may keep a pointer to it.
+    /// Kept because the plug-in may hold a pointer to it.
     _application: ComWrapper<HostApplication>,
     number: u64,
     name: String,
     parameters: Vec<Parameter>,
     pending: Arc<Mutex<Vec<Event>>>,
-    /// Values that the plug-in has put out.
+    /// Values in the plug-in's output.
     told: Arc<Mutex<Vec<Event>>>,
     active: bool,
     editor: Option<Editor>,
@@ -105,7 +105,7 @@ impl Vst3Plugin {
         }
     }
 
-    /// Arranges the buses and gives them as the plugin then has them.
+    /// Arranges the buses and returns the plug-in's resulting layout.
     fn select_layout(&self, layout: BusLayout) -> Result<BusLayout, HostError> {
         let sidechains: &[u32] = if layout.sidechain == 0 { &[0, 2, 1] } else { &[layout.sidechain] };
         for &sidechain in sidechains {
@@ -115,7 +115,7 @@ impl Vst3Plugin {
                 inputs.push(arrangement(sidechain));
             }
             let mut outputs = [arrangement(layout.output)];
-            // SAFETY: a live processor, and arrays as long as the numbers say.
+            // SAFETY: a live processor, and arrays of the stated lengths.
             let result = unsafe {
                 self.processor.setBusArrangements(inputs.as_mut_ptr(), inputs.len() as i32, outputs.as_mut_ptr(), 1)
             };
@@ -126,10 +126,10 @@ impl Vst3Plugin {
         Err(HostError::Layout(layout))
     }
 
-    /// Whether the output's loudspeakers are those of an arrangement.
+    /// True if the output has the loudspeakers of an arrangement.
     fn names_output(&self, expected: SpeakerArrangement) -> bool {
         let mut found = SpeakerArr::kEmpty;
-        // SAFETY: a live processor and a place to write to.
+        // SAFETY: a live processor and a writable location.
         let result = unsafe { self.processor.getBusArrangement(OUTPUT, 0, &mut found) };
         result == kResultOk && found == expected
     }
@@ -138,7 +138,7 @@ impl Vst3Plugin {
         let channels = |direction, index| {
             // SAFETY: all fields are numbers, for which zero is a value.
             let mut info: BusInfo = unsafe { std::mem::zeroed() };
-            // SAFETY: a live component and a place to write to.
+            // SAFETY: a live component and a writable location.
             let exists = unsafe {
                 index < self.component.getBusCount(AUDIO, direction)
                     && self.component.getBusInfo(AUDIO, direction, index, &mut info) == kResultOk
@@ -182,7 +182,7 @@ impl Plugin for Vst3Plugin {
     fn text(&mut self, id: u32, value: f64) -> Result<String, HostError> {
         self.known(id)?;
         let mut text: String128 = [0; 128];
-        // SAFETY: a live controller and a place to write to.
+        // SAFETY: a live controller and a writable location.
         let result = unsafe { self.controller.getParamStringByValue(id, value, &raw mut text) };
         if result == kResultOk { Ok(from_utf16(&text)) } else { Err(HostError::UnknownParameter { id }) }
     }
@@ -191,7 +191,7 @@ impl Plugin for Vst3Plugin {
         self.known(id)?;
         let mut wide: Vec<u16> = text.encode_utf16().chain([0]).collect();
         let mut value = 0.0;
-        // SAFETY: a live controller, a text that ends with zero and a place to write to.
+        // SAFETY: a live controller, a text that ends with zero and a writable location.
         let result = unsafe { self.controller.getParamValueByString(id, wide.as_mut_ptr(), &mut value) };
         if result == kResultOk { Ok(value) } else { Err(HostError::Text { id, text: text.to_owned() }) }
     }
@@ -348,7 +348,7 @@ impl Plugin for Vst3Plugin {
 impl Drop for Vst3Plugin {
     fn drop(&mut self) {
         self.close_editor();
-        // SAFETY: live interfaces; a plugin dropped while active is made inactive first, as the format demands.
+        // SAFETY: live interfaces; a plug-in dropped while active is deactivated first, as the format requires.
         unsafe {
             if self.active {
                 self.component.setActive(0);

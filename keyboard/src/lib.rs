@@ -10,7 +10,7 @@ use libloading::Library;
 
 pub mod x11;
 
-/// Context in which maps are compiled, of the library.
+/// Library context in which maps are compiled.
 pub enum xkb_context {}
 /// Keyboard map, of the library.
 pub enum xkb_keymap {}
@@ -36,13 +36,13 @@ pub enum xkb_keymap_compile_flags {
     XKB_KEYMAP_COMPILE_NO_FLAGS = 0,
 }
 
-/// Which way a key went.
+/// Direction of a key's movement.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum xkb_key_direction {
-    /// It was let go.
+    /// The key was released.
     XKB_KEY_UP = 0,
-    /// It was pressed.
+    /// The key was pressed.
     XKB_KEY_DOWN = 1,
 }
 
@@ -51,17 +51,18 @@ pub enum xkb_key_direction {
 pub struct XkbCommon {
     /// New context, or null.
     pub xkb_context_new: unsafe extern "C" fn(xkb_context_flags) -> *mut xkb_context,
-    /// Gives a reference to a context back.
+    /// Releases a reference to a context.
     pub xkb_context_unref: unsafe extern "C" fn(*mut xkb_context),
-    /// Gives a reference to a state back.
+    /// Releases a reference to a state.
     pub xkb_state_unref: unsafe extern "C" fn(*mut xkb_state),
-    /// Writes what a key types, as UTF-8 that ends in a zero, to a buffer of so many bytes; its length in bytes.
+    /// Writes the text that a key types, as zero-terminated UTF-8, to a buffer of a given size; returns its length in
+    /// bytes.
     pub xkb_state_key_get_utf8: unsafe extern "C" fn(*mut xkb_state, xkb_keycode_t, *mut c_char, usize) -> c_int,
-    /// Tells a state that a key went down or up; the set of what has changed by it.
+    /// Informs a state that a key went down or up; returns the set of what changed.
     pub xkb_state_update_key: unsafe extern "C" fn(*mut xkb_state, xkb_keycode_t, xkb_key_direction) -> c_int,
 }
 
-/// What [`XkbCommon`] offers and this crate uses beside it.
+/// [`XkbCommon`], and the further functions that this crate uses.
 struct Common {
     offered: XkbCommon,
     keymap_unref: unsafe extern "C" fn(*mut xkb_keymap),
@@ -100,14 +101,14 @@ fn common() -> Option<&'static Common> {
     COMMON.get_or_init(Common::load).as_ref()
 }
 
-/// A library of the system's by the first of its names that there is. It stays loaded: pointers into it are kept.
+/// A system library, under the first of its names that exists. It stays loaded, because pointers into it are kept.
 fn open(names: [&str; 2]) -> Option<&'static Library> {
-    // SAFETY: what the library does when it is loaded asks nothing of this program.
+    // SAFETY: loading the library makes no demands on this program.
     let library = names.into_iter().find_map(|name| unsafe { Library::new(name) }.ok())?;
     Some(Box::leak(Box::new(library)))
 }
 
-/// What a key types in a state, which may be null: then nothing.
+/// Text that a key types in a state, which may be null; then there is none.
 unsafe extern "C" fn key_get_utf8(
     state: *mut xkb_state,
     key: xkb_keycode_t,
@@ -121,7 +122,7 @@ unsafe extern "C" fn key_get_utf8(
     }
 }
 
-/// Tells a state, which may be null, that a key went down or up.
+/// Informs a state, which may be null, that a key went down or up.
 unsafe extern "C" fn update_key(state: *mut xkb_state, key: xkb_keycode_t, direction: xkb_key_direction) -> c_int {
     match common() {
         // SAFETY: the state is the library's and not null.

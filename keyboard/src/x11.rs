@@ -55,7 +55,7 @@ fn common_x11() -> Option<&'static CommonX11> {
     COMMON.get_or_init(CommonX11::load).as_ref()
 }
 
-/// New state, or null if there is no map. The caller's reference to the map is given back: the state has one of its own.
+/// New state, or null without a map. The caller's reference to the map is released: the state has its own.
 unsafe extern "C" fn state_new(
     keymap: *mut xkb_keymap,
     connection: *mut xcb_connection_t,
@@ -67,7 +67,7 @@ unsafe extern "C" fn state_new(
     }
     // SAFETY: the map is the library's and not null; the caller vouches for the connection.
     let state = unsafe { (x11.state_new)(keymap, connection, device) };
-    // SAFETY: the reference is the caller's, who uses it no more.
+    // SAFETY: the reference is the caller's, who no longer uses it.
     unsafe { (common.keymap_unref)(keymap) };
     state
 }

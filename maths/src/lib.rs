@@ -2,7 +2,7 @@
 
 pub mod fft;
 
-/// The floating-point types that the functions take: `f32` and `f64`.
+/// The floating-point types of the functions: `f32` and `f64`.
 pub trait Real: private::Functions {}
 
 impl Real for f32 {}
@@ -93,7 +93,7 @@ functions! {
     fn pow(x, y) = pow, powf;
     /// The cube root.
     fn cbrt(x) = cbrt, cbrtf;
-    /// The length of the hypotenuse over `x` and `y`, without overflow on the way.
+    /// The length of the hypotenuse over `x` and `y`, without intermediate overflow.
     fn hypot(x, y) = hypot, hypotf;
 }
 
@@ -109,7 +109,7 @@ pub fn square<T: Real>(x: T) -> T {
     x * x
 }
 
-/// `x` to a whole power, by squaring. The compiler's own may round otherwise where it knows both numbers.
+/// `x` to an integer power, by squaring. The compiler's own function may round differently if it knows both numbers.
 #[inline]
 pub fn powi<T: Real>(x: T, n: i32) -> T {
     let (mut power, mut square, mut left) = (T::ONE, x, n.unsigned_abs());

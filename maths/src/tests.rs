@@ -5,7 +5,7 @@ fn numbers() -> impl Iterator<Item = f64> {
     (-400..=400).map(|n| f64::from(n) * 0.0371).flat_map(|x| [x, x * x * x, x * 1e-6])
 }
 
-/// Whether two numbers are the same up to a few units of the last place.
+/// True if two numbers are the same up to a few units of the last place.
 fn close(found: f64, expected: f64) -> bool {
     found == expected
         || (found - expected).abs() <= 4.0 * f64::EPSILON * expected.abs()

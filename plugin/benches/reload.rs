@@ -1,5 +1,6 @@
-//! What it costs to have a recording back when a session is opened again: CPU seconds of the whole process from the order to
-//! the dictionary at the audio thread, first without and then with the dictionary on disk, each in a process of its own.
+//! Cost of restoring a recording when a session is reopened: CPU seconds of the whole process from the order to the
+//! dictionary's arrival at the audio thread, first without and then with the dictionary on disk, each in a separate
+//! process.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -19,7 +20,7 @@ const RATE_HZ: u32 = 48_000;
 const LENGTHS_S: [usize; 2] = [14, 120];
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Stereo noise that comes and goes, with a crackle ten times a second, as 24-bit WAV.
+/// Stereo noise with a varying level and ten crackles a second, as 24-bit WAV.
 fn write_recording(path: &Path, seconds: usize) {
     let specification = hound::WavSpec {
         channels: 2,
@@ -44,7 +45,7 @@ fn write_recording(path: &Path, seconds: usize) {
 /// CPU seconds that this process has used.
 fn cpu_s() -> f64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: the call writes the time into the structure that it is given, which lives until it has returned.
+    // SAFETY: the call writes the time into the given structure, which outlives the call.
     let answer = unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &mut time) };
     assert_eq!(answer, 0);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
@@ -55,7 +56,7 @@ fn has_dictionary(link: &mut AudioLink) -> bool {
 }
 
 /// Opens a session with a recording as a host does; prints CPU and wall seconds until the audio thread has it, and CPU
-/// seconds until its picture is there too, for a window that is opened then.
+/// seconds until its picture is ready too, for a window opened at that point.
 fn open_session(recording: &Path, waits_for_cache: Option<&Path>) {
     let content_hash = pyrophone_recording::content_hash(&std::fs::read(recording).unwrap());
     let (loader, params, mut link) = Loader::start(RepaintNotifier::new(), None);

@@ -1,6 +1,6 @@
-//! What the window costs while sound plays through it: contents laid out and drawn, and made into triangles, without a graphics card's
-//! part. Sixty frames a second at 1000×700 points; a page of parameters each. `-- instructions` draws a few frames of the first page, for
-//! callgrind.
+//! Cost of the window while sound plays: layout, drawing and tessellation, without the graphics card's part. Sixty
+//! frames a second at 1000×700 points; one page of parameters each. `-- instructions` draws a few frames of the first
+//! page, for callgrind.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -37,7 +37,7 @@ impl Screen {
         screen
     }
 
-    /// Draws a frame: the time for contents, and for triangles, and how many of these there are.
+    /// Draws a frame; returns the time for its contents, the time for tessellation, and the number of triangles.
     #[inline(never)]
     fn counted_frame(&mut self) -> (Duration, Duration, usize) {
         let input = RawInput {
@@ -61,7 +61,7 @@ impl Screen {
     }
 }
 
-/// A line of the table: milliseconds of a frame, the middle one of all, and the part of a core that sixty a second take.
+/// Prints a line of the table: median milliseconds of a frame, and the share of a core that sixty frames a second need.
 fn print(name: &str, mut times: Vec<Duration>) -> f64 {
     times.sort();
     let (middle, mean) = (times[times.len() / 2], times.iter().sum::<Duration>() / times.len() as u32);

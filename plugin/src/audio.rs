@@ -1,5 +1,5 @@
-//! The audio thread's part: the engines, and their ends of the rings to the loader. Nothing here
-//! allocates, locks, frees or waits, but for [`Audio::set_chain`].
+//! The audio thread's part: the engines, and their ends of the rings to the loader. Nothing here allocates, locks,
+//! frees or waits, except [`Audio::set_chain`].
 
 pub mod audition;
 pub mod burst;
@@ -18,7 +18,7 @@ use audition::Audition;
 use burst::Burst;
 use lights::Lights;
 
-/// Longest piece that the engines are given at once.
+/// Longest piece given to the engines at once.
 const LONGEST_PIECE: usize = 8192;
 
 /// The engines of one instance.
@@ -26,10 +26,9 @@ pub struct Audio {
     link: AudioLink,
     probe: ProbeIn,
     running: Option<Running>,
-    /// Channels that come in; they pass through while no engines run.
+    /// Input channels; they pass through while no engines run.
     input_channels: usize,
-    /// Stands in for a sidechain that is not there; as long as the longest piece that is processed
-    /// at once.
+    /// Substitute for a missing sidechain; as long as the longest piece processed at once.
     silence: Vec<f32>,
 }
 
@@ -40,31 +39,31 @@ struct Running {
     burst: Burst,
     /// The sidechain with a burst in it, channel by channel.
     burning: Vec<Vec<f32>>,
-    /// Of the structure that runs.
+    /// Fingerprint of the running structure.
     structure: u64,
     latency_samples: u32,
-    /// Of the structure for which a restart was last asked.
+    /// Fingerprint of the structure for which a restart was last requested.
     restart_asked: u64,
 }
 
-/// What sounds on after the input has fallen silent.
+/// Duration of the sound after the input has fallen silent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tail {
     /// Nothing.
     Over,
-    /// So many samples at most.
+    /// At most this many samples.
     Samples(u32),
-    /// There is no end: the gate is off.
+    /// Endless: the gate is off.
     Endless,
 }
 
 impl Audio {
-    /// No engines yet.
+    /// The state without engines.
     pub fn new(link: AudioLink, probe: ProbeIn) -> Self {
         Self { link, probe, running: None, input_channels: 0, silence: Vec::new() }
     }
 
-    /// Exchanges the engines; not real-time safe. `values` are those they were made of.
+    /// Exchanges the engines; not real-time safe. `values` are those from which they were built.
     pub fn set_chain(&mut self, chain: Option<Chain>, channels: Channels, max_block: usize, values: &Values) {
         let piece = max_block.clamp(1, LONGEST_PIECE);
         self.silence = vec![0.0; piece];
@@ -84,7 +83,7 @@ impl Audio {
         self.receive_updates();
     }
 
-    /// Takes over what the loader has sent, and hands back what it replaces.
+    /// Takes over updates from the loader, and hands back the things they replace.
     pub fn receive_updates(&mut self) {
         let Some(running) = &mut self.running else { return };
         while let Some(update) = self.link.receive() {
@@ -100,8 +99,8 @@ impl Audio {
         }
     }
 
-    /// Whether to ask the host for a restart: once, when the parameters say another structure than runs and
-    /// everything is ready for it.
+    /// True if the host should be asked for a restart: once, when the parameters call for a structure other than the
+    /// running one and everything is ready for it.
     pub fn wants_restart(&mut self, values: &Values) -> bool {
         let Some(running) = &mut self.running else { return false };
         let wanted = fingerprint(&values.structure());
@@ -121,7 +120,7 @@ impl Audio {
         self.running.as_ref().map(|running| running.latency_samples)
     }
 
-    /// Back to the state of a fresh activation.
+    /// Restores the state of a fresh activation.
     pub fn reset(&mut self) {
         if let Some(running) = &mut self.running {
             running.chain.reset();
@@ -130,8 +129,8 @@ impl Audio {
         }
     }
 
-    /// Processes one block in place. `main` has the output's channels, the first of them hold the
-    /// input; `sidechain` channels shorter than the block count as silent; `lights` are bursts that are added to both.
+    /// Processes one block in place. `main` has the output's channels, the first of which hold the input; `sidechain`
+    /// channels shorter than the block count as silent; `lights` are bursts added to both.
     pub fn process(
         &mut self,
         main: &mut [&mut [f32]],
@@ -187,7 +186,7 @@ impl Audio {
             if is_watched {
                 self.probe.send(running.chain.drive(), &pieces[..channels]);
             }
-            // Taken in any case: a window is not to be shown what was long ago.
+            // Drained even unwatched, so that a window opened later shows no outdated data.
             let probe = &mut self.probe;
             running.chain.take_traces(|trace| {
                 if is_watched {
@@ -202,12 +201,12 @@ impl Audio {
         }
     }
 
-    /// Tells the window, if there is one, what part of its time a block has taken.
+    /// Reports to the window, if there is one, the share of its time that a block has used.
     pub fn tell_load(&self, load: f32) {
         self.probe.tell_load(load);
     }
 
-    /// Whether a window looks.
+    /// True if a window is watching.
     pub fn is_watched(&self) -> bool {
         self.probe.is_watched()
     }
@@ -217,7 +216,7 @@ impl Audio {
         self.running.as_mut().map(|running| running.chain.take_meters()).unwrap_or_default()
     }
 
-    /// What may still sound after the input has fallen silent.
+    /// The possible duration of the sound after the input has fallen silent.
     pub fn tail(&self) -> Tail {
         let Some(Running { chain, .. }) = &self.running else { return Tail::Over };
         match chain.tail_samples() {
@@ -228,7 +227,7 @@ impl Audio {
     }
 }
 
-/// The input as it came: one channel for both sides, others to their own loudspeakers.
+/// The unprocessed input: one channel goes to both sides, others to their own loudspeakers.
 fn pass_through(main: &mut [&mut [f32]], input_channels: usize) {
     if input_channels == 1
         && let [left, right, ..] = main
@@ -237,7 +236,7 @@ fn pass_through(main: &mut [&mut [f32]], input_channels: usize) {
     }
 }
 
-/// Adds a burst to what comes in; the sidechain is copied for that, since it is the host's.
+/// Adds a burst to the input; the sidechain is copied first, since it belongs to the host.
 fn add_burst<'a>(
     burst: &[f32],
     level: f32,

@@ -1,4 +1,4 @@
-//! How many channels a bus has.
+//! Channel counts of the buses.
 
 /// Most channels of a bus.
 pub const MAX_CHANNELS: usize = 6;

@@ -1,4 +1,4 @@
-//! Which MIDI controllers move which parameters, and learning that from a controller that is moved.
+//! Assignment of MIDI controllers to parameters, and MIDI learn.
 //!
 //! Everything is atomic: the audio thread looks controllers up and learns them, the window assigns and shows them. A
 //! controller counts on every MIDI channel; it may move several parameters, a parameter follows one controller.
@@ -11,15 +11,15 @@ use pyrophone_settings::{PARAMETERS, index_of};
 
 /// Number of no controller.
 const NONE: u8 = u8::MAX;
-/// Place of no parameter.
+/// Index that stands for no parameter.
 const NOBODY: u32 = u32::MAX;
 
 /// Assignments of one instance.
 #[derive(Debug)]
 pub struct Controllers {
-    /// By the parameter's place in the table.
+    /// By the parameter's index in the table.
     numbers: Vec<AtomicU8>,
-    /// Place of the parameter that takes the next controller that moves.
+    /// Index of the parameter that is assigned the next controller to move.
     learner: AtomicU32,
 }
 
@@ -30,7 +30,7 @@ impl Default for Controllers {
 }
 
 impl Controllers {
-    /// The controller that moves the parameter at `index` of the table.
+    /// The controller assigned to the parameter at `index` of the table.
     pub fn number(&self, index: usize) -> Option<u8> {
         let number = self.numbers[index].load(Ordering::Relaxed);
         (number != NONE).then_some(number)
@@ -41,23 +41,23 @@ impl Controllers {
         self.numbers[index].store(number.unwrap_or(NONE), Ordering::Relaxed);
     }
 
-    /// Has the next controller that moves assigned to the parameter at `index`; one that was waiting waits no longer.
+    /// Starts MIDI learn for the parameter at `index`; it replaces any other that was waiting.
     pub fn learn(&self, index: usize) {
         self.learner.store(index as u32, Ordering::Relaxed);
     }
 
-    /// Calls off what [`learn`](Self::learn) began.
+    /// Cancels [`learn`](Self::learn).
     pub fn stop_learning(&self) {
         self.learner.store(NOBODY, Ordering::Relaxed);
     }
 
-    /// Place of the parameter that waits for a controller.
+    /// Index of the parameter that waits for a controller.
     pub fn learner(&self) -> Option<usize> {
         let learner = self.learner.load(Ordering::Relaxed);
         (learner != NOBODY).then_some(learner as usize)
     }
 
-    /// Notes that a controller moves, which a waiting parameter takes; real-time safe.
+    /// Notes that a controller has moved, which completes a pending MIDI learn; real-time safe.
     pub fn hear(&self, number: u8) {
         if number >= CONTROLLERS {
             return;
@@ -74,20 +74,21 @@ impl Controllers {
         self.numbers.iter().enumerate().filter(move |(_, slot)| is_moved(slot)).map(|(index, _)| index)
     }
 
-    /// Takes over assignments; parameters without one follow no controller.
+    /// Replaces all assignments; parameters without one follow no controller.
     pub fn set_all(&self, assignments: &Assignments) {
         for (parameter, slot) in PARAMETERS.iter().zip(&self.numbers) {
             slot.store(assignments.get(parameter.id).copied().unwrap_or(NONE), Ordering::Relaxed);
         }
     }
 
-    /// As a session keeps them.
+    /// The assignments as stored in a session.
     pub fn to_json(&self) -> String {
         let assigned = (0..PARAMETERS.len()).filter_map(|index| Some((PARAMETERS[index].id, self.number(index)?)));
         serde_json::to_string(&assigned.collect::<BTreeMap<&str, u8>>()).unwrap_or_default()
     }
 
-    /// As a session has kept them. Text that is no such list changes nothing, and assignments that cannot be are left out.
+    /// Restores the assignments stored in a session. Text in another format changes nothing, and impossible assignments
+    /// are left out.
     pub fn read_json(&self, text: &str) {
         if let Ok(mut assignments) = serde_json::from_str::<Assignments>(text) {
             assignments.retain(|id, number| is_assignable(id, *number));
@@ -96,13 +97,13 @@ impl Controllers {
     }
 }
 
-/// The normalised value that the parameter at `index` has where its controller stands at `share` (0-1); real-time safe.
+/// The normalised value of the parameter at `index` with its controller at `share` (0-1); real-time safe.
 pub fn value_at(index: usize, share: f64) -> f64 {
     let parameter = &PARAMETERS[index];
     parameter.to_normalised(parameter.from_normalised(share))
 }
 
-/// Place of the parameter `id` where it may follow a controller.
+/// Index of the parameter `id` where it may follow a controller.
 pub fn assignable(id: &str) -> Option<usize> {
     index_of(id).ok().filter(|index| PARAMETERS[*index].automatable)
 }

@@ -1,24 +1,23 @@
-//! Lets an instance wait until the framework's background thread has nothing of it left.
+//! Waits until the framework's background thread has no more tasks of an instance.
 //!
-//! All instances of a process share that thread. It ends when it meets a task of an instance that
-//! is gone, and the next instance to go then aborts the host. So an instance posts a task that
-//! does nothing and waits until it has run: all its earlier tasks have then run too.
+//! All instances of a process share that thread. It ends when it meets a task of an instance that no longer exists, and
+//! the next instance to be dropped then aborts the host. So an instance posts a task that does nothing and waits until
+//! it has run: all its earlier tasks have then run too.
 //!
-//! While it runs a task, that thread owns a share of the instance. If the host let go of its own
-//! share in that moment, the instance would end on that thread, which then tries to join itself
-//! and is lost. So the wait is by naps, never by a wake-up that would interrupt the thread right
-//! there, and after the task there is one more nap.
+//! While it runs a task, that thread owns a reference to the instance. If the host dropped its own reference at that
+//! moment, the instance would be dropped on that thread, which would then try to join itself and deadlock. So the wait
+//! polls, instead of being woken at exactly that point, and after the task there is one more pause.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// The longest wait: a host that stops its window thread must not hang for good.
+/// Longest wait: a host that stops its window thread must not hang for good.
 const LIMIT: Duration = Duration::from_secs(1);
-/// How long to sleep between two looks at the count.
+/// Time between two checks of the count.
 const POLL_INTERVAL: Duration = Duration::from_micros(200);
-/// In this time the thread lets go of the instance after its task; it takes a few nanoseconds
-/// unless the thread is interrupted.
+/// Time for the thread to drop its reference to the instance after its task; a few nanoseconds unless the thread is
+/// interrupted.
 const GRACE: Duration = Duration::from_millis(3);
 
 /// A count of tasks that have run.
@@ -26,12 +25,12 @@ const GRACE: Duration = Duration::from_millis(3);
 pub struct Fence(Arc<AtomicU64>);
 
 impl Fence {
-    /// To be called by the task.
+    /// Called by the task.
     pub fn pass(&self) {
         self.0.fetch_add(1, Ordering::Release);
     }
 
-    /// Posts the task by `post` and waits until it has run; whether it has within the limit.
+    /// Posts the task by `post` and waits until it has run; returns false at the time limit.
     pub fn wait(&self, post: impl FnOnce()) -> bool {
         let before = self.0.load(Ordering::Acquire);
         post();

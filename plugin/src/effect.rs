@@ -1,4 +1,4 @@
-//! What hosts call.
+//! The effect as called by hosts.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -23,12 +23,12 @@ use crate::parameters::{EffectParams, sanitize};
 use crate::probe::{self, ProbeOut};
 use crate::remote_pages;
 
-/// The longest that an activation waits for a load under way. Hosts bounce in "real-time" mode
-/// too, so some wait is due there; where the host says that it renders offline there is no limit.
+/// Longest wait of an activation for a load in progress. Hosts bounce in "real-time" mode too, so some wait is needed
+/// there; where the host reports offline rendering there is no limit.
 const ACTIVATION_WAIT: Duration = Duration::from_secs(2);
 
-/// The same for the first activation after a state was loaded. A project that opens takes its time, and a host that
-/// renders at once has no other moment at which it could wait; longer than this and hosts take a plug-in for hung.
+/// Limit for the first activation after a state was loaded. A project is slow to open anyway, and a host that renders
+/// at once offers no other moment to wait; after a longer wait hosts consider a plug-in hung.
 const STATE_WAIT: Duration = Duration::from_secs(10);
 
 /// The effect.
@@ -44,22 +44,22 @@ pub struct Pyrophone {
     executor: Option<AsyncExecutor<Self>>,
     notifier: RepaintNotifier,
     sample_rate_hz: f32,
-    /// Whether the host renders as fast as it can, and waits for whatever takes time.
+    /// True if the host renders as fast as it can, and waits for slow work.
     is_offline: bool,
-    /// Whether the last activation was at a sample rate that the engines do not have.
+    /// True if the last activation had a sample rate that the engines do not support.
     is_rate_refused: bool,
     /// States that had been loaded at the last activation.
     states_seen: u64,
     frame_pace: FramePace,
-    /// Where MIDI controllers are kept for instances to come.
+    /// File with the MIDI controllers for future instances.
     controllers: Option<ControllerFile>,
 }
 
-/// What the framework's threads do for an instance.
+/// Task of an instance for the framework's threads.
 pub enum Errand {
     /// On the background thread: nothing, see [`Fence`].
     PassFence,
-    /// On the host's main thread: what was ordered of the host's menu.
+    /// On the host's main thread: pending requests to the host's menu.
     HostMenu,
 }
 
@@ -110,8 +110,8 @@ const STEREO: &[NonZeroU32] = &[new_nonzero_u32(2)];
 const SURROUND_50: &[NonZeroU32] = &[new_nonzero_u32(5)];
 const SURROUND_51: &[NonZeroU32] = &[new_nonzero_u32(6)];
 
-/// Tells the host of the latency. In CLAP that is done by the guard around the effect, within `activate`: the
-/// framework would ask for a restart first, at every first activation.
+/// Reports the latency to the host. In CLAP the guard around the effect does that, within `activate`: the framework
+/// would ask for a restart first, at every first activation.
 fn announce_latency(context: &mut impl ActivateContext<Pyrophone>, latency_samples: u32) {
     if context.plugin_api() != PluginApi::Clap {
         context.set_latency_samples(latency_samples);
@@ -130,7 +130,7 @@ fn lights(context: &mut impl ProcessContext<Pyrophone>, samples: usize) -> Light
 }
 
 impl Pyrophone {
-    /// Runs without engines, which have no such sample rate; the window says why.
+    /// Runs without engines, which do not support this sample rate; the window says why.
     fn pass_through(&mut self, channels: Channels, config: &BufferConfig, reason: &str) {
         self.gas = None;
         self.audio.set_chain(None, channels, config.max_buffer_size as usize, &self.params.values());
@@ -139,7 +139,7 @@ impl Pyrophone {
         self.loader.handle().status.fail(reason.to_owned());
     }
 
-    /// Runs `chain` from now on, with the recording if that is there in time.
+    /// Runs `chain` from now on, with the recording if that is ready in time.
     fn start(
         &mut self,
         mut chain: Chain,
@@ -174,17 +174,17 @@ impl Pyrophone {
         announce_latency(context, latency_samples);
     }
 
-    /// What the window sees of the sound.
+    /// The sound as seen by the window.
     pub fn probe(&self) -> ProbeOut {
         self.probe.clone()
     }
 
-    /// The parameters, which window and host share.
+    /// The parameters, shared by window and host.
     pub fn effect_params(&self) -> &EffectParams {
         &self.params
     }
 
-    /// What the editor shows in a window of the host.
+    /// The content of the editor in a window of the host.
     pub fn window(&self) -> Window {
         let (params, meters) = (self.params.clone(), self.meters.clone());
         let window = Window::new(params, self.loader.handle(), meters, self.probe(), self.notifier.clone());
@@ -192,7 +192,7 @@ impl Pyrophone {
     }
 }
 
-/// Automation points of every parameter in one block for which room is kept: all at every sample of a block of 64.
+/// Automation points reserved for every parameter in one block: one at every sample of a block of 64.
 const POINTS_PER_BLOCK: usize = 64;
 
 impl Plugin for Pyrophone {
@@ -202,9 +202,10 @@ impl Plugin for Pyrophone {
     const EMAIL: &'static str = "support@pyrophone.org";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
 
-    // Of the layouts beyond stereo these are the two that VST3 can be told rightly: seven channels and more would be named
-    // cinema's, with loudspeakers before the listener where the engine has them behind. CLAP gets the number alone. VST3 hosts
-    // can have a sidechain of as many channels as the main input only: nice-plug 0.4.2 compares it with that.
+    // Of the layouts beyond stereo these are the two that VST3 can describe correctly: seven channels and more would be
+    // named as cinema layouts, with loudspeakers in front of the listener where the engine has them behind. CLAP gets
+    // the number alone. VST3 hosts can have a sidechain of as many channels as the main input only: nice-plug 0.4.2
+    // compares it with that.
     const AUDIO_IO_LAYOUTS: &'static [AudioIOLayout] = &[
         layout(2, 2, STEREO, "Stereo, stereo sidechain"),
         layout(2, 2, &[], "Stereo"),
@@ -314,7 +315,7 @@ impl Plugin for Pyrophone {
     ) -> ProcessStatus {
         let began = self.audio.is_watched().then(Instant::now);
         if self.is_offline {
-            // A state loaded since the activation may still be on its way; offline there is all the time in the world.
+            // A state loaded since the activation may still be in progress; offline there is no time limit.
             self.loader.wait_for_all();
         }
         self.audio.receive_updates();
@@ -347,12 +348,12 @@ impl Plugin for Pyrophone {
         if self.frame_pace.process(samples, is_lively, self.sample_rate_hz) && self.audio.is_watched() {
             self.notifier.request_repaint();
         }
-        // The latency of what comes then is announced by the activation, which is the only place for it.
+        // The new latency is reported by the activation, which is the only place for it.
         if self.audio.wants_restart(&values) {
             context.request_restart();
         }
         match self.audio.tail() {
-            // A window may light a burst or listen to the recording while nothing comes in: hosts must go on asking.
+            // A window may start a burst or play the recording while the input is silent: hosts must keep calling.
             _ if self.audio.is_watched() => ProcessStatus::KeepAlive,
             Tail::Over => ProcessStatus::Normal,
             Tail::Samples(samples) => ProcessStatus::Tail(samples),
@@ -365,7 +366,7 @@ impl Plugin for Pyrophone {
         if let Some(executor) = &self.executor
             && !self.fence.wait(|| executor.execute_background(Errand::PassFence))
         {
-            nice_warn!("Pyrophone's background tasks have not ended in time");
+            nice_warn!("Pyrophone's background tasks did not end in time");
         }
     }
 }
@@ -373,7 +374,7 @@ impl Plugin for Pyrophone {
 impl ClapPlugin for Pyrophone {
     const CLAP_ID: &'static str = "org.pyrophone.pyrophone";
     const CLAP_DESCRIPTION: Option<&'static str> =
-        Some("Turns a low-frequency flame signal, or any sound's envelope, into full-band fire");
+        Some("Turns a low-frequency flame signal, or any sound's envelope, into the full-band sound of fire");
     const CLAP_MANUAL_URL: Option<&'static str> = Some("https://pyrophone.org/manual");
     const CLAP_SUPPORT_URL: Option<&'static str> = Some("https://pyrophone.org/support");
     const CLAP_FEATURES: &'static [ClapFeature] = &[

@@ -1,12 +1,12 @@
-//! How often the window is asked to show what sounds: smoothly while something does, seldom once nothing has for long.
+//! Frame rate of the window: high while something sounds, low once nothing has for long.
 
 /// Frames a second while something sounds or the host plays, and while it rests.
 const LIVELY_HZ: f32 = 30.0;
 const RESTING_HZ: f32 = 4.0;
-/// Seconds after which it rests: as long as the pictures reach back.
+/// Seconds of silence before the low rate: the time span of the pictures.
 const REST_AFTER_S: f32 = 9.0;
 
-/// Counts samples until the next frame.
+/// Counter of samples until the next frame.
 #[derive(Debug, Clone, Default)]
 pub struct FramePace {
     since_frame: f32,
@@ -14,8 +14,8 @@ pub struct FramePace {
 }
 
 impl FramePace {
-    /// Goes on by a block at `sample_rate_hz` in which something sounded or played, or nothing did; whether a frame is due.
-    /// Real-time safe.
+    /// Advances by a block at `sample_rate_hz`, `is_lively` if something sounded or played; returns true if a frame is
+    /// due. Real-time safe.
     pub fn process(&mut self, samples: usize, is_lively: bool, sample_rate_hz: f32) -> bool {
         self.since_frame += samples as f32;
         self.quiet_samples = if is_lively { 0 } else { self.quiet_samples.saturating_add(samples as u64) };

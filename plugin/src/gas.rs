@@ -1,8 +1,8 @@
-//! The gas of vortex sound's flow `live`: simulated on a thread of its own, in time for the audio thread.
+//! The gas of vortex sound's flow `live`: simulated on a separate thread, in time for the audio thread.
 //!
-//! What is asked for goes one way through a ring, what was simulated the other way. Off line the audio thread waits for
-//! what it needs; in real time it holds the last step and counts those that are late. A block longer than a step (16 ms)
-//! leaves no time to simulate in, so some of its steps are late on any machine.
+//! Requests go one way through a ring, results the other way. Offline the audio thread waits for the results it needs;
+//! in real time it holds the last step and counts the late ones. A block longer than a step (16 ms) leaves no time for
+//! simulation, so some of its steps are late on any machine.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,22 +19,22 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 /// Most sources of the simulation.
 const MOST_SOURCES: usize = 160;
 
-/// Steps that may be under way; a block of 8192 samples at 44.1 kHz asks for twelve.
+/// Maximum number of pending steps; a block of 8192 samples at 44.1 kHz asks for twelve.
 const STEPS: usize = 64;
 
-/// How often the thread looks whether something is asked for, while the flow is used and while it is not.
+/// Polling interval of the thread, while the flow is used and while it is not.
 const POLL_INTERVAL: Duration = Duration::from_millis(1);
 const REST: Duration = Duration::from_millis(8);
 
-/// How often an offline render looks whether its step is there.
+/// Polling interval of an offline render for its step.
 const PATIENCE: Duration = Duration::from_micros(100);
 
-/// What one step has come to.
+/// Result of one step.
 #[derive(Debug, Clone, Copy)]
 struct Answer {
     run: u64,
     step: u64,
-    /// None where the gas could not be simulated.
+    /// None where the simulation failed.
     speeds_m_s: Option<[f32; MOST_SOURCES]>,
 }
 
@@ -42,14 +42,14 @@ struct Answer {
 struct GasProxy {
     asked: HeapProd<Asked>,
     answers: HeapCons<Answer>,
-    /// The newest answer that was taken.
+    /// The newest result received.
     newest: Option<Answer>,
-    /// Whether this is an offline render.
+    /// True in an offline render.
     waits: bool,
 }
 
 impl GasProxy {
-    /// Takes the answer to a step, if it is there; those to earlier ones are of no use any more.
+    /// Returns the result of a step, if available; drops those of earlier steps, which are obsolete.
     fn poll(&mut self, run: u64, step: u64) -> Option<&Answer> {
         let is_wanted = |answer: &Answer| (answer.run, answer.step) >= (run, step);
         while !self.newest.as_ref().is_some_and(is_wanted) {
@@ -61,7 +61,7 @@ impl GasProxy {
 
 impl Simulator for GasProxy {
     fn ask(&mut self, asked: Asked) {
-        // Answers that came too late to be of use make room.
+        // Obsolete results make room.
         while self.newest.is_none_or(|answer| answer.run < asked.run) {
             let Some(answer) = self.answers.try_pop() else { break };
             self.newest = Some(answer);
@@ -73,7 +73,7 @@ impl Simulator for GasProxy {
 
     fn answer(&mut self, run: u64, step: u64, speeds_m_s: &mut [f32]) -> bool {
         loop {
-            // Looked at before the ring: what is pushed before a thread ends is there.
+            // Read before the ring is polled: results pushed before the thread ended must not be missed.
             let goes_on = self.waits && self.answers.write_is_held();
             if let Some(answer) = self.poll(run, step) {
                 let Some(speeds) = &answer.speeds_m_s else { return false };
@@ -95,12 +95,12 @@ struct GasWorker {
     answers: HeapProd<Answer>,
     flow: LiveFlow,
     run: u64,
-    /// An answer for which there was no room yet.
+    /// A result for which there was no room yet.
     held: Option<Answer>,
 }
 
 impl GasWorker {
-    /// Simulates a step that is asked for, if there is one.
+    /// Simulates a requested step, if there is one.
     fn work(&mut self) -> bool {
         if let Some(answer) = self.held.take() {
             self.held = self.answers.try_push(answer).err();
@@ -121,10 +121,10 @@ impl GasWorker {
     }
 }
 
-/// Switches that both threads look at.
+/// Switches read by both threads.
 #[derive(Debug, Default)]
 struct Switches {
-    /// Whether the flow is used.
+    /// True while the flow is in use.
     used: AtomicBool,
     quit: AtomicBool,
 }
@@ -138,8 +138,8 @@ pub struct Gas {
 }
 
 impl Gas {
-    /// Starts the thread for `chain`, which waits for every step where it renders off line (`waits`). Where that fails,
-    /// the flow `live` follows the envelope.
+    /// Starts the thread for `chain`, which waits for every step in an offline render (`waits`). If that fails, the
+    /// flow `live` follows the envelope.
     pub fn start(chain: &mut Chain, waits: bool) -> Result<Self, String> {
         let step_s = chain.live_step_s();
         let flow = || LiveFlow::new(step_s).map_err(|error| error.to_string());
@@ -157,15 +157,15 @@ impl Gas {
         let theirs = switches.clone();
         let work = move || {
             while !theirs.quit.load(Ordering::Relaxed) {
-                // Both, whatever the first one finds.
+                // Counted, because `any` would stop at the first one with work.
                 let found = desks.iter_mut().filter_map(|desk| desk.work().then_some(())).count();
                 if found == 0 {
                     std::thread::sleep(if theirs.used.load(Ordering::Relaxed) { POLL_INTERVAL } else { REST });
                 }
             }
         };
-        // A pool of its own waits for nobody: in the common one it would queue behind the indexing of recordings. Its thread
-        // is ours to join, which a pool does not do.
+        // A separate pool does not queue: in the common one this work would wait behind the indexing of recordings. Its
+        // thread must be joined here, because a pool does not do that.
         let mut thread = None;
         let pool = ThreadPoolBuilder::new().num_threads(1).panic_handler(|_| {}).spawn_handler(|worker| {
             let spawned = std::thread::Builder::new().name("pyrophone-gas".to_owned()).spawn(|| worker.run());
@@ -177,7 +177,7 @@ impl Gas {
         Ok(Self { switches, pool: Some(pool), thread })
     }
 
-    /// Tells whether the flow is used; real-time safe.
+    /// Sets whether the flow is in use; real-time safe.
     pub fn set_used(&self, used: bool) {
         self.switches.used.store(used, Ordering::Relaxed);
     }

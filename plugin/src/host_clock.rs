@@ -3,24 +3,24 @@
 use nice_plug::prelude::PluginApi;
 use pyrophone_synthesis::chain;
 
-/// What the host says at one call.
+/// Report of the host at one call.
 #[derive(Debug, Clone, Copy)]
 pub struct Reported {
     /// The plugin format.
     pub api: PluginApi,
-    /// Whether the host plays.
+    /// True while the host plays.
     pub playing: bool,
     /// Position in samples.
     pub position: Option<i64>,
-    /// Whether the host tells a tempo.
+    /// True if the host reports a tempo.
     pub has_tempo: bool,
 }
 
-/// Follows the host's position over calls.
+/// Tracker of the host's position over calls.
 ///
-/// Under CLAP a block is cut at automation points, and the framework moves the position of the
-/// later pieces on only where the host tells a tempo; without one, every piece reports the
-/// position of the whole block. A repeated position is therefore taken as going on.
+/// Under CLAP a block is cut at automation points, and the framework advances the position of the later pieces only
+/// where the host reports a tempo; without one, every piece reports the position of the whole block. A repeated
+/// position is therefore treated as continuing.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct HostClock {
     last: Option<i64>,

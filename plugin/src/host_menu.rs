@@ -1,40 +1,40 @@
-//! The host's own entries in the menu of a parameter: automation, links, whatever the host has.
+//! The host's own entries in the menu of a parameter: automation, links, and others.
 //!
-//! Hosts are asked for them, and told what was chosen, on their main thread; the window has a thread of its own where
-//! the system lets it. So the window leaves an order and has the framework call [`HostMenu::work`] on the main thread.
+//! Hosts must be called on their main thread, both for the entries and for the user's choice; the window may have a
+//! separate thread. So the window leaves an order and has the framework call [`HostMenu::work`] on the main thread.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A line of a menu, in the order in which they are shown.
+/// A line of a menu, in order of display.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Line {
-    /// Something to choose.
+    /// A menu entry.
     Entry {
-        /// Its words.
+        /// Its text.
         label: String,
-        /// Whether it can be chosen.
+        /// True if it can be chosen.
         is_enabled: bool,
-        /// Whether it is ticked.
+        /// True if it is ticked.
         is_checked: bool,
-        /// The number by which the host knows it.
+        /// The host's number for it.
         action: i32,
     },
     /// A line across.
     Separator,
     /// Words above the lines that follow.
     Title(String),
-    /// A menu within the menu begins.
+    /// Start of a submenu.
     Begin(String),
-    /// It ends.
+    /// End of a submenu.
     End,
 }
 
 /// A host, as a format has it. Everything is called on the host's main thread.
 pub trait Provider: Send {
-    /// What the host offers for the parameter at a place of the table.
+    /// The host's lines for the parameter at an index of the table.
     fn lines(&mut self, index: usize) -> Vec<Line>;
 
-    /// Does what was chosen of it.
+    /// Performs the action of a chosen entry.
     fn perform(&mut self, index: usize, action: i32);
 }
 
@@ -53,7 +53,7 @@ pub struct HostMenu {
     provider: Mutex<Option<Box<dyn Provider>>>,
     caller: Mutex<Option<Caller>>,
     orders: Mutex<Vec<Order>>,
-    /// What the host has offered last, and for which parameter.
+    /// The host's last answer, and the parameter it is for.
     offered: Mutex<Option<(usize, Vec<Line>)>>,
 }
 
@@ -62,29 +62,29 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl HostMenu {
-    /// Takes a host, or takes it away; on the main thread.
+    /// Sets or removes a host; on the main thread.
     pub fn set_provider(&self, provider: Option<Box<dyn Provider>>) {
         *lock(&self.offered) = None;
         *lock(&self.provider) = provider;
     }
 
-    /// Takes the way to the main thread.
+    /// Sets the function that calls the main thread.
     pub fn set_caller(&self, caller: impl Fn() + Send + 'static) {
         *lock(&self.caller) = Some(Box::new(caller));
     }
 
-    /// Has the host asked what it offers for the parameter at `index` of the table; nothing until it has answered.
+    /// Requests the lines for the parameter at `index` of the table; none are available until the host has answered.
     pub fn ask(&self, index: usize) {
         *lock(&self.offered) = None;
         self.order(Order::Ask(index));
     }
 
-    /// What the host offers for a parameter, once it has answered.
+    /// The host's lines for a parameter, once it has answered.
     pub fn offered(&self, index: usize) -> Vec<Line> {
         lock(&self.offered).as_ref().filter(|(of, _)| *of == index).map(|(_, lines)| lines.clone()).unwrap_or_default()
     }
 
-    /// Has the host do what was chosen of it.
+    /// Has the host perform the action of a chosen entry.
     pub fn perform(&self, index: usize, action: i32) {
         self.order(Order::Perform(index, action));
     }
@@ -96,7 +96,7 @@ impl HostMenu {
         }
     }
 
-    /// Does what was ordered; on the main thread. Whether something is to be shown that was not.
+    /// Carries out pending orders; on the main thread. Returns true if there are new lines to show.
     pub fn work(&self) -> bool {
         let orders = std::mem::take(&mut *lock(&self.orders));
         let mut provider = lock(&self.provider);

@@ -1,21 +1,21 @@
 //! Pyrophone as a CLAP and VST3 effect.
 //!
-//! | module | is | lives on |
+//! | module | content | thread |
 //! |---|---|---|
-//! | [`effect`] | what hosts call | whichever thread the host says |
-//! | [`entry`] | what hosts find in the library, and guards around the framework | whichever thread the host says |
+//! | [`effect`] | the effect as called by hosts | whichever thread the host uses |
+//! | [`entry`] | entry points for hosts, and guards around the framework | whichever thread the host uses |
 //! | [`remote_pages`] | pages of parameters for controllers | at the start |
 //! | [`parameters`] | the settings' table as host parameters | any thread |
 //! | [`audio`] | the engines, and their ends of the rings | the audio thread |
-//! | [`channels`] | how many channels a bus has | any thread |
-//! | [`loader`] | recordings, dictionaries, learning | a thread of its own, one per instance |
-//! | [`persist`] | what a session keeps besides the parameters | any thread |
+//! | [`channels`] | channel counts of the buses | any thread |
+//! | [`loader`] | recordings, dictionaries, learning | a separate thread, one per instance |
+//! | [`persist`] | session data beside the parameters | any thread |
 //! | [`controllers`] | MIDI controllers that move parameters | any thread |
-//! | [`host_menu`] | what the host adds to the menus of parameters | the host's main thread, the window's |
+//! | [`host_menu`] | the host's own entries in the menus of parameters | the host's main thread, the window's |
 //! | [`takes`] | the takes that were tried | any thread |
 //! | [`window_size`] | the window's size, which outlives it | any thread |
 //! | [`meters`] | levels for the editor | any thread |
-//! | [`frame_pace`] | how often the window is asked to draw | the audio thread |
+//! | [`frame_pace`] | frame rate of the window | the audio thread |
 //! | [`probe`] | drive and output for the editor | from the audio thread to the window's |
 //! | [`analysis`] | spectra and outlines for the editor | the loader's and the window's |
 //! | [`editor`] | the window | the host's window thread |

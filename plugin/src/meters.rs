@@ -6,7 +6,7 @@ use atomic_float::AtomicF32;
 
 use pyrophone_synthesis::chain;
 
-/// A level that holds the largest magnitude until it is read.
+/// Peak level, held until it is read.
 #[derive(Debug, Default)]
 pub struct Peak(AtomicF32);
 
@@ -18,13 +18,13 @@ impl Peak {
         }
     }
 
-    /// The level since the last call, which is then cleared.
+    /// The peak since the last call; clears it.
     pub fn take(&self) -> f32 {
         self.0.swap(0.0, Ordering::Relaxed)
     }
 }
 
-/// What the editor shows of the sound.
+/// Levels for the editor.
 #[derive(Debug, Default)]
 pub struct Meters {
     /// Main input.
@@ -58,7 +58,7 @@ pub struct Meters {
 }
 
 impl Meters {
-    /// Takes over what the engines have measured; real-time safe.
+    /// Publishes the engines' measurements; real-time safe.
     pub fn publish(&self, measured: &chain::Meters) {
         let peaks = [
             (&self.input, measured.input),
@@ -80,39 +80,39 @@ impl Meters {
         self.late_steps.fetch_add(u32::try_from(measured.late_steps).unwrap_or(u32::MAX), Ordering::Relaxed);
     }
 
-    /// Whether the input's channels cancel in the mean that drives the engines.
+    /// True if the input's channels cancel in the mean that drives the engines.
     pub fn input_cancels(&self) -> bool {
         self.cancels.load(Ordering::Relaxed)
     }
 
-    /// How far texture maps amplitudes, 0-1: Scaling alpha, or what a buzz has left of it.
+    /// Degree to which texture maps amplitudes, 0-1: Scaling alpha after its automatic reduction.
     pub fn scaling_alpha(&self) -> f32 {
         self.scaling_alpha.load(Ordering::Relaxed)
     }
 
-    /// Steps of the live gas that came too late since the activation.
+    /// Late steps of the live gas since the activation.
     pub fn late_steps(&self) -> u32 {
         self.late_steps.load(Ordering::Relaxed)
     }
 
-    /// Channels of the sidechain bus that the host has; 0 where it has none.
+    /// Channels of the host's sidechain bus; 0 if there is none.
     pub fn sidechain_channels(&self) -> u32 {
         self.sidechain_channels.load(Ordering::Relaxed)
     }
 
-    /// Takes over how many channels of a sidechain an activation has.
+    /// Sets the number of sidechain channels of an activation.
     pub fn set_sidechain(&self, channels: u32) {
         self.sidechain_channels.store(channels, Ordering::Relaxed);
     }
 
-    /// Takes over what an activation has decided.
+    /// Sets the sample rate and latency of an activation.
     pub fn set_engine(&self, sample_rate_hz: f32, latency_samples: u32) {
         self.sample_rate_hz.store(sample_rate_hz, Ordering::Relaxed);
         self.latency_samples.store(latency_samples, Ordering::Relaxed);
         self.late_steps.store(0, Ordering::Relaxed);
     }
 
-    /// Latency in samples and sample rate in Hz, once there was an activation.
+    /// Latency in samples and sample rate in Hz, after an activation.
     pub fn engine(&self) -> Option<(u32, f32)> {
         let sample_rate_hz = self.sample_rate_hz.load(Ordering::Relaxed);
         (sample_rate_hz > 0.0).then(|| (self.latency_samples.load(Ordering::Relaxed), sample_rate_hz))

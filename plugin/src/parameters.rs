@@ -1,8 +1,7 @@
 //! The settings' table as host parameters.
 //!
-//! Ids, ranges, defaults and texts are the table's. The host's values are 32-bit floats; they are
-//! rounded to the table's grid where they are read, so the engines get the very numbers that a
-//! preset states.
+//! Ids, ranges, defaults and texts are the table's. The host's values are 32-bit floats; they are rounded to the
+//! table's grid where they are read, so the engines get exactly the numbers in a preset.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,7 +28,7 @@ pub enum Slot {
     Toggle(BoolParam),
 }
 
-/// All host parameters, in the table's order, and what else the state holds.
+/// All host parameters, in the table's order, and the rest of the state.
 pub struct EffectParams {
     /// Boxed, because hosts' wrappers keep pointers to the parameters.
     slots: Box<[Slot]>,
@@ -39,15 +38,15 @@ pub struct EffectParams {
     pub window: Arc<WindowSize>,
     /// The takes that were tried.
     pub takes: Takes,
-    /// Which MIDI controllers move them.
+    /// MIDI controllers assigned to them.
     pub controllers: Controllers,
-    /// What the host adds to their menus.
+    /// The host's own entries in their menus.
     pub host_menu: HostMenu,
-    /// What the host says about them.
+    /// Their state as reported by the host.
     pub indications: Indications,
 }
 
-/// Names of the window's size, of the takes and of the MIDI controllers in the state.
+/// Keys of the window's size, of the takes and of the MIDI controllers in the state.
 const WINDOW: &str = "window";
 const TAKES: &str = "takes";
 const CONTROLLERS: &str = "controllers";
@@ -80,7 +79,7 @@ impl EffectParams {
         PARAMETERS[index].snap(self.slots[index].plain())
     }
 
-    /// The host parameter at a place of the table.
+    /// The host parameter at an index of the table.
     pub fn slot(&self, index: usize) -> &Slot {
         &self.slots[index]
     }
@@ -120,7 +119,7 @@ impl Slot {
         }
     }
 
-    /// The present plain value as the host has it; not yet on the table's grid.
+    /// The host's current plain value; not yet on the table's grid.
     pub fn plain(&self) -> f64 {
         match self {
             Self::Float(float) => f64::from(float.value()),
@@ -129,7 +128,7 @@ impl Slot {
         }
     }
 
-    /// Tells the host that the user takes hold of the parameter.
+    /// Tells the host that the user begins a gesture on the parameter.
     pub fn begin(&self, setter: &ParamSetter) {
         match self {
             Self::Float(float) => setter.begin_set_parameter(float),
@@ -138,8 +137,7 @@ impl Slot {
         }
     }
 
-    /// Sets the plain value through the host; between [`begin`](Self::begin) and
-    /// [`end`](Self::end).
+    /// Sets the plain value through the host; between [`begin`](Self::begin) and [`end`](Self::end).
     pub fn set(&self, setter: &ParamSetter, plain: f64) {
         match self {
             Self::Float(float) => setter.set_parameter(float, plain as f32),
@@ -148,7 +146,7 @@ impl Slot {
         }
     }
 
-    /// Tells the host that the user lets go of the parameter.
+    /// Tells the host that the user ends the gesture.
     pub fn end(&self, setter: &ParamSetter) {
         match self {
             Self::Float(float) => setter.end_set_parameter(float),
@@ -157,7 +155,7 @@ impl Slot {
         }
     }
 
-    /// Sets the plain value when the host itself has asked for it and reads it again.
+    /// Sets the plain value when the host itself has requested that and reads it again.
     pub fn set_without_host(&self, plain: f64) {
         // SAFETY: hosts' values are set like this by the framework; they are atomic.
         unsafe {
@@ -178,8 +176,8 @@ impl Slot {
     }
 }
 
-// SAFETY: the pointers are to elements of a boxed slice that is never exchanged, so they are valid
-// for as long as this object is; wrappers hold it in an `Arc`.
+// SAFETY: the pointers are to elements of a boxed slice that is never replaced, so they are valid for as long as this
+// object is; wrappers hold it in an `Arc`.
 unsafe impl Params for EffectParams {
     fn param_map(&self) -> Vec<(String, ParamPtr, String)> {
         // The table's order is that of history; hosts show this one.
@@ -209,16 +207,15 @@ unsafe impl Params for EffectParams {
         if let Some(takes) = serialized.get(TAKES) {
             self.takes.read_json(takes);
         }
-        // A state that says nothing of them, of an earlier version or from a preset, leaves them as they are.
+        // A state without them, from an earlier version or a preset, leaves them unchanged.
         if let Some(controllers) = serialized.get(CONTROLLERS) {
             self.controllers.read_json(controllers);
         }
     }
 }
 
-/// Brings a state's values into their ranges, drops those that belong to no parameter or are
-/// of the wrong kind, and names those of parameters that came later; wrappers apply what is left without
-/// a check.
+/// Clamps a state's values to their ranges, drops those that belong to no parameter or are of the wrong kind, and adds
+/// those of parameters introduced later; wrappers apply the result without a check.
 pub fn sanitize(state: &mut PluginState) {
     state.params.retain(|id, value| {
         let Ok(index) = index_of(id) else { return false };

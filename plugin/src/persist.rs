@@ -1,13 +1,13 @@
-//! The state's field with the recording and the learned distribution, between the host, which
-//! loads and saves it on any thread, and the loader, which understands it.
+//! The state's field with the recording and the learned distribution, between the host, which loads and saves it on any
+//! thread, and the loader, which interprets it.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pyrophone_settings::Session;
 
-/// Holds the field as text. What the host loads is what it saves until the loader knows better,
-/// so a session that cannot be understood or whose recording is missing is saved unharmed.
+/// Store of the field as text. The loaded text is saved unchanged until the loader replaces it, so a session that is
+/// unreadable or whose recording is missing is saved unharmed.
 pub struct SessionStore {
     inner: Mutex<Inner>,
     /// Fields that have arrived so far.
@@ -18,13 +18,13 @@ pub struct SessionStore {
 
 struct Inner {
     field: Arc<str>,
-    /// Whether `field` came from the host and the loader has not seen it.
+    /// True if `field` came from the host and the loader has not read it.
     unread: bool,
 }
 
 impl SessionStore {
-    /// A store with an empty session; `on_arrival` is called on the thread that loads a state,
-    /// which may be the audio thread.
+    /// A store with an empty session; `on_arrival` is called on the thread that loads a state, which may be the audio
+    /// thread.
     pub fn new(on_arrival: impl Fn() + Send + Sync + 'static) -> Self {
         let field = encode(&Session::default());
         Self {
@@ -34,12 +34,12 @@ impl SessionStore {
         }
     }
 
-    /// The field as it is to be saved.
+    /// The field to be saved.
     pub fn field(&self) -> Arc<str> {
         self.lock().field.clone()
     }
 
-    /// Takes a field that the host loads; short work only.
+    /// Stores a field loaded by the host; short work only.
     pub fn arrive(&self, field: Arc<str>) {
         let old = {
             let mut inner = self.lock();
@@ -51,18 +51,18 @@ impl SessionStore {
         (self.on_arrival)();
     }
 
-    /// How many fields the host has loaded so far.
+    /// The number of fields loaded by the host so far.
     pub fn arrivals(&self) -> u64 {
         self.arrivals.load(Ordering::Relaxed)
     }
 
-    /// The field that the host has loaded, once.
+    /// The field loaded by the host, once.
     pub fn take_arrived(&self) -> Option<Arc<str>> {
         let mut inner = self.lock();
         std::mem::take(&mut inner.unread).then(|| inner.field.clone())
     }
 
-    /// Exchanges what will be saved, unless the host has loaded something newer.
+    /// Replaces the field to be saved, unless the host has loaded a newer one.
     pub fn store(&self, session: &Session) {
         let field = encode(session);
         let mut inner = self.lock();
@@ -71,13 +71,13 @@ impl SessionStore {
         }
     }
 
-    /// The lock is held for moves of a pointer only, so nobody waits for it for long.
+    /// The lock is held only while pointers are moved, so nobody waits for it for long.
     fn lock(&self) -> MutexGuard<'_, Inner> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// The session's text as a state's field, which is JSON: a string.
+/// The session's text as a field of the state, which is JSON: a string.
 fn encode(session: &Session) -> Arc<str> {
     serde_json::to_string(&session.to_json()).unwrap_or_default().into()
 }

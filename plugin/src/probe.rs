@@ -1,5 +1,5 @@
-//! What the window sees of the sound: drive and output, sample by sample, and what the engines do, through rings that the
-//! audio thread fills only while a window looks; and what the window wants to be heard meanwhile.
+//! The sound as seen by the window: drive and output, sample by sample, and the engines' telemetry, through rings that
+//! the audio thread fills only while a window watches; and the window's requests for monitoring.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,9 +12,9 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 use crate::channels::MAX_CHANNELS;
 
-/// Frames under way: two thirds of a second at 96 kHz, should the window be late.
+/// Maximum number of pending frames: two thirds of a second at 96 kHz, should the window be late.
 const FRAMES: usize = 1 << 16;
-/// Traces under way: several seconds' worth.
+/// Maximum number of pending telemetry records: several seconds' worth.
 const TRACES: usize = 1 << 13;
 
 /// Drive and output at one sample; the drive is ahead by the latency.
@@ -22,7 +22,7 @@ const TRACES: usize = 1 << 13;
 pub struct Frame {
     /// Drive, one channel.
     pub drive: f32,
-    /// Output by channel; [`ProbeOut::channels`] tells how many there are.
+    /// Output by channel; [`ProbeOut::channels`] gives their number.
     pub output: [f32; MAX_CHANNELS],
 }
 
@@ -34,16 +34,16 @@ impl Frame {
     }
 }
 
-/// What is heard, as long as a window looks.
+/// Monitored sound, while a window watches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Listen {
     /// The output, as always.
     #[default]
     Output,
-    /// What drives the engines, in time with what would be the output.
+    /// The signal that drives the engines, delayed by the output's latency.
     Drive,
-    /// The part of the recording that is learnt from, over and over.
+    /// The part of the recording used for learning, in a loop.
     Recording,
 }
 
@@ -59,9 +59,9 @@ struct Shared {
     listen: AtomicU8,
     is_burst_wanted: AtomicBool,
     channels: AtomicU8,
-    /// Frames that had no room since a window began to look.
+    /// Frames that found no room since a window began to watch.
     lost: AtomicU32,
-    /// What the engines need of the time that they have: of the last blocks, and the most since it was asked.
+    /// Share of their time that the engines use: over the last blocks, and the maximum since it was read.
     load: AtomicF32,
     worst_load: AtomicF32,
 }
@@ -102,12 +102,12 @@ pub fn pair() -> (ProbeIn, ProbeOut) {
 }
 
 impl ProbeIn {
-    /// Whether a window looks; real-time safe.
+    /// True if a window watches; real-time safe.
     pub fn is_watched(&self) -> bool {
         self.shared.is_watched.load(Ordering::Relaxed)
     }
 
-    /// Takes the layers out that the window wants silent; real-time safe.
+    /// Mutes the layers that the window wants silent; real-time safe.
     pub fn apply_mutes(&self, mix: &mut MixControls) {
         let silenced = self.shared.silenced.load(Ordering::Relaxed);
         let first = [&mut mix.low, &mut mix.extension, &mut mix.texture, &mut mix.vortex];
@@ -119,12 +119,12 @@ impl ProbeIn {
         }
     }
 
-    /// What is to be heard; real-time safe.
+    /// The sound to be monitored; real-time safe.
     pub fn listen(&self) -> Listen {
         self.shared.listen()
     }
 
-    /// Whether a burst is to begin, told once; real-time safe.
+    /// True once if a burst is to start; real-time safe.
     pub fn is_burst_wanted(&self) -> bool {
         self.shared.is_burst_wanted.swap(false, Ordering::Relaxed)
     }
@@ -147,13 +147,13 @@ impl ProbeIn {
         }
     }
 
-    /// Passes on what the engines have left to be seen; real-time safe.
+    /// Passes on a record of the engines' telemetry; real-time safe.
     pub fn send_trace(&mut self, trace: Telemetry) {
-        // Where there is no room, nobody looks.
+        // A full ring means that nobody reads it.
         let _ = self.traces.try_push(trace);
     }
 
-    /// Tells which part of its time a block has taken; real-time safe.
+    /// Reports the share of its time that a block has used; real-time safe.
     pub fn tell_load(&self, load: f32) {
         if load.is_finite() && load >= 0.0 {
             // A second or so of blocks.
@@ -165,23 +165,23 @@ impl ProbeIn {
 }
 
 impl ProbeOut {
-    /// Which layers are to be silent, as long as a window looks.
+    /// Sets the layers that are silent while a window watches.
     pub fn silence(&self, layers: [bool; LAYERS]) {
         let bits = layers.iter().enumerate().fold(0, |bits, (index, silent)| bits | u8::from(*silent) << index);
         self.shared.silenced.store(bits, Ordering::Relaxed);
     }
 
-    /// What is to be heard, as long as a window looks.
+    /// Sets the sound monitored while a window watches.
     pub fn listen_to(&self, listen: Listen) {
         self.shared.listen.store(listen as u8, Ordering::Relaxed);
     }
 
-    /// What is heard.
+    /// The monitored sound.
     pub fn listen(&self) -> Listen {
         self.shared.listen()
     }
 
-    /// Adds a burst to what comes in.
+    /// Adds a burst to the input.
     pub fn burst(&self) {
         self.shared.is_burst_wanted.store(true, Ordering::Relaxed);
     }
@@ -191,12 +191,12 @@ impl ProbeOut {
         usize::from(self.shared.channels.load(Ordering::Relaxed))
     }
 
-    /// Frames that were lost since the last call, because the host was too fast for the window.
+    /// Frames lost since the last call, because the host was too fast for the window.
     pub fn take_lost(&self) -> u32 {
         self.shared.lost.swap(0, Ordering::Relaxed)
     }
 
-    /// Starts or stops watching; what was under way is forgotten, all layers sound, and the output is heard.
+    /// Starts or stops watching; pending data is dropped, all layers sound, and the output is monitored.
     pub fn watch(&self, watched: bool) {
         self.shared.is_watched.store(watched, Ordering::Relaxed);
         self.silence([false; LAYERS]);
@@ -207,10 +207,10 @@ impl ProbeOut {
         self.traces.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
-    /// Hands over what has arrived, oldest first.
+    /// Hands over the frames that have arrived, oldest first.
     pub fn take(&self, mut with: impl FnMut(Frame)) {
         let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
-        // No more than was there at first, or a fast host would never let it end.
+        // Limited to the frames present at the start, or a fast host would never let it end.
         for _ in 0..frames.occupied_len() {
             if let Some(frame) = frames.try_pop() {
                 with(frame);
@@ -218,13 +218,13 @@ impl ProbeOut {
         }
     }
 
-    /// Hands over what the engines have left to be seen, oldest first.
+    /// Hands over the engines' telemetry, oldest first.
     pub fn take_traces(&self, with: impl FnMut(Telemetry)) {
         let mut traces = self.traces.lock().unwrap_or_else(PoisonError::into_inner);
         traces.pop_iter().take(TRACES).for_each(with);
     }
 
-    /// Part of their time that blocks take, smoothed, and the most since the last call.
+    /// Share of their time that blocks use, smoothed, and the maximum since the last call.
     pub fn load(&self) -> (f32, f32) {
         let worst = self.shared.worst_load.swap(0.0, Ordering::Relaxed);
         (self.shared.load.load(Ordering::Relaxed), worst)

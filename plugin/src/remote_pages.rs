@@ -8,7 +8,7 @@ use crate::parameters::{EffectParams, Slot};
 /// A page: its name, and ids of up to eight parameters in the order of the knobs.
 type Page = (&'static str, [&'static str; 8]);
 
-/// From what is turned most to what is set once.
+/// From the most used to the least used parameters.
 pub const PAGES: [Page; 6] = [
     (
         "Character",
@@ -90,7 +90,7 @@ pub const PAGES: [Page; 6] = [
     ),
 ];
 
-/// Tells the framework of the pages.
+/// Defines the pages for the framework.
 pub fn define(params: &EffectParams, context: &mut impl RemoteControlsContext) {
     context.add_section("Pyrophone", |section| {
         for (name, ids) in PAGES {

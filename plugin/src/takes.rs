@@ -1,9 +1,9 @@
-//! The takes that were tried, which the window lists and the state keeps.
+//! The takes that were tried, listed in the window and saved in the state.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Most takes that are kept; the oldest are forgotten.
+/// Maximum number of stored takes; the oldest are dropped.
 const MOST: usize = 64;
 
 /// Numbers of takes, in the order in which they were tried.
@@ -16,7 +16,7 @@ impl Takes {
         self.lock().clone()
     }
 
-    /// Adds the number of a take that was not tried yet, by chance, and gives it.
+    /// Adds the random number of a take not tried yet, and returns it.
     pub fn add(&self) -> u16 {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos() as u64);
         let mut takes = self.lock();
@@ -43,12 +43,12 @@ impl Takes {
         self.lock().retain(|found| *found != take);
     }
 
-    /// As a session keeps it.
+    /// The list as stored in a session.
     pub fn to_json(&self) -> String {
         format!("{:?}", self.list())
     }
 
-    /// As a session has kept it; what is no list is of no account.
+    /// Restores the list stored in a session; anything else is ignored.
     pub fn read_json(&self, text: &str) {
         if let Ok(mut takes) = serde_json::from_str::<Vec<u16>>(text) {
             takes.truncate(MOST);

@@ -12,14 +12,14 @@ const SIZE: [f32; 2] = [1100.0, 790.0];
 /// The largest size that is believed, in points.
 const LARGEST: f32 = 8192.0;
 
-/// The window's size in points, which the window, the session and the host's threads share.
+/// The window's size in points, shared by the window, the session and the host's threads.
 #[derive(Debug)]
 pub struct WindowSize {
     /// Width and height, 32 bits each.
     bits: AtomicU64,
     /// Pixels of a point on the last window's screen; 0 before there was one.
     scale: AtomicF64,
-    /// Whether a session has brought it and no window had it yet.
+    /// True if a session has brought it and no window has used it yet.
     is_new: AtomicBool,
 }
 
@@ -40,13 +40,13 @@ impl WindowSize {
         [f32::from_bits((bits >> 32) as u32), f32::from_bits(bits as u32)]
     }
 
-    /// As a session keeps it.
+    /// The size as stored in a session.
     pub fn to_json(&self) -> String {
         let [width, height] = self.get();
         format!("[{width},{height}]")
     }
 
-    /// As a session has kept it; what is no size is of no account.
+    /// Restores the size stored in a session; anything else is ignored.
     pub fn read_json(&self, text: &str) {
         let Ok(size) = serde_json::from_str::<[f32; 2]>(text) else { return };
         if size.iter().all(|side| side.is_finite()) {
@@ -57,12 +57,12 @@ impl WindowSize {
         }
     }
 
-    /// Whether a session has brought it since the last call.
+    /// True if a session has brought a size since the last call.
     pub(crate) fn take_new(&self) -> bool {
         self.is_new.swap(false, Ordering::Acquire)
     }
 
-    /// As the window has it now.
+    /// Sets the window's current size.
     pub fn set(&self, size: baseview::WindowSize) {
         self.set_points([size.logical.width as f32, size.logical.height as f32]);
         self.set_scale(size.scale_factor);
@@ -78,7 +78,7 @@ impl WindowSize {
         self.scale.store(scale, Ordering::Relaxed);
     }
 
-    /// As hosts count it. They ask before there is a window, too.
+    /// The size in the host's units. Hosts ask before there is a window, too.
     pub(crate) fn native(&self) -> NativeSize<u32> {
         let [width, height] = self.get();
         let scale = match self.scale.load(Ordering::Relaxed) {
@@ -99,7 +99,7 @@ fn desktop_scale() -> f64 {
     dots_per_inch.map_or(1.0, |dots_per_inch| f64::from(dots_per_inch) / 96.0)
 }
 
-/// Elsewhere the host tells, or counts in points.
+/// On other systems the host sets the scale, or uses points.
 #[cfg(not(target_os = "linux"))]
 fn desktop_scale() -> f64 {
     1.0

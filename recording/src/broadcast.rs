@@ -1,4 +1,4 @@
-//! Sound that knows where on the timeline it belongs: Broadcast Wave (EBU Tech 3285) and what FLAC has instead.
+//! Sound with a position on the timeline: Broadcast Wave (EBU Tech 3285) and its equivalent in FLAC.
 
 mod read;
 
@@ -8,7 +8,7 @@ const ORIGINATOR: &str = "Pyrophone";
 /// Length of the `bext` chunk in bytes, without a coding history.
 pub(crate) const BEXT_BYTES: u32 = 602;
 
-/// Bytes of an iXML chunk that is kept.
+/// Largest iXML chunk that is preserved, in bytes.
 pub(crate) const MOST_IXML_BYTES: u64 = 1 << 16;
 
 /// Metadata of a Broadcast Wave file.
@@ -16,17 +16,17 @@ pub(crate) const MOST_IXML_BYTES: u64 = 1 << 16;
 pub struct Broadcast {
     /// Description; written as ASCII, at most 256 characters of it.
     pub description: String,
-    /// `yyyy-mm-dd`; nothing, for a file that is the same whenever it is made.
+    /// Date as `yyyy-mm-dd`; none for a file that is the same whenever it is made.
     pub date: Option<String>,
     /// `hh:mm:ss`.
     pub time: Option<String>,
-    /// Position of its first sample on the timeline, in samples since midnight.
+    /// Position of the first sample on the timeline, in samples since midnight.
     pub time_reference_samples: u64,
     /// Text of an iXML chunk, at most 64 KiB; only in WAV files.
     pub ixml: Option<String>,
 }
 
-/// The chunk's fixed part; loudness and UMID are not stated.
+/// The chunk's fixed part; loudness and UMID are left empty.
 pub(crate) fn bext(broadcast: &Broadcast) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(BEXT_BYTES as usize);
     let mut text = |text: &str, size: usize| {
@@ -40,7 +40,7 @@ pub(crate) fn bext(broadcast: &Broadcast) -> Vec<u8> {
     text("", 32);
     text(broadcast.date.as_deref().unwrap_or_default(), 10);
     text(broadcast.time.as_deref().unwrap_or_default(), 8);
-    // Low word first, as it happens to stand in a little-endian u64.
+    // Low word first, which is how a little-endian u64 is stored.
     bytes.extend(broadcast.time_reference_samples.to_le_bytes());
     bytes.extend(1u16.to_le_bytes());
     bytes.resize(BEXT_BYTES as usize, 0);

@@ -1,6 +1,7 @@
 //! Loudspeakers of a file's channels, as `WAVEFORMATEXTENSIBLE` and FLAC's comments number them.
 
-/// The loudspeakers of so many channels (left, right, centre, LFE, rear, side, top), one bit each; 0 for mono and stereo.
+/// The loudspeakers for a number of channels (left, right, centre, LFE, rear, side, top), one bit each; 0 for mono and
+/// stereo.
 ///
 /// Without a mask programs assign the channels to loudspeakers in the order of the bits.
 pub(crate) fn channel_mask(channels: usize) -> u32 {

@@ -1,4 +1,4 @@
-//! The part of a recording that is used, and its level.
+//! The part of a recording in use, and its level.
 
 use crate::{Error, Recording, subsonic};
 
@@ -8,19 +8,19 @@ pub const MAX_GAIN_DB: f64 = 60.0;
 /// A part of a recording, and its level.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cut {
-    /// Start and end in seconds; none: all of it. What lies beyond the recording's ends is left out.
+    /// Start and end in seconds; none for all of it. Anything beyond the recording's ends is ignored.
     pub region_s: Option<[f64; 2]>,
     /// Gain in dB, within ±[`MAX_GAIN_DB`].
     pub gain_db: f64,
-    /// Whether the part is first brought to a peak of full scale.
+    /// True if the part is first normalised to full scale.
     pub normalise: bool,
 }
 
 impl Cut {
-    /// First sample of the part in `recording` and one past its last; never empty.
+    /// First sample of the part in `recording`, and one past its last; never empty.
     ///
     /// # Errors
-    /// Fails where start or end is no number, or the end is not after the start.
+    /// If start or end is not a number, or the end is not after the start.
     pub fn span(&self, recording: &Recording) -> Result<std::ops::Range<usize>, Error> {
         let all = recording.len_samples();
         let Some([start_s, end_s]) = self.region_s else { return Ok(0..all) };
@@ -33,10 +33,10 @@ impl Cut {
         Ok(start..sample(end_s).max(start + 1).min(all))
     }
 
-    /// The factor that brings the part to its level.
+    /// The gain factor of the part.
     ///
     /// # Errors
-    /// Fails as [`span`](Self::span), and where the gain is not within ±[`MAX_GAIN_DB`].
+    /// As [`span`](Self::span), and if the gain is not within ±[`MAX_GAIN_DB`].
     pub fn gain(&self, recording: &Recording) -> Result<f64, Error> {
         self.check_gain()?;
         let span = self.span(recording)?;
@@ -50,7 +50,7 @@ impl Cut {
         Err(Error::Gain { found_db: self.gain_db, most_db: MAX_GAIN_DB })
     }
 
-    /// The factor for the part's own samples.
+    /// The gain factor for the part's own samples.
     fn gain_on(&self, channels: &[Vec<f32>]) -> f64 {
         let samples = channels.iter().flatten();
         let peak = if self.normalise { samples.fold(0.0f32, |peak, sample| peak.max(sample.abs())) } else { 0.0 };
@@ -58,20 +58,20 @@ impl Cut {
         full * maths::pow(10.0, self.gain_db / 20.0)
     }
 
-    /// The part of `recording`, at its level, without what lies below hearing: an offset and whatever moves slower than
-    /// 10 Hz would take part in its peak and in every match. Name and hash stay: they name the file.
+    /// The part of `recording`, at its level, without inaudible frequencies: an offset and anything slower than 10 Hz
+    /// would affect its peak and every match. Name and hash are unchanged, since they identify the file.
     ///
     /// # Errors
-    /// Fails as [`gain`](Self::gain).
+    /// As [`gain`](Self::gain).
     pub fn of(&self, recording: &Recording) -> Result<Recording, Error> {
         self.check_gain()?;
         self.levelled(recording, audible(recording, self.span(recording)?))
     }
 
-    /// The part of `recording`, at its level, with all that lies below hearing, as the paper's method takes it.
+    /// The part of `recording`, at its level, including inaudible frequencies, as the paper's method uses it.
     ///
     /// # Errors
-    /// Fails as [`gain`](Self::gain).
+    /// As [`gain`](Self::gain).
     pub fn as_recorded(&self, recording: &Recording) -> Result<Recording, Error> {
         self.check_gain()?;
         let span = self.span(recording)?;
@@ -89,7 +89,7 @@ impl Cut {
     }
 }
 
-/// A part of all channels, without what lies below hearing.
+/// A part of all channels, without inaudible frequencies.
 fn audible(recording: &Recording, span: std::ops::Range<usize>) -> Vec<Vec<f32>> {
     let mut channels: Vec<Vec<f32>> = recording.channels.iter().map(|channel| channel[span.clone()].to_vec()).collect();
     subsonic::remove(&mut channels, recording.sample_rate_hz);

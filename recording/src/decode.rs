@@ -8,17 +8,16 @@ use crate::error::{clean, one_line};
 use crate::format::{self, Described, Sound, damaged};
 use crate::{Error, MAX_FILE_BYTES, Note, Progress, Recording, content_hash, packets};
 
-/// Below this share of the channels' mean power, the power of their mean says that they cancel.
+/// Share of the channels' mean power below which the power of their mean indicates that they cancel.
 const CANCELLING_SHARE: f64 = 0.01;
 
-/// Samples looked at together.
+/// Number of samples processed together.
 const BLOCK: usize = 4096;
 
 /// Reads a whole file into memory.
 ///
 /// # Errors
-/// Fails where it is missing, a folder, not readable, empty, or larger than
-/// [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES).
+/// If it is missing, a folder, unreadable, empty, or larger than [`MAX_FILE_BYTES`](crate::MAX_FILE_BYTES).
 pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
     let shown = || one_line(path);
     let failure = |error: std::io::Error| match error.kind() {
@@ -49,7 +48,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
 
 /// Reads and decodes a sound file: WAV (also RF64 and Wave64), AIFF, CAF, FLAC, Ogg or MP3.
 ///
-/// Integer samples become fractions of full scale; 32-bit floats stay as they are, bit for bit.
+/// Integer samples become fractions of full scale; 32-bit floats are unchanged, bit for bit.
 ///
 /// # Errors
 /// As [`read`] and [`decode_bytes`].
@@ -61,13 +60,13 @@ pub fn decode(path: &Path, progress: Progress) -> Result<Recording, Error> {
 /// Decodes a sound file in memory; `name` is used in messages.
 ///
 /// # Errors
-/// Fails on bytes that are no sound, of an unsupported kind, damaged or truncated, and on sound
-/// outside the limits of this crate or with a sample that is not finite.
+/// If the bytes are not sound, of an unsupported kind, damaged or truncated, or if the sound is outside the limits of
+/// this crate or has a sample that is not finite.
 pub fn decode_bytes(bytes: &[u8], name: &str, progress: Progress) -> Result<Recording, Error> {
     decode_known(bytes, &content_hash(bytes), name, progress)
 }
 
-/// The same for bytes whose [`content_hash`] is known: of a long file it takes as long as reading it does.
+/// The same for bytes whose [`content_hash`] is known: hashing a long file takes as long as reading it.
 ///
 /// # Errors
 /// Those of [`decode_bytes`].
@@ -87,9 +86,9 @@ fn decode_named(bytes: &[u8], content_hash: String, name: &str, progress: Progre
     let channels = match &sound {
         Sound::Pcm(pcm) => pcm.decode(&described, name, progress)?,
         Sound::Packets(links) => {
-            // Decoders of compressed formats assert what a damaged file may break.
+            // Decoders of compressed formats contain assertions that a damaged file may trigger.
             let decoded = catch_unwind(AssertUnwindSafe(|| packets::decode(links, &mut described, name, progress)));
-            decoded.map_err(|_| damaged(name, "its decoder gave up"))??
+            decoded.map_err(|_| damaged(name, "its decoder failed"))??
         }
     };
     check_finite(&channels, name)?;
@@ -100,14 +99,14 @@ fn decode_named(bytes: &[u8], content_hash: String, name: &str, progress: Progre
 
 /// Note on a sound that is useless although its file is sound.
 fn note_of(channels: &[Vec<f32>]) -> Option<Note> {
-    // Less than the smallest normal number is no sound of any medium.
+    // Anything below the smallest normal number cannot be sound from any medium.
     if channels.iter().all(|samples| largest(samples) < f32::MIN_POSITIVE.to_bits()) {
         return Some(Note::Silent);
     }
     (channels.len() > 1 && cancel(channels)).then_some(Note::ChannelsCancel)
 }
 
-/// Whether channels cancel in their sum.
+/// True if channels cancel in their sum.
 fn cancel(channels: &[Vec<f32>]) -> bool {
     let square = |sample: f64| sample * sample;
     let (mut power, mut power_of_sum) = (0.0, 0.0);
@@ -126,8 +125,8 @@ fn cancel(channels: &[Vec<f32>]) -> bool {
     power_of_sum < CANCELLING_SHARE * channels.len() as f64 * power
 }
 
-/// Bits of the largest magnitude; those of an infinity, or more, where a sample is not finite. Magnitudes are ordered as
-/// their bits are, and integers are compared many at a time.
+/// Bits of the largest magnitude; those of infinity or more if a sample is not finite. Magnitudes have the same order
+/// as their bits, and integers can be compared many at a time.
 fn largest(samples: &[f32]) -> u32 {
     samples.iter().map(|sample| sample.abs().to_bits()).max().unwrap_or(0)
 }

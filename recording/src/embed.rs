@@ -1,5 +1,4 @@
-//! A file's bytes as text inside a session: compressed without loss, so that the recording and its
-//! hash stay what they were.
+//! A file's bytes as text in a session: compressed without loss, so that the recording and its hash do not change.
 
 use std::io::{Read, Write};
 
@@ -17,7 +16,7 @@ pub const MAX_EMBEDDED_BYTES: usize = 10_000_000;
 /// Packs a file's bytes into text: zlib (RFC 1950), then base64 (RFC 4648).
 ///
 /// # Errors
-/// Fails with [`Error::EmbedTooLarge`] beyond [`MAX_EMBEDDED_BYTES`].
+/// [`Error::EmbedTooLarge`] beyond [`MAX_EMBEDDED_BYTES`].
 pub fn embed(bytes: &[u8]) -> Result<String, Error> {
     if bytes.len() > MAX_EMBEDDED_BYTES {
         return Err(Error::EmbedTooLarge { found_bytes: bytes.len() });
@@ -27,11 +26,10 @@ pub fn embed(bytes: &[u8]) -> Result<String, Error> {
     Ok(STANDARD.encode(packed.map_err(|error| damaged(error.to_string()))?))
 }
 
-/// Unpacks what [`embed`] packed.
+/// Unpacks the output of [`embed`].
 ///
 /// # Errors
-/// Fails with [`Error::EmbedDamaged`] on other text, and before it has unpacked more than
-/// [`MAX_EMBEDDED_BYTES`].
+/// [`Error::EmbedDamaged`] for any other text, and before more than [`MAX_EMBEDDED_BYTES`] have been unpacked.
 pub fn unembed(text: &str) -> Result<Vec<u8>, Error> {
     let packed = STANDARD.decode(text).map_err(|error| damaged(error.to_string()))?;
     let mut bytes = Vec::new();

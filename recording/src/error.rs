@@ -6,7 +6,7 @@ use crate::{MAX_CHANNELS, MAX_EMBEDDED_BYTES, MAX_FILE_BYTES, MAX_SAMPLE_RATE_HZ
 use crate::{MAX_FLAC_CHANNELS, MAX_FLAC_RATE_HZ};
 use crate::{MAX_SECONDS, MIN_SAMPLE_RATE_HZ};
 
-/// Reason for which a file could not be read, used or written.
+/// Reason why a file could not be read, used or written.
 ///
 /// Every message is one line: which file, what was found, what is allowed, what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -15,25 +15,25 @@ pub enum Error {
     /// There is no such file.
     #[error("{path}: there is no such file; check the path, or choose the file again")]
     Missing {
-        /// The path asked for.
+        /// The requested path.
         path: String,
     },
     /// The path names a folder.
     #[error("{path}: this is a folder, but one sound file is needed; choose a file inside it")]
     Folder {
-        /// The path asked for.
+        /// The requested path.
         path: String,
     },
     /// The system refuses access.
     #[error("{path}: no permission to read this file; change its permissions or copy it elsewhere")]
     NoPermission {
-        /// The path asked for.
+        /// The requested path.
         path: String,
     },
     /// The system failed to read for another reason.
     #[error("{path}: cannot be read ({reason}); copy it to a local disk and try again")]
     Unreadable {
-        /// The path asked for.
+        /// The requested path.
         path: String,
         /// The system's message.
         reason: String,
@@ -48,8 +48,8 @@ pub enum Error {
         /// The end in seconds.
         end_s: f64,
     },
-    /// A gain beyond what is allowed.
-    #[error("the recording's gain is {found_db} dB, but must lie within ±{most_db} dB; choose less")]
+    /// A gain beyond the limit.
+    #[error("the recording's gain is {found_db} dB, but must lie within ±{most_db} dB; choose a smaller gain")]
     Gain {
         /// The gain in dB.
         found_db: f64,
@@ -80,7 +80,7 @@ pub enum Error {
         /// Apparent contents.
         found: String,
     },
-    /// A sound format, but of a kind that is not read.
+    /// A sound format, but an unsupported kind of it.
     #[error("{name}: {found} is not supported; convert it to WAV (8 to 32-bit integer, 32 or 64-bit float) or FLAC")]
     Unsupported {
         /// The file.
@@ -97,7 +97,7 @@ pub enum Error {
         reason: String,
     },
     /// The file ends before its sound does.
-    #[error("{name}: the file is truncated: {found} of {declared} {unit} are there; export or copy it again")]
+    #[error("{name}: the file is truncated: only {found} of {declared} {unit} are present; export or copy it again")]
     Truncated {
         /// The file.
         name: String,
@@ -158,7 +158,7 @@ pub enum Error {
         /// The file.
         name: String,
     },
-    /// More channels than the engines take.
+    /// More channels than the engines support.
     #[error("{name}: the file has {found} channels, but at most {MAX_CHANNELS} are allowed; mix it down or split it")]
     TooManyChannels {
         /// The file.
@@ -176,7 +176,7 @@ pub enum Error {
         /// Its rate.
         found_hz: u32,
     },
-    /// A whole file without any sound in it.
+    /// A complete file without any sound in it.
     #[error("{name}: the file holds 0 samples of sound, but at least 1 is needed; export it again")]
     NoSamples {
         /// The file.
@@ -200,12 +200,12 @@ pub enum Error {
         /// Its samples, as far as they were counted.
         found: u64,
     },
-    /// Channels to be written differ in length.
+    /// Channels to write differ in length.
     #[error(
         "{path}: channel {channel} has {found} samples, channel 0 has {expected}; all channels must be equally long"
     )]
     UnequalChannels {
-        /// The file to be written.
+        /// The file to write.
         path: String,
         /// The channel that differs.
         channel: usize,
@@ -214,40 +214,40 @@ pub enum Error {
         /// The length of channel 0.
         expected: usize,
     },
-    /// A file could not be written; nothing was left at its place.
+    /// A file could not be written; no partial file was left behind.
     #[error("{path}: cannot be written ({reason}); choose a folder that exists, is writable and has room")]
     NotWritten {
-        /// The file to be written.
+        /// The file to write.
         path: String,
         /// The system's message.
         reason: String,
     },
-    /// More channels than FLAC has, or a higher rate than its encoder takes.
+    /// More channels than FLAC supports, or a higher rate than its encoder does.
     #[error(
         "{path}: FLAC is written with 1 to {MAX_FLAC_CHANNELS} channels at up to {MAX_FLAC_RATE_HZ} Hz, but these are {channels} at {sample_rate_hz} Hz; write a .wav file"
     )]
     NotForFlac {
-        /// The file to be written.
+        /// The file to write.
         path: String,
         /// Channels found.
         channels: usize,
         /// Rate found.
         sample_rate_hz: u32,
     },
-    /// A file to be written is one of those it is made from.
+    /// An output would overwrite one of its sources.
     #[error("{path}: the output would overwrite {source_path}, which it is made from; choose another name")]
     Overwrites {
-        /// The file to be written.
+        /// The file to write.
         path: String,
         /// The file that it would overwrite.
         source_path: String,
     },
-    /// A sample to be written is not finite.
+    /// A sample to write is not finite.
     #[error(
-        "{path}: not written, because sample {index} of channel {channel} would be {value}; the input is too loud, lower its level"
+        "{path}: not written, because sample {index} of channel {channel} would be {value}; the input is too loud; lower its level"
     )]
     Overflow {
-        /// The file to be written.
+        /// The file to write.
         path: String,
         /// Channel of the first such sample, from 0.
         channel: usize,
@@ -256,16 +256,16 @@ pub enum Error {
         /// `NaN`, `inf` or `-inf`.
         value: f32,
     },
-    /// A file is too large to be kept inside a session.
+    /// A file is too large to be embedded in a session.
     #[error(
-        "the recording's file has {found_bytes} bytes, but at most {MAX_EMBEDDED_BYTES} can be kept inside a session; use a shorter or compressed file"
+        "the recording's file has {found_bytes} bytes, but at most {MAX_EMBEDDED_BYTES} can be embedded in a session; use a shorter or compressed file"
     )]
     EmbedTooLarge {
         /// Size of the file.
         found_bytes: usize,
     },
     /// An embedded recording cannot be unpacked.
-    #[error("the recording kept inside the session is damaged ({reason}); load it from its file again")]
+    #[error("the recording embedded in the session is damaged ({reason}); load it from its file again")]
     EmbedDamaged {
         /// The fault found.
         reason: String,
@@ -275,7 +275,7 @@ pub enum Error {
     Cancelled,
 }
 
-/// A path as one line of text, whatever characters it holds.
+/// A path as one line of text, whatever characters it contains.
 pub(crate) fn one_line(path: &Path) -> String {
     clean(&path.to_string_lossy())
 }

@@ -16,16 +16,16 @@ use crate::{Broadcast, Error, flac_tags};
 
 /// Most channels that a FLAC file has.
 pub const MAX_FLAC_CHANNELS: usize = 8;
-/// Highest sample rate that the encoder takes, in Hz.
+/// Highest sample rate in Hz that the encoder supports.
 pub const MAX_FLAC_RATE_HZ: u32 = 96_000;
 
 const BITS: usize = 24;
-/// Full scale as a whole number.
+/// Full scale as an integer.
 const FULL_SCALE: f64 = (1 << (BITS - 1)) as f64;
 /// Samples per frame of the format; the usual number.
 const FRAME_SAMPLES: usize = 4096;
 
-/// Rounds samples to the nearest that 24 bits hold; answers how many were beyond full scale and are clipped.
+/// Rounds samples to 24 bits; returns the number of samples beyond full scale, which are clipped.
 pub fn round_to_24_bit(channels: &mut [Vec<f32>]) -> usize {
     let mut clipped = 0;
     for sample in channels.iter_mut().flatten() {
@@ -35,10 +35,10 @@ pub fn round_to_24_bit(channels: &mut [Vec<f32>]) -> usize {
     clipped
 }
 
-/// Checks that FLAC can hold a sound.
+/// Checks that FLAC can store a sound.
 ///
 /// # Errors
-/// [`Error::NotForFlac`] where there are too many channels, or the rate is too high for the encoder.
+/// [`Error::NotForFlac`] if there are too many channels, or if the rate is too high for the encoder.
 pub fn check_flac(path: &Path, channels: usize, sample_rate_hz: u32) -> Result<(), Error> {
     if channels <= MAX_FLAC_CHANNELS && sample_rate_hz <= MAX_FLAC_RATE_HZ {
         return Ok(());
@@ -46,12 +46,12 @@ pub fn check_flac(path: &Path, channels: usize, sample_rate_hz: u32) -> Result<(
     Err(Error::NotForFlac { path: one_line(path), channels, sample_rate_hz })
 }
 
-/// Writes 24-bit FLAC: `channels` of equal length, 1 to [`MAX_FLAC_CHANNELS`], rounded as by [`round_to_24_bit`]; its
-/// place on the timeline, where it has one, stands in the comments.
+/// Writes 24-bit FLAC: `channels` of equal length, 1 to [`MAX_FLAC_CHANNELS`], rounded as by [`round_to_24_bit`]; the
+/// position on the timeline, if there is one, is stored in the comments.
 ///
 /// # Errors
-/// Fails as [`write_wav_f32`](crate::write_wav_f32) does, and where there are more channels or the rate is higher
-/// than [`MAX_FLAC_RATE_HZ`].
+/// As [`write_wav_f32`](crate::write_wav_f32), and if there are more channels or the rate is higher than
+/// [`MAX_FLAC_RATE_HZ`].
 pub fn write_flac_24(
     path: &Path,
     channels: &[Vec<f32>],
@@ -63,13 +63,13 @@ pub fn write_flac_24(
     write_file(path, |file| encode(file, channels, sample_rate_hz, broadcast))
 }
 
-/// Full scale and beyond are the largest numbers that there are.
+/// Full scale and beyond become the largest possible numbers.
 fn quantised(sample: f32) -> i32 {
     (f64::from(sample) * FULL_SCALE).round().clamp(-FULL_SCALE, FULL_SCALE - 1.0) as i32
 }
 
-/// Frame by frame, so that an hour of sound does not stand in memory a second time; what is known only at the end is
-/// put into the head then.
+/// Frame by frame, so that an hour of sound is not in memory a second time; data known only at the end is then written
+/// into the head.
 fn encode(
     file: &mut std::fs::File,
     channels: &[Vec<f32>],
@@ -107,7 +107,7 @@ fn encoder() -> Result<Verified<config::Encoder>, String> {
     config::Encoder::default().into_verified().map_err(|(_, error)| error.to_string())
 }
 
-/// All before the first frame; as long at the end as it was at the start.
+/// Everything before the first frame; equally long at the start and at the end of encoding.
 fn head(info: &StreamInfo, comments: &[u8]) -> Result<Vec<u8>, String> {
     let mut stream = Stream::with_stream_info(info.clone());
     stream.add_metadata_block(MetadataBlockData::new_unknown(flac_tags::COMMENTS, comments).map_err(said)?);

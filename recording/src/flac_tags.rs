@@ -1,7 +1,7 @@
-//! A FLAC file's comments: what it says of its place on the timeline, and of its loudspeakers.
+//! A FLAC file's comments: its position on the timeline, and its loudspeakers.
 //!
-//! FLAC has no chunk for the place; `TIME_REFERENCE` and `DESCRIPTION` are the names under which programs that turn
-//! Broadcast Wave files into FLAC keep it.
+//! FLAC has no chunk for the position; `TIME_REFERENCE` and `DESCRIPTION` are the names under which programs that
+//! convert Broadcast Wave files to FLAC store it.
 
 use std::io::{Read, Seek};
 

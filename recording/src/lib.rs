@@ -33,7 +33,7 @@ pub use write::{
     check_finite, check_not_among, check_writable, write_broadcast_wav_f32, write_file, write_wav_f32, write_wav_f32_to,
 };
 
-/// Most channels a recording may have.
+/// Largest number of channels of a recording.
 pub const MAX_CHANNELS: usize = 10;
 /// Lowest sample rate of a recording in Hz.
 pub const MIN_SAMPLE_RATE_HZ: u32 = 1_000;
@@ -44,14 +44,14 @@ pub const MAX_SECONDS: u32 = 3_600;
 /// Most samples of a recording, all channels together: 2 GiB of memory. One hour of stereo at
 /// 48 kHz fits.
 pub const MAX_SAMPLES: usize = 1 << 29;
-/// Largest file that is read, in bytes: what [`MAX_SAMPLES`] take in 32-bit float.
+/// Largest file that is read, in bytes: the size of [`MAX_SAMPLES`] in 32-bit float.
 pub const MAX_FILE_BYTES: u64 = 4 * MAX_SAMPLES as u64 + (1 << 20);
 
-/// Called with the share of the work that is done (0-1); returns whether to continue. `false` ends the work with
-/// [`Error::Cancelled`].
+/// Progress callback: receives the finished share of the work (0-1) and returns whether to continue. `false` ends the
+/// work with [`Error::Cancelled`].
 pub type Progress<'a> = &'a dyn Fn(f32) -> bool;
 
-/// For callers that neither watch nor cancel.
+/// Callback for callers that neither watch nor cancel.
 pub fn no_progress(_done: f32) -> bool {
     true
 }
@@ -83,13 +83,13 @@ impl Recording {
     }
 }
 
-/// BLAKE3 of `bytes`, 64 hexadecimal digits: the identity of a recording wherever it lies.
+/// BLAKE3 of `bytes`, 64 hexadecimal digits: the identity of a recording, wherever it is stored.
 pub fn content_hash(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
 }
 
 /// BLAKE3 of samples, 64 hexadecimal digits: frame by frame and channel by channel, as little-endian 32-bit floats. It
-/// does not depend on the kind of file that they are kept in.
+/// does not depend on the file format.
 pub fn samples_hash(channels: &[Vec<f32>]) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut frame = Vec::with_capacity(4 * channels.len());

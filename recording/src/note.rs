@@ -4,16 +4,16 @@
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Note {
-    /// The header leaves the length open, as it does where a file was written to a pipe or never closed.
+    /// The header leaves the length open, as in files that were written to a pipe or never closed.
     UnknownLength {
-        /// Seconds up to the file's end.
+        /// Seconds up to the end of the file.
         found_s: f64,
     },
-    /// The header counts other than what the file holds, and is not what ends the sound.
+    /// The header's count differs from the contents, but does not decide the end of the sound.
     CountDiffers {
         /// Samples or frames that the header declares.
         declared: u64,
-        /// Those that are there.
+        /// Number present.
         found: u64,
         /// Unit of the counts.
         unit: &'static str,
@@ -33,7 +33,7 @@ pub enum Note {
         /// Their number.
         bytes: usize,
     },
-    /// Sound beside the one that is read.
+    /// Sound in addition to that which is read.
     LeftOut {
         /// The part left out.
         what: &'static str,

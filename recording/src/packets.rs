@@ -11,7 +11,7 @@ use crate::error::clean;
 use crate::format::{Described, Link, damaged};
 use crate::{Error, Note, Progress};
 
-/// Decodes links one after the other into one sound; adds what is found on the way to the notes.
+/// Decodes consecutive links into one sound; adds notes about anything found on the way.
 pub(crate) fn decode(
     links: &[Link],
     of: &mut Described,
@@ -54,7 +54,7 @@ impl Decoding<'_> {
             let packet = Packet::new(0, Timestamp::ZERO, Duration::ZERO, packet.as_ref());
             match self.packet(decoder.as_mut(), &packet) {
                 Ok(()) => {}
-                // A frame that breaks off is the last one: where the length is known, that is too short by it.
+                // A truncated frame is the last one: if the length is known, the sound is shorter by it.
                 Err(_) if is_lossless && index + 1 == link.packets.len() => {
                     if link.declared_samples.is_none() {
                         self.of.notes.push(Note::BreaksOff { what: "frame" });
@@ -64,7 +64,7 @@ impl Decoding<'_> {
                     self.undecodable(reason)
                 }
                 Err(PacketFault::Decoder(DecoderError::IoError(_))) if !is_lossless => {
-                    self.undecodable("a packet breaks off")
+                    self.undecodable("a truncated packet")
                 }
                 Err(PacketFault::Decoder(error)) => return Err(self.refuse(error)),
                 Err(PacketFault::Error(error)) => return Err(error),
@@ -108,7 +108,7 @@ impl Decoding<'_> {
         Err(damaged(self.name, reason))
     }
 
-    /// Silence as long as the packet before keeps the rest at its time.
+    /// Silence as long as the previous packet keeps the rest in time.
     fn undecodable(&mut self, reason: &'static str) {
         self.undecoded += 1;
         self.last_fault = Some(reason);
@@ -119,7 +119,7 @@ impl Decoding<'_> {
         }
     }
 
-    /// Where a format states its exact length, that much must have come out.
+    /// If a format states its exact length, exactly that much must be decoded.
     fn check_count(&mut self, link: &Link, found: u64) -> Result<(), Error> {
         match link.declared_samples {
             Some(declared) if found < declared => {
@@ -133,7 +133,7 @@ impl Decoding<'_> {
         }
     }
 
-    /// Takes off what the coder has added.
+    /// Removes the samples that the coder added.
     fn cut_ends(&mut self, link: &Link, start: usize, samples: &[u64]) {
         let found = self.len() - start;
         let by_clock = link.ends.clock.as_ref().map_or((0, 0), |clock| clock.ends(samples));
@@ -170,7 +170,7 @@ impl Decoding<'_> {
     }
 }
 
-/// Reason for which a packet gave no samples.
+/// Reason why a packet gave no samples.
 enum PacketFault {
     Decoder(DecoderError),
     Error(Error),

@@ -9,7 +9,7 @@ use crate::{Error, Progress};
 pub(crate) enum Coding {
     /// Eight bits about 128.
     Unsigned8,
-    /// Two's complement of 1 to 4 bytes, of which `bits` make up full scale.
+    /// Two's complement of 1 to 4 bytes, of which `bits` correspond to full scale.
     Integer {
         /// Bytes of one sample.
         bytes: usize,
@@ -33,7 +33,7 @@ impl Coding {
         }
     }
 
-    /// Integers of `bits` that fill the upper bits of as few bytes as hold them: WAV's and AIFF's usual form.
+    /// Integers of `bits` in the upper bits of as few bytes as possible: the usual form in WAV and AIFF.
     pub fn integer(bits: usize) -> Self {
         let bytes = bits.div_ceil(8);
         Self::Integer { bytes, bits: 8 * bytes as u32 }
@@ -45,7 +45,7 @@ impl Coding {
 pub(crate) struct Pcm<'a> {
     pub coding: Coding,
     pub is_big_endian: bool,
-    /// Whole frames only count.
+    /// The data; only whole frames count.
     pub data: &'a [u8],
 }
 
@@ -53,7 +53,7 @@ pub(crate) struct Pcm<'a> {
 const BLOCK_FRAMES: usize = 8192;
 
 impl Pcm<'_> {
-    /// Whole frames of `channels`.
+    /// Number of whole frames of `channels`.
     pub fn frames(&self, channels: usize) -> usize {
         self.data.len() / (self.coding.bytes() * channels.max(1))
     }
@@ -65,7 +65,7 @@ impl Pcm<'_> {
             return Err(Error::NoSamples { name: name.into() });
         }
         of.check_length(frames as u64, name)?;
-        // The kind of sample is decided once: deciding it for each takes ten times as long as converting it.
+        // The kind of sample is decided once: deciding it for each takes ten times as long as the conversion.
         match self.coding {
             Coding::Unsigned8 => self.convert(frames, of, progress, |[byte]| (f32::from(byte) - 128.0) / 128.0),
             Coding::MuLaw => self.convert(frames, of, progress, |[byte]| from_mu_law(byte)),
@@ -79,7 +79,7 @@ impl Pcm<'_> {
         }
     }
 
-    /// Every channel's samples, of `N` bytes each, which `value` is given lowest first.
+    /// Samples of every channel, of `N` bytes each, which are passed to `value` lowest first.
     fn convert<const N: usize>(
         &self,
         frames: usize,
@@ -110,7 +110,7 @@ impl Pcm<'_> {
     }
 }
 
-/// Value of an integer of `N` bytes, of which `bits` make up full scale.
+/// Value of an integer of `N` bytes, of which `bits` correspond to full scale.
 fn integer<const N: usize>(bits: u32) -> impl Fn([u8; N]) -> f32 {
     // A power of two: multiplying by it is as exact as dividing by full scale.
     let step = maths::powi(0.5, bits as i32 - 1);
@@ -123,9 +123,9 @@ fn integer<const N: usize>(bits: u32) -> impl Fn([u8; N]) -> f32 {
     }
 }
 
-/// Integers of `bits` in wider containers than they need, as some editors write 24 bits into 4 bytes.
+/// Integers of `bits` in wider containers than necessary, as some editors write 24 bits into 4 bytes.
 ///
-/// Where the format leaves open whether they fill the upper or the lower bits, the samples tell: those in the lower
+/// If the format does not state whether they fill the upper or the lower bits, the samples decide: those in the lower
 /// bits never leave them, and a whole recording 48 dB below full scale is the less likely reading.
 pub(crate) fn padded(bits: usize, bytes: usize, is_big_endian: bool, data: &[u8]) -> Coding {
     let whole = |sample: &[u8]| {

@@ -1,4 +1,4 @@
-//! To another sample rate, by windowed sinc.
+//! Conversion to another sample rate, by windowed sinc.
 
 use std::f64::consts::PI;
 
@@ -10,12 +10,12 @@ use crate::{Error, MAX_SAMPLES, Progress, Recording, format};
 /// window it passes up to 0.97 of the lower Nyquist frequency.
 const LEAST_SINC_TAPS: usize = 1024;
 
-/// The recording at `rate_hz`: round(samples * ratio) samples long, without delay. At its own rate
-/// it comes back unchanged, bit for bit. Name and hash stay: they name the file.
+/// The recording at `rate_hz`: round(samples * ratio) samples long, without delay. At its own rate it is returned
+/// unchanged, bit for bit. Name and hash are unchanged, since they identify the file.
 ///
 /// # Errors
-/// Fails at a rate outside the limits of this crate, where the result would be too large, and where
-/// `progress` calls it off.
+/// If the rate is outside the limits of this crate, if the result would be too large, or if `progress` cancels the
+/// work.
 pub fn resample(recording: &Recording, rate_hz: u32, progress: Progress) -> Result<Recording, Error> {
     format::check_layout(recording.channels.len(), Some(rate_hz), &recording.name)?;
     format::check_layout(recording.channels.len(), Some(recording.sample_rate_hz), &recording.name)?;
@@ -44,8 +44,8 @@ fn resample_channel(
 ) -> Result<Vec<f32>, Error> {
     let divisor = greatest_common_divisor(rates_hz.0, rates_hz.1) as usize;
     let (block_in, block_out) = (rates_hz.0 as usize / divisor, rates_hz.1 as usize / divisor);
-    // An even number of blocks: then the sinc's centre falls on a sample at both rates, and cutting
-    // off its delay leaves none.
+    // An even number of blocks: the sinc's centre then falls on a sample at both rates, and cutting off its delay
+    // leaves none.
     let blocks = LEAST_SINC_TAPS.div_ceil(block_in.min(block_out)).next_multiple_of(2);
     let mut resampler = Resampler::new(blocks * block_in, blocks * block_out);
     let delay = blocks * block_out / 2;
@@ -72,13 +72,13 @@ struct Resampler {
     /// Bins of both rates.
     spectrum: Vec<Complex64>,
     output: Vec<f64>,
-    /// What the chunk before adds to this one.
+    /// Contribution of the previous chunk to this one.
     overlap: Vec<f64>,
     room: Vec<f64>,
 }
 
 impl Resampler {
-    /// From chunks of `chunk_in` samples to chunks of `chunk_out`.
+    /// A resampler from chunks of `chunk_in` samples to chunks of `chunk_out`.
     fn new(chunk_in: usize, chunk_out: usize) -> Self {
         let (forward, inverse) = (RealTransform::new(2 * chunk_in), RealTransform::new(2 * chunk_out));
         let mut input = vec![0.0; 2 * chunk_in];
@@ -96,7 +96,7 @@ impl Resampler {
         }
     }
 
-    /// The next chunk of the output from the next of the input, which silence completes.
+    /// The next output chunk from the next input chunk, which is padded with silence.
     fn next(&mut self, chunk: &[f32]) -> impl Iterator<Item = f64> {
         self.input.fill(0.0);
         self.input.iter_mut().zip(chunk).for_each(|(to, from)| *to = f64::from(*from));

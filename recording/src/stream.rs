@@ -1,11 +1,11 @@
 //! WAV from a pipe, whose writer did not know its length when it wrote the header.
 
-/// From this size on it is no length but a writer's "unknown": all ones, or the most that fits 31 bits, less a header.
+/// Sizes from here on mean "unknown": all ones, or the largest 31-bit number, minus a header.
 const UNKNOWN_BYTES: u32 = 0x7fff_f000;
 
-/// Puts the true length into the header of a WAV file that was written to a pipe.
+/// Corrects the length in the header of a WAV file that was written to a pipe.
 ///
-/// Nothing else is changed: a length that is known and not reached still tells that the pipe was cut off.
+/// Nothing else is changed: a known length that is not reached still indicates that the pipe was interrupted.
 pub fn settle_length(bytes: &mut [u8]) {
     if !(bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WAVE")) {
         return;
@@ -22,7 +22,7 @@ pub fn settle_length(bytes: &mut [u8]) {
         if head.starts_with(b"data") {
             if size == 0 || size >= UNKNOWN_BYTES {
                 let there = bytes.len() - body;
-                // A frame that is not whole is no sound.
+                // An incomplete frame is not sound.
                 let whole = u32::try_from(there - there % frame_bytes).unwrap_or(u32::MAX);
                 bytes[at + 4..body].copy_from_slice(&whole.to_le_bytes());
             }

@@ -1,30 +1,30 @@
 //! Removal of inaudible low frequencies: an offset, and the rumble of wind and microphone stands.
 //!
-//! It carries no sound, but it takes part in every peak and every match: an offset of 2 % of full scale is as much as a
-//! quiet fire's whole sound. It is taken out forwards and backwards, so that nothing above it moves in time.
+//! They carry no sound, but affect every peak and every match: an offset of 2 % of full scale equals the whole sound of
+//! a quiet fire. They are filtered out forwards and backwards, so that nothing above them moves in time.
 
 use std::f64::consts::PI;
 
-/// Corner in Hz. Both passes together take 6 dB here, 0.03 dB an octave above and 48 dB an octave below.
+/// Corner in Hz. Both passes together attenuate by 6 dB here, 0.03 dB an octave above and 48 dB an octave below.
 const CORNER_HZ: f64 = 10.0;
 
 /// Damping of the two sections that make up a Butterworth filter of fourth order: 1 / Q.
 const DAMPINGS: [f64; 2] = [0.765_366_864_730_179_6, 1.847_759_065_022_573_5];
 
-/// Both ends are continued by so many seconds of their own mirror image, in which the filter settles.
+/// Seconds of mirror image with which both ends are extended, and in which the filter settles.
 const MIRROR_S: f64 = 0.3;
 
-/// What is shorter has no such frequencies, but it can have an offset.
+/// Shorter sounds have no such frequencies, but they can have an offset.
 const LEAST_S: f64 = 0.2;
 
-/// Power below the corner, as a share of all, from which on it is taken out: -60 dB. Recordings with less stay as they
-/// are, bit for bit.
+/// Power below the corner, as a share of the total, from which it is removed: -60 dB. Recordings with less are
+/// unchanged, bit for bit.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// Samples smaller than this are no sound of any medium, and slow down whatever computes with them.
+/// Samples smaller than this cannot be sound from any medium, and slow down all computation.
 const LEAST_SAMPLE: f32 = f32::MIN_POSITIVE;
 
-/// Takes out of every channel what lies below hearing, where there is enough of it to matter.
+/// Removes inaudible low frequencies from every channel, if there is enough of them to matter.
 pub(crate) fn remove(channels: &mut [Vec<f32>], sample_rate_hz: u32) {
     for samples in channels {
         remove_from(samples, f64::from(sample_rate_hz));
@@ -36,7 +36,7 @@ pub(crate) fn remove(channels: &mut [Vec<f32>], sample_rate_hz: u32) {
 
 fn remove_from(samples: &mut [f32], rate_hz: f64) {
     let filtered = filtered(samples, rate_hz);
-    // At both ends the filter does not know how the sound goes on: what it finds there may be its own.
+    // At both ends, the filter does not know how the sound continues: what it finds there may be its own.
     let end = (MIRROR_S * rate_hz) as usize;
     let end = if samples.len() > 4 * end { end } else { 0 };
     let judged = end..samples.len() - end;
@@ -58,7 +58,7 @@ fn filtered(samples: &[f32], rate_hz: f64) -> Vec<f64> {
     }
     let centred: Vec<f64> = centred.collect();
     let mirror = ((MIRROR_S * rate_hz) as usize).min(centred.len() - 1);
-    // Turned about its value at the end, as is usual, a mirror image would bring an offset of its own.
+    // A mirror image turned about its value at the end, as is usual, would introduce an offset.
     let before = centred[1..=mirror].iter().rev().copied();
     let after = centred.iter().rev().skip(1).take(mirror).copied();
     let mut all: Vec<f64> = before.chain(centred.iter().copied()).chain(after).collect();
@@ -71,7 +71,7 @@ fn filtered(samples: &[f32], rate_hz: f64) -> Vec<f64> {
     all
 }
 
-/// A state-variable filter, which stays exact at corners far below the rate.
+/// A state-variable filter, which remains exact at corners far below the rate.
 fn high_pass(samples: &mut [f64], damping: f64, rate_hz: f64) {
     let g = maths::tan(PI * CORNER_HZ / rate_hz);
     let scale = 1.0 / (1.0 + g * (g + damping));

@@ -7,12 +7,12 @@ use crate::channel_mask::channel_mask;
 
 /// IEEE 754 floats, as `WAVEFORMATEX` numbers them.
 const FLOAT: u16 = 3;
-/// `WAVEFORMATEXTENSIBLE`, which more than two channels need to say which loudspeakers they are for.
+/// `WAVEFORMATEXTENSIBLE`, which more than two channels need to state their loudspeakers.
 const EXTENSIBLE: u16 = 0xfffe;
 /// Rest of a format's GUID, after its number.
 const GUID_TAIL: [u8; 14] = [0, 0, 0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71];
 
-/// The size of the samples in bytes; fails, with the reason, where a WAV file cannot hold them.
+/// The size of the samples in bytes; fails, with the reason, if a WAV file cannot hold them.
 pub(crate) fn data_bytes(channels: &[Vec<f32>]) -> Result<u32, String> {
     let bytes = 4 * channels.iter().map(|samples| samples.len() as u64).sum::<u64>();
     let room = u32::MAX - head_bytes(channels.len(), Some(&Broadcast::default())) - MOST_IXML_BYTES as u32;
@@ -59,7 +59,8 @@ fn head_bytes(channels: usize, broadcast: Option<&Broadcast>) -> u32 {
     12 + (8 + format_bytes(channels)) + (8 + 4) + broadcast_bytes + ixml_bytes + 8
 }
 
-/// An iXML chunk's bytes, made even by a space, which XML allows at its end; none of a text that is too long.
+/// An iXML chunk's bytes, padded to even length by a space, which XML allows at its end; none for a text that is too
+/// long.
 fn ixml(broadcast: &Broadcast) -> Option<Vec<u8>> {
     let mut bytes = broadcast.ixml.as_ref()?.clone().into_bytes();
     if bytes.len() % 2 == 1 {

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Files that appear complete or not at all.
 
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -8,12 +8,12 @@ use crate::channel_mask::channel_mask;
 use crate::error::{clean, one_line};
 use crate::{Error, wav};
 
-/// Writes 32-bit float WAV: `channels` of equal length, 1 to [`MAX_CHANNELS`](crate::MAX_CHANNELS),
-/// sample values as they are (no normalising, no dither, no clipping).
+/// Writes 32-bit float WAV: `channels` of equal length, 1 to [`MAX_CHANNELS`](crate::MAX_CHANNELS), with unchanged
+/// sample values (no normalising, no dither, no clipping).
 ///
 /// # Errors
-/// Fails where channels are missing, too many or unequal, and where the file cannot be written; then
-/// whatever was at `path` before is still there.
+/// If channels are missing, too many or unequal, or if the file cannot be written; an existing file at `path` is then
+/// unchanged.
 pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<(), Error> {
     let expected = check_channels(path, channels, sample_rate_hz)?;
     let spec = hound::WavSpec {
@@ -35,10 +35,10 @@ pub fn write_wav_f32(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) ->
     })
 }
 
-/// Place of the channel mask in the extensible header that more than two channels have.
+/// Offset of the channel mask in the extensible header that more than two channels have.
 const MASK_AT: u64 = 40;
 
-/// Says which loudspeakers the channels are for.
+/// Sets the loudspeakers of the channels.
 fn set_channel_mask(file: &mut std::fs::File, channels: usize) -> std::io::Result<()> {
     if channels <= 2 {
         return Ok(());
@@ -51,7 +51,7 @@ fn set_channel_mask(file: &mut std::fs::File, channels: usize) -> std::io::Resul
 /// sound.
 ///
 /// # Errors
-/// Fails as that does, and where the file would reach 4 GiB.
+/// As that function, and if the file would reach 4 GiB.
 pub fn write_broadcast_wav_f32(
     path: &Path,
     channels: &[Vec<f32>],
@@ -63,11 +63,11 @@ pub fn write_broadcast_wav_f32(
     write_file(path, |file| wav::write(&mut BufWriter::new(file), channels, sample_rate_hz, Some(broadcast)))
 }
 
-/// Writes the same sound to anything that takes bytes, such as a pipe, with a `bext` chunk where `broadcast` is given;
-/// `name` is used in messages.
+/// Writes the same sound to any byte writer, such as a pipe, with a `bext` chunk if `broadcast` is given; `name` is
+/// used in messages.
 ///
 /// # Errors
-/// Fails as [`write_wav_f32`] does; what was written until then is written.
+/// As [`write_wav_f32`]; anything written before an error remains written.
 pub fn write_wav_f32_to(
     out: &mut impl Write,
     name: &str,
@@ -82,7 +82,7 @@ pub fn write_wav_f32_to(
     written.map_err(|error| failure(error.kind().to_string()))
 }
 
-/// The channels' length; fails where they are missing, too many or unequal.
+/// The channels' length; fails if they are missing, too many or unequal.
 pub(crate) fn check_channels(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<usize, Error> {
     crate::format::check_layout(channels.len(), Some(sample_rate_hz), &one_line(path))?;
     let expected = channels[0].len();
@@ -92,10 +92,10 @@ pub(crate) fn check_channels(path: &Path, channels: &[Vec<f32>], sample_rate_hz:
     Ok(expected)
 }
 
-/// Checks what is to be written to `path`.
+/// Checks samples before they are written to `path`.
 ///
 /// # Errors
-/// [`Error::Overflow`] where a value is not finite, because the input was too loud.
+/// [`Error::Overflow`] if a value is not finite, because the input was too loud.
 pub fn check_finite(path: &Path, channels: &[Vec<f32>]) -> Result<(), Error> {
     for (channel, samples) in channels.iter().enumerate() {
         if let Some(index) = samples.iter().position(|sample| !sample.is_finite()) {
@@ -108,7 +108,7 @@ pub fn check_finite(path: &Path, channels: &[Vec<f32>]) -> Result<(), Error> {
 /// Checks that an output does not replace one of its inputs, under whatever name.
 ///
 /// # Errors
-/// [`Error::Overwrites`] where the file at `output` is one of `sources`.
+/// [`Error::Overwrites`] if the file at `output` is one of `sources`.
 pub fn check_not_among(output: &Path, sources: &[&Path]) -> Result<(), Error> {
     let Ok(place) = output.canonicalize() else { return Ok(()) };
     let same = |source: &&&Path| source.canonicalize().is_ok_and(|source| source == place);
@@ -118,12 +118,11 @@ pub fn check_not_among(output: &Path, sources: &[&Path]) -> Result<(), Error> {
     }
 }
 
-/// Writes a file under a temporary name in the same folder and moves it into place once it is whole. A link is
+/// Writes a file under a temporary name in the same folder and moves it into place once it is complete. A link is
 /// followed.
 ///
 /// # Errors
-/// Fails with [`Error::NotWritten`], also where `path` is not a file (a folder, a device,
-/// a pipe); then nothing new is left behind.
+/// [`Error::NotWritten`], also if `path` is not a file (a folder, a device, a pipe); nothing new is then left behind.
 pub fn write_file<E: std::fmt::Display>(
     path: &Path,
     write: impl FnOnce(&mut std::fs::File) -> Result<(), E>,
@@ -140,7 +139,7 @@ pub fn write_file<E: std::fmt::Display>(
 /// Checks that a file can be written to `path`; nothing is left behind.
 ///
 /// # Errors
-/// As [`write_file`] would fail at the end of the work.
+/// The errors with which [`write_file`] would fail at the end of the work.
 pub fn check_writable(path: &Path) -> Result<(), Error> {
     let place = place_of(path)?;
     match part(&place) {
@@ -149,21 +148,20 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
     }
 }
 
-/// Path of the file itself, with links resolved; fails where the move would replace something
-/// else.
+/// Path of the file itself, with links resolved; fails if the move would replace something else.
 fn place_of(path: &Path) -> Result<PathBuf, Error> {
     let failure = |reason: String| Error::NotWritten { path: one_line(path), reason };
     match path.metadata() {
         Ok(there) if there.is_dir() => Err(failure("a folder of this name exists".into())),
         Ok(there) if !there.is_file() => Err(failure("it is a device or a pipe, not a file".into())),
         Ok(_) => path.canonicalize().map_err(|error| failure(error.kind().to_string())),
-        Err(_) if path.is_symlink() => Err(failure("it is a link to nothing".into())),
+        Err(_) if path.is_symlink() => Err(failure("it is a broken link".into())),
         Err(_) => Ok(path.to_path_buf()),
     }
 }
 
-/// A file under a temporary name in the same folder, which goes away unless it is moved. What the system says of it names
-/// a path that nobody has typed, so only the kind of an error is of use.
+/// A file under a temporary name in the same folder, which is deleted unless it is moved. The system's messages about
+/// it contain a path that nobody typed, so only the kind of an error is useful.
 fn part(place: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     let folder = match place.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -171,8 +169,8 @@ fn part(place: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".pyrophone-").suffix(".part");
-    // Temporary files are private by default; a finished one is as readable as any other file, as far as the
-    // user's mask allows.
+    // Temporary files are private by default; a finished one should be as readable as any other file, subject to the
+    // user's mask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)

@@ -8,14 +8,14 @@
 //! 2.0,texture_level,0 dB,
 //! ```
 //!
-//! The first line says whether times are seconds (`time_s`) or samples (`sample`), and whether there is a column
-//! `curve`. Rows are sorted by time; several may share one. Lines that begin with `#` are comments. Where the first
-//! line is written with semicolons, so are all, and numbers may have a decimal comma.
+//! The first line states whether times are seconds (`time_s`) or samples (`sample`), and whether there is a column
+//! `curve`. Rows are sorted by time; several may share one. Lines that begin with `#` are comments. If the first line
+//! uses semicolons, so do all, and numbers may have a decimal comma.
 //!
-//! A `step` (as is a row without a curve) holds until the parameter's next row. From a `linear` row the value moves
-//! evenly, in the parameter's own unit, to the one of that next row, and holds where there is none. A ramp is a
-//! staircase: its steps are as fine as the parameter's last decimal allows, but at least [`RAMP_STEP_S`] long. They
-//! depend on the file and the sample rate alone, so every host and block size gets the same.
+//! A `step` (also a row without a curve) holds until the parameter's next row. From a `linear` row the value moves
+//! evenly, in the parameter's own unit, to that of the next row; without a next row it holds. A ramp is a staircase:
+//! its steps are as fine as the parameter's last decimal allows, but at least [`RAMP_STEP_S`] long. They depend only on
+//! the file and the sample rate, so every host and block size gets the same.
 
 mod ramp;
 mod read;
@@ -31,7 +31,7 @@ use crate::Error;
 pub struct Event {
     /// First sample that has the new value.
     pub sample: u64,
-    /// Place in [`PARAMETERS`](crate::PARAMETERS).
+    /// Index into [`PARAMETERS`](crate::PARAMETERS).
     pub parameter: usize,
     /// The new plain value.
     pub value: f64,
@@ -52,7 +52,7 @@ struct Row {
     curve: Curve,
 }
 
-/// What a parameter does until its next row.
+/// Course of a parameter until its next row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Curve {
     Step,
@@ -77,11 +77,11 @@ impl Automation {
         Ok(Self { rows: read::rows(text)? })
     }
 
-    /// All steps at a sample rate, those of ramps included, sorted; a time in seconds becomes the nearest sample.
+    /// All steps at a sample rate, including those of ramps, sorted; a time in seconds becomes the nearest sample.
     pub fn events(&self, sample_rate_hz: f64) -> Vec<Event> {
         let rows: Vec<(Event, Curve)> = self.rows.iter().map(|row| (row.event(sample_rate_hz), row.curve)).collect();
         let mut events = Vec::with_capacity(rows.len());
-        // From the last row to the first, so that each knows the next of its parameter.
+        // From the last row to the first, so that each row knows the next of its parameter.
         let mut next_of_parameter = [None; crate::COUNT];
         for (event, curve) in rows.iter().rev() {
             let next = next_of_parameter[event.parameter].replace(*event);
@@ -96,7 +96,7 @@ impl Automation {
         events
     }
 
-    /// Whether there is no step at all.
+    /// True if there are no steps.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }

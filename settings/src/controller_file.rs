@@ -1,4 +1,4 @@
-//! The MIDI controllers that the user has assigned to parameters, kept beside the presets for instances to come.
+//! The user's assignments of MIDI controllers to parameters, stored beside the presets for new instances.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub struct ControllerFile {
 }
 
 impl ControllerFile {
-    /// The user's file; none where the user has no home.
+    /// The user's file; none if the user has no home.
     pub fn of_user() -> Option<Self> {
         Some(Self::new(Library::of_user()?.folder()))
     }
@@ -30,16 +30,16 @@ impl ControllerFile {
         Self { file: folder.join(NAME) }
     }
 
-    /// All assignments. Lines that name no automatable parameter or no controller are skipped.
+    /// All assignments. Lines without an automatable parameter or a controller are skipped.
     pub fn read(&self) -> Assignments {
         let text = user_file::read(&self.file);
         text.lines().filter_map(assignment).collect()
     }
 
-    /// Assigns a controller to the parameter `id`, or none; all other lines stay.
+    /// Assigns a controller, or none, to the parameter `id`; all other lines stay.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn assign(&self, id: &str, controller: Option<u8>) -> std::io::Result<()> {
         let mut assignments = self.read();
         match controller {
@@ -53,7 +53,7 @@ impl ControllerFile {
     /// Removes all assignments.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn clear(&self) -> std::io::Result<()> {
         user_file::write(&self.file, "")
     }
@@ -65,7 +65,7 @@ fn assignment(line: &str) -> Option<(String, u8)> {
     is_assignable(id, number).then(|| (id.to_owned(), number))
 }
 
-/// Whether a controller of this number can move the parameter `id`.
+/// True if a controller of this number can move the parameter `id`.
 pub fn is_assignable(id: &str, number: u8) -> bool {
     number < CONTROLLERS && index_of(id).is_ok_and(|index| crate::PARAMETERS[index].automatable)
 }

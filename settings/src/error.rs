@@ -1,8 +1,8 @@
-//! What can be wrong with a setting, a preset or an automation file, and what to do about it.
+//! Errors of settings, presets and automation files, with their remedies.
 
 use std::path::PathBuf;
 
-/// Why a setting, a preset or an automation file was refused.
+/// Reason why a setting, a preset or an automation file was rejected.
 ///
 /// Every message names the value found, the values allowed, and a remedy.
 #[derive(Debug, thiserror::Error)]
@@ -13,7 +13,7 @@ pub enum Error {
     UnknownParameter {
         /// The id found.
         id: String,
-        /// The most similar id, where one is similar.
+        /// The most similar id, if there is one.
         nearest: Option<&'static str>,
     },
     /// A value lies outside its parameter's range.
@@ -28,14 +28,14 @@ pub enum Error {
         /// The largest value allowed, with its unit.
         high: String,
     },
-    /// A value is of another kind than its parameter.
+    /// A value is of a different kind from its parameter's.
     #[error("{id} is {found}, but must be {expected}; write it as in `{id} = {example}`")]
     WrongKind {
         /// The parameter.
         id: &'static str,
         /// The value found.
         found: String,
-        /// What the parameter takes.
+        /// Values that the parameter accepts.
         expected: String,
         /// An allowed value.
         example: String,
@@ -48,12 +48,12 @@ pub enum Error {
         /// The parameter.
         id: &'static str,
     },
-    /// A preset is not what TOML allows, or lacks a field.
+    /// A preset is not valid TOML, or lacks a field.
     #[error("the preset {origin} cannot be read: {message}; compare it with the ones in presets/")]
     PresetSyntax {
         /// Name or path of the preset.
         origin: String,
-        /// What the parser says, with the line.
+        /// The parser's message, with the line.
         message: String,
     },
     /// One setting of a preset is wrong.
@@ -61,7 +61,7 @@ pub enum Error {
     PresetValue {
         /// Name or path of the preset.
         origin: String,
-        /// What is wrong with it.
+        /// The fault found.
         source: Box<Error>,
     },
     /// A preset was written by a later version.
@@ -83,7 +83,7 @@ pub enum Error {
     UnknownPreset {
         /// The name found.
         name: String,
-        /// The most similar name of a factory preset, where one is similar.
+        /// The most similar name of a factory preset, if there is one.
         nearest: Option<&'static str>,
         /// Folder of the user's presets.
         folder: String,
@@ -97,7 +97,7 @@ pub enum Error {
         longest: usize,
     },
     /// There is a preset of this name.
-    #[error("there is a preset \"{name}\" already ({}); replace it, or choose another name", .path.display())]
+    #[error("a preset \"{name}\" already exists ({}); replace it, or choose another name", .path.display())]
     PresetExists {
         /// The name.
         name: String,
@@ -109,7 +109,7 @@ pub enum Error {
     FileWrite {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A file could not be read.
@@ -117,7 +117,7 @@ pub enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A session's text is damaged.
@@ -125,7 +125,7 @@ pub enum Error {
         "the session's recording and learned distribution cannot be read ({message}); load the recording again and save"
     )]
     Session {
-        /// What is wrong with it.
+        /// The fault found.
         message: String,
     },
     /// A session was written by a later version.
@@ -140,7 +140,7 @@ pub enum Error {
     },
     /// The automation's header is none of those known.
     #[error(
-        "the automation's first line is `{found}`, but must be `time_s,id,value` or `sample,id,value`, with `,curve` after it for ramps; add one of these as first line"
+        "the automation's first line is `{found}`, but must be `time_s,id,value` or `sample,id,value`, with `,curve` after it for ramps; add one of these as the first line"
     )]
     AutomationHeader {
         /// The line found.
@@ -151,7 +151,7 @@ pub enum Error {
     AutomationRow {
         /// Line of the file, from 1.
         line: u64,
-        /// What is wrong, and what is allowed.
+        /// The fault found, and what is allowed.
         message: String,
     },
     /// The value or the id of a row is wrong.
@@ -159,11 +159,11 @@ pub enum Error {
     AutomationValue {
         /// Line of the file, from 1.
         line: u64,
-        /// What is wrong with it.
+        /// The fault found.
         source: Box<Error>,
     },
-    /// A row lies before its predecessor.
-    #[error("automation, line {line}: time {found} lies before the line above ({previous}); sort the rows by time")]
+    /// A row is earlier than its predecessor.
+    #[error("automation, line {line}: time {found} is earlier than the line above ({previous}); sort the rows by time")]
     AutomationOrder {
         /// Line of the file, from 1.
         line: u64,

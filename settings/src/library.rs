@@ -1,4 +1,4 @@
-//! The user's own presets: a folder of readable files, beside those that come with Pyrophone.
+//! The user's own presets: a folder of readable files, in addition to the factory presets.
 
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -8,16 +8,16 @@ use crate::names::folded;
 use crate::preset::LARGEST_BYTES;
 use crate::{Error, Preset};
 
-/// Names the folder, where it is not to be the system's.
+/// Variable that names the folder, instead of the system's.
 pub const FOLDER_VARIABLE: &str = "PYROPHONE_PRESETS";
 
-/// How the names of presets' files end.
+/// Extension of preset files.
 const EXTENSION: &str = "toml";
 
-/// The file with the names of the presets that the user has marked.
+/// File with the names of the user's favourite presets.
 const FAVOURITES: &str = "favourites.txt";
 
-/// Most files of a folder that are looked at.
+/// Largest number of files that are read from a folder.
 const MOST_FILES: usize = 10_000;
 
 /// Longest name of a preset, in characters.
@@ -34,19 +34,19 @@ pub struct Library {
 pub struct Stored {
     /// The file.
     pub path: PathBuf,
-    /// What it holds.
+    /// The preset in it.
     pub preset: Preset,
 }
 
 impl Library {
-    /// The user's folder: that which `PYROPHONE_PRESETS` names, else `Pyrophone/presets` where the system keeps programs'
-    /// data. None where the user has no home.
+    /// The user's folder: that in `PYROPHONE_PRESETS`, otherwise `Pyrophone/presets` in the system's data folder. None
+    /// if the user has no home.
     pub fn of_user() -> Option<Self> {
         let named = std::env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from);
         named.or_else(|| Some(dirs::data_dir()?.join("Pyrophone").join("presets"))).map(Self::new)
     }
 
-    /// Presets in `folder`, which need not exist yet.
+    /// A library in `folder`, which need not exist yet.
     pub fn new(folder: PathBuf) -> Self {
         Self { folder }
     }
@@ -56,12 +56,12 @@ impl Library {
         &self.folder
     }
 
-    /// The preset of this name, or what is wrong with its file; none where there is no such file.
+    /// The preset with this name, or the error in its file; none if there is no such file.
     pub fn find(&self, name: &str) -> Option<Result<Preset, Error>> {
         self.find_where(|found| found == name)
     }
 
-    /// As [`find`](Self::find), without regard to case and Unicode form.
+    /// As [`find`](Self::find), ignoring case and Unicode form.
     pub fn find_folded(&self, name: &str) -> Option<Result<Preset, Error>> {
         let name = folded(name);
         self.find_where(|found| folded(found) == name)
@@ -72,7 +72,7 @@ impl Library {
         if let Some(found) = presets.into_iter().find(|stored| is_named(&stored.preset.name)) {
             return Some(Ok(found.preset));
         }
-        // One that cannot be read as a preset may still have a name.
+        // A file that cannot be read as a preset may still have a name.
         let is_called_so = |path: &PathBuf| {
             let text = fs::metadata(path)
                 .is_ok_and(|file| file.is_file() && file.len() <= LARGEST_BYTES)
@@ -93,7 +93,7 @@ impl Library {
         Ok(paths.filter(is_preset).take(MOST_FILES).collect())
     }
 
-    /// All presets by name, and what is wrong with the files that are none. A folder that does not exist is empty.
+    /// All presets by name, and the errors of invalid files. A missing folder counts as empty.
     pub fn list(&self) -> (Vec<Stored>, Vec<Error>) {
         let (mut presets, mut errors) = (vec![], vec![]);
         let paths = match self.paths() {
@@ -111,10 +111,10 @@ impl Library {
         (presets, errors)
     }
 
-    /// Writes a preset, whole or not at all, and gives its file. The folder is made if need be.
+    /// Writes a preset, completely or not at all, and returns its file. The folder is created if needed.
     ///
-    /// Fails where the name is empty, longer than 80 characters or has control characters; where another preset has it, unless
-    /// it `replaces`; and where the file cannot be written.
+    /// Fails if the name is empty, longer than 80 characters or has control characters; if another preset has it,
+    /// unless `replaces` is true; and if the file cannot be written.
     pub fn save(&self, preset: &Preset, replaces: bool) -> Result<PathBuf, Error> {
         let path = self.path_of(&preset.name)?;
         if !replaces && path.exists() {
@@ -130,7 +130,7 @@ impl Library {
             fs::rename(&part, &path)
         };
         write().map_err(|source| {
-            // What was begun is of no use to anybody.
+            // A partial file is useless.
             let _ = fs::remove_file(&part);
             Error::FileWrite { path: path.clone(), source }
         })?;
@@ -140,16 +140,16 @@ impl Library {
     /// Removes a stored preset's file.
     ///
     /// # Errors
-    /// Where the file is no preset of this folder, or cannot be removed.
+    /// If the file is not a preset in this folder, or cannot be removed.
     pub fn delete(&self, path: &Path) -> Result<(), Error> {
         let refuse = |source| Error::FileWrite { path: path.to_owned(), source };
         if path.parent() != Some(self.folder()) || path.extension().is_none_or(|found| found != EXTENSION) {
-            return Err(refuse(std::io::Error::other("it is no preset of this folder")));
+            return Err(refuse(std::io::Error::other("it is not a preset in this folder")));
         }
         fs::remove_file(path).map_err(refuse)
     }
 
-    /// Names of the presets that the user has marked, as they were last kept; none where nothing was.
+    /// Names of the user's favourite presets, as last stored; none if nothing was stored.
     pub fn favourites(&self) -> Vec<String> {
         let path = self.folder.join(FAVOURITES);
         let is_fit = fs::metadata(&path).is_ok_and(|file| file.is_file() && file.len() <= LARGEST_BYTES);
@@ -157,10 +157,10 @@ impl Library {
         text.lines().filter(|line| !line.is_empty()).map(str::to_owned).collect()
     }
 
-    /// Keeps the names of the presets that the user has marked, one a line. The folder is made if need be.
+    /// Stores the names of the user's favourite presets, one per line. The folder is created if needed.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn keep_favourites(&self, names: &[String]) -> Result<(), Error> {
         let path = self.folder.join(FAVOURITES);
         let text: String = names.iter().map(|name| format!("{name}\n")).collect();
@@ -168,8 +168,8 @@ impl Library {
         written.map_err(|source| Error::FileWrite { path, source })
     }
 
-    /// Gives a stored preset another name, in the file and as the file's. Fails as [`save`](Self::save) does; then it keeps its
-    /// old one.
+    /// Renames a stored preset, in the file and the file itself. Fails as [`save`](Self::save) does, and then keeps the
+    /// old name.
     pub fn rename(&self, path: &Path, name: &str) -> Result<PathBuf, Error> {
         let preset = Preset { name: name.to_owned(), ..Preset::load(path)? };
         let is_same = self.path_of(name)? == path;
@@ -180,7 +180,7 @@ impl Library {
         Ok(new)
     }
 
-    /// The file for a name. What file systems do not take becomes a dash.
+    /// The file for a name. Characters that file systems reject become dashes.
     fn path_of(&self, name: &str) -> Result<PathBuf, Error> {
         let name = name.trim();
         if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
@@ -188,14 +188,14 @@ impl Library {
         }
         let allowed = |c: char| c.is_alphanumeric() || " -_+,()".contains(c);
         let stem: String = name.chars().map(|c| if allowed(c) { c } else { '-' }).collect();
-        // Windows keeps some names for devices, whatever follows the dot.
+        // Windows reserves some names for devices, whatever follows the dot.
         let device = DEVICES.contains(&stem.to_lowercase().trim_end_matches(|c: char| c.is_ascii_digit()));
         let mark = if device { "_" } else { "" };
         Ok(self.folder.join(format!("{stem}{mark}.{EXTENSION}")))
     }
 }
 
-/// Names that no file may have on Windows, some with a digit behind.
+/// Names that no file may have on Windows, some of them with a digit appended.
 const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "com", "lpt"];
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The eight macros: one table that engine, window and manual share.
 //!
-//! A macro moves several of the engine's controls at once, as an offset: the parameters behind them stay where user and
-//! host have put them. At 0 % it does nothing, bit for bit. An effect goes in a straight line, in its own unit, from
-//! nothing at 0 % to the ends that the table states for -100 % and 100 %; effects of several macros on one control add
-//! up, and the control stays in its range.
+//! A macro moves several engine controls at once, as an offset: the parameters behind them keep the values set by user
+//! and host. At 0 % it changes nothing, bit for bit. An effect is a straight line, in its own unit, from nothing at 0 %
+//! to the limits that the table states for -100 % and 100 %; effects of several macros on one control add up, within
+//! the control's range.
 
 mod target;
 
@@ -20,13 +20,13 @@ pub struct Macro {
     pub id: Id,
     /// Short name, without the word "macro".
     pub name: &'static str,
-    /// What rises as it is turned up.
+    /// Measure that rises as the macro is turned up.
     pub figure: &'static str,
-    /// What it moves.
+    /// Effects on the engine controls.
     pub effects: &'static [Effect],
 }
 
-/// What a macro does to one of the engine's controls.
+/// Effect of a macro on one engine control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effect {
     /// The control.
@@ -41,7 +41,7 @@ const fn effect(target: Target, low: f64, high: f64) -> Effect {
     Effect { target, low, high }
 }
 
-/// All macros, in the order in which they are shown.
+/// All macros, in display order.
 pub const MACROS: &[Macro] = &[
     Macro {
         id: Id::MacroSize,
@@ -129,7 +129,7 @@ impl Macro {
         MACROS.iter().find(|line| line.id == id)
     }
 
-    /// What it moves, in words: `tilt -12 to 12 dB, ...`.
+    /// Effects in words: `tilt -12 to 12 dB, ...`.
     pub fn effects_in_words(&self) -> String {
         let words = self.effects.iter().map(|effect| {
             let (target, unit) = (effect.target, effect.target.unit());
@@ -139,7 +139,7 @@ impl Macro {
     }
 }
 
-/// Moves `controls` by what the macros say.
+/// Moves `controls` by the macros' offsets.
 pub(crate) fn apply(values: &Values, controls: &mut Controls) {
     let mut offsets = [0.0; Target::COUNT];
     let mut is_neutral = true;

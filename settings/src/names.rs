@@ -1,21 +1,21 @@
-//! Comparing names as people do: without regard to case, or to how a letter with an accent is encoded; and finding the one
-//! that was meant by a misspelt one.
+//! Comparison of names as people read them, ignoring case and the encoding of accented letters; and suggestions for
+//! misspelt names.
 
 use unicode_normalization::UnicodeNormalization;
 
 /// The form in which names are compared: composed (NFC), in lower case, without spaces around it.
 ///
-/// macOS stores file names decomposed, so one name may come in other bytes from a file than from a keyboard.
+/// macOS stores file names decomposed, so the same name may have different bytes in a file and from a keyboard.
 pub(crate) fn folded(name: &str) -> String {
     let lower = name.trim().nfc().collect::<String>().to_lowercase();
-    // A lower-case letter may decompose where its capital does not (İ, for one).
+    // A lower-case letter may decompose although its capital does not (İ, for one).
     lower.nfc().collect()
 }
 
 /// The most similar of the `known` names, if at most a third of it, or two characters, are mistyped.
 pub(crate) fn nearest(found: &str, known: impl Iterator<Item = &'static str>) -> Option<&'static str> {
     let (distance, name) = known.map(|name| (edits(name, found), name)).min()?;
-    // Two: letters that changed places. Of the shortest names that would be nearly all.
+    // Two, for swapped letters. For the shortest names, that would match nearly all others.
     let allowed = (name.len() / 3).max(if name.len() < 5 { 1 } else { 2 });
     (distance <= allowed).then_some(name)
 }

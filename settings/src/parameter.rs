@@ -1,12 +1,12 @@
-//! One parameter: its range, and its three spellings (plain value, normalised value, text).
+//! One parameter: its range, and its three representations (plain value, normalised value, text).
 //!
-//! Plain values lie on a grid of `decimals` decimal places. A value on the grid survives the way
-//! through a host, which hands it over as a normalised 32-bit float, and through text, without
-//! changing a bit: so the plugin in a host and a render from the command line use the same number.
+//! Plain values lie on a grid of `decimals` decimal places. A value on the grid passes through a host, which handles it
+//! as a normalised 32-bit float, and through text, without changing a bit: so the plug-in in a host and a render from
+//! the command line use the same number.
 
 use crate::Error;
 
-/// What a parameter may be.
+/// Kind of a parameter's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// A continuous value.
@@ -17,15 +17,15 @@ pub enum Kind {
         high: f64,
         /// Value of a fresh instance.
         default: f64,
-        /// Exponent of the normalised scale, `normalised = ((plain - low) / (high - low))^skew`;
-        /// 1 is linear, below 1 gives low values more room.
+        /// Exponent of the normalised scale, `normalised = ((plain - low) / (high - low))^skew`; 1 is linear, and less
+        /// than 1 gives low values more room.
         skew: f64,
-        /// Decimal places that count; values are rounded to them.
+        /// Significant decimal places; values are rounded to them.
         decimals: u32,
-        /// Whether the smallest value means "off" (in dB: minus infinity).
+        /// True if the smallest value means "off" (in dB: minus infinity).
         off_at_low: bool,
     },
-    /// A whole number.
+    /// An integer.
     Int {
         /// Smallest value.
         low: i32,
@@ -55,19 +55,19 @@ pub struct Parameter {
     pub id: &'static str,
     /// Name shown to the user.
     pub name: &'static str,
-    /// Heading under which it is shown.
+    /// Heading under which it is displayed.
     pub group: &'static str,
-    /// Unit of its plain value; empty where it has none.
+    /// Unit of its plain value; empty without one.
     pub unit: &'static str,
     /// Range and default.
     pub kind: Kind,
-    /// Whether it may change while sound runs.
+    /// True if it may change during playback.
     pub automatable: bool,
-    /// Whether it decides sizes and latency (see [`pyrophone_synthesis::EngineConfig`]).
+    /// True if it decides sizes and latency (see [`pyrophone_synthesis::EngineConfig`]).
     pub structure: bool,
-    /// The value of Chadwick & James 2011 as a plain value, where the paper has one.
+    /// The plain value in Chadwick & James 2011, if the paper has one.
     pub paper: Option<f64>,
-    /// What it does to the sound.
+    /// Effect on the sound.
     pub help: &'static str,
 }
 
@@ -101,12 +101,12 @@ impl Parameter {
         }
     }
 
-    /// Whether `plain` means "off" for a parameter that can be off.
+    /// True if `plain` means "off" for a parameter that can be off.
     pub fn is_off(&self, plain: f64) -> bool {
         matches!(self.kind, Kind::Float { low, off_at_low: true, .. } if plain <= low)
     }
 
-    /// The nearest allowed value; what is not a number becomes the default.
+    /// The nearest allowed value; NaN becomes the default.
     pub fn snap(&self, plain: f64) -> f64 {
         if plain.is_nan() {
             return self.default_value();
@@ -122,7 +122,7 @@ impl Parameter {
         }
     }
 
-    /// The nearest value of the grid; fails where `plain` lies outside the range.
+    /// The nearest value of the grid; fails if `plain` is outside the range.
     pub fn check(&self, plain: f64) -> Result<f64, Error> {
         if plain >= self.low() && plain <= self.high() {
             Ok(self.snap(plain))
@@ -167,11 +167,11 @@ impl Parameter {
         if self.unit.is_empty() { number } else { format!("{number} {}", self.unit) }
     }
 
-    /// Text to a plain value, with or without the unit or a common multiple of it (`0.25k` and `0.3 kHz` for Hz, `20 ms`
-    /// for seconds); `off` and `-inf` where it can be off. Case and spaces do not count, a decimal comma does.
+    /// Text to a plain value, with or without the unit or a common multiple of it (`0.25k` and `0.3 kHz` for Hz, `20
+    /// ms` for seconds); `off` and `-inf` if it can be off. Case and spaces are ignored; a decimal comma is accepted.
     ///
     /// # Errors
-    /// Where it is no value of this parameter, or one outside its range.
+    /// If the text is not a value of this parameter, or outside its range.
     pub fn parse(&self, text: &str) -> Result<f64, Error> {
         let trimmed = text.trim();
         let lower = trimmed.to_lowercase();
@@ -198,10 +198,11 @@ impl Parameter {
         }
     }
 
-    /// As [`parse`](Self::parse), but a value outside the range becomes the nearest one inside; whether it has.
+    /// As [`parse`](Self::parse), but a value outside the range becomes the nearest one inside; also returns whether it
+    /// did.
     ///
     /// # Errors
-    /// Where it is no value of this parameter.
+    /// If the text is not a value of this parameter.
     pub fn parse_nearest(&self, text: &str) -> Result<(f64, bool), Error> {
         match (self.parse(text), self.number(&text.trim().to_lowercase())) {
             (Err(Error::OutOfRange { .. }), Some(number)) => Ok((self.snap(number), true)),
@@ -209,7 +210,8 @@ impl Parameter {
         }
     }
 
-    /// A finite number in this parameter's unit, from lower-case text in it, in a multiple of it, or without any.
+    /// A finite number in this parameter's unit, from lower-case text in that unit, in a multiple of it, or without a
+    /// unit.
     fn number(&self, text: &str) -> Option<f64> {
         let multiples: &[(&str, f64)] = match self.unit {
             "Hz" => &[("khz", 1e3), ("k", 1e3)],
@@ -226,7 +228,7 @@ impl Parameter {
         })
     }
 
-    /// The error for a value of another kind.
+    /// The error for a value of the wrong kind.
     pub(crate) fn wrong_kind(&self, found: String) -> Error {
         let (expected, example) = match self.kind {
             Kind::Float { off_at_low, .. } => {

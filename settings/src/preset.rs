@@ -1,4 +1,4 @@
-//! Presets: readable text, the same for plugin and command line.
+//! Presets: readable text, the same for plug-in and command line.
 //!
 //! ```toml
 //! version = 2
@@ -15,7 +15,7 @@
 //! gate = true
 //! ```
 //!
-//! Parameters that are not named have their defaults.
+//! Parameters that are not listed have their defaults.
 
 use std::path::Path;
 
@@ -28,16 +28,16 @@ use crate::{Error, Kind, Library, PARAMETERS, Parameter, Values, index_of};
 /// The version that [`Preset::to_toml`] writes.
 pub const VERSION: i64 = 2;
 
-/// Size from which on a file is no preset.
+/// Size from which a file is not accepted as a preset.
 pub const LARGEST_BYTES: u64 = 1 << 20;
 
-/// Most characters of a parser's message that are shown: it quotes the line, which may be anything.
+/// Longest parser message shown: it quotes the line, which may be anything.
 const LONGEST_MESSAGE: usize = 300;
 
-/// What turns a preset's parameters of version `index + 1` into those of the next version.
+/// Conversions of a preset's parameters from version `index + 1` to the next version.
 const MIGRATIONS: &[fn(&mut Table)] = &[name_the_defaults_of_version_1];
 
-/// Version 2 came with the companded mode, whose settings became the defaults.
+/// Version 2 introduced the companded mode, whose settings became the defaults.
 fn name_the_defaults_of_version_1(parameters: &mut Table) {
     let defaults: [(&str, Value); 6] = [
         ("dynamics_mode", Value::String("paper".to_owned())),
@@ -54,7 +54,7 @@ fn name_the_defaults_of_version_1(parameters: &mut Table) {
 
 const _: () = assert!(MIGRATIONS.len() as i64 == VERSION - 1, "each version needs its way to the next");
 
-/// Names and texts of the presets that come with Pyrophone.
+/// Names and texts of the factory presets.
 pub const FACTORY: &[(&str, &str)] = &[
     ("default", include_str!("../../presets/default.toml")),
     ("extend", include_str!("../../presets/extend.toml")),
@@ -100,13 +100,13 @@ pub const FACTORY: &[(&str, &str)] = &[
 /// A named set of values.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Preset {
-    /// Its name, by which it is found.
+    /// Name by which it is found.
     pub name: String,
-    /// Its name in words; empty where that is the same.
+    /// Display name; empty if it is the same.
     pub title: String,
-    /// Who made it; may be empty.
+    /// Author; may be empty.
     pub author: String,
-    /// What it is for.
+    /// Purpose of the preset.
     pub description: String,
     /// Words that it is found by.
     pub tags: Vec<String>,
@@ -132,17 +132,17 @@ struct File {
 }
 
 impl Preset {
-    /// Its name as people read it.
+    /// Display name of the preset.
     pub fn title(&self) -> &str {
         if self.title.is_empty() { &self.name } else { &self.title }
     }
 
-    /// The preset that a user means by `name_or_path`: the factory's of this name, else the one in the file of this path,
-    /// else the user's of this name; else the factory's or the user's whose name, and at last whose title, differs in case
-    /// or Unicode form only.
+    /// The preset meant by `name_or_path`: the factory preset of this name, otherwise the file at this path, otherwise
+    /// the user's preset of this name; otherwise the factory or user preset whose name, and finally whose title,
+    /// differs only in case or Unicode form.
     ///
     /// # Errors
-    /// Where there is none, or where its file cannot be read as a preset.
+    /// If there is none, or if its file cannot be read as a preset.
     pub fn find(name_or_path: &str) -> Result<Self, Error> {
         if let Some(found) = Self::find_factory(|name| name == name_or_path) {
             return found;
@@ -178,7 +178,7 @@ impl Preset {
     /// Reads a preset's file.
     ///
     /// # Errors
-    /// Where it cannot be read, is larger than [`LARGEST_BYTES`], or holds no valid preset.
+    /// If it cannot be read, is larger than [`LARGEST_BYTES`], or does not contain a valid preset.
     pub fn load(path: &Path) -> Result<Self, Error> {
         check_file(path)?;
         let text = std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
@@ -220,7 +220,7 @@ impl Preset {
         toml::to_string(&file).unwrap_or_default()
     }
 
-    /// All presets that come with Pyrophone.
+    /// All factory presets.
     pub fn factory() -> Result<Vec<Self>, Error> {
         FACTORY.iter().map(|(name, text)| Self::from_toml(text, name)).collect()
     }
@@ -232,21 +232,21 @@ fn unknown(name: &str, library: Option<&Library>) -> Error {
     Error::UnknownPreset { name: name.to_owned(), nearest, folder }
 }
 
-/// Whether a file may be read as a preset.
+/// Checks that a file may be read as a preset.
 fn check_file(path: &Path) -> Result<(), Error> {
     let refuse = |source| Error::File { path: path.to_owned(), source };
     let metadata = std::fs::metadata(path).map_err(refuse)?;
     // A pipe would be waited for, maybe for ever.
     if !metadata.is_file() {
-        return Err(refuse(std::io::Error::other("it is no file")));
+        return Err(refuse(std::io::Error::other("it is not a file")));
     }
     if metadata.len() > LARGEST_BYTES {
-        return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is no preset")));
+        return Err(refuse(std::io::Error::other("it is larger than 1 MB, so it is not a preset")));
     }
     Ok(())
 }
 
-/// What the parser says, on one line, without the rest of a line that is longer than any preset's.
+/// The parser's message in one line, without the rest of a line that is longer than any preset's.
 fn one_line(error: &toml::de::Error) -> String {
     let words = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
     match words.char_indices().nth(LONGEST_MESSAGE) {

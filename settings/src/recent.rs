@@ -1,4 +1,4 @@
-//! Recordings that were loaded of late, beside the user's presets.
+//! Recently loaded recordings, stored beside the user's presets.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use crate::{Library, user_file};
 
 /// Name of the list in the user's folder; not a preset's.
 const NAME: &str = "recent-recordings.txt";
-/// Most that are kept.
+/// Largest number of stored recordings.
 pub const MOST: usize = 12;
 
 /// A file with one path a line, the latest first.
@@ -16,7 +16,7 @@ pub struct Recent {
 }
 
 impl Recent {
-    /// The user's list; none where the user has no home.
+    /// The user's list; none if the user has no home.
     pub fn of_user() -> Option<Self> {
         Some(Self::new(Library::of_user()?.folder()))
     }
@@ -32,7 +32,7 @@ impl Recent {
         text.lines().filter(|line| !line.trim().is_empty()).take(MOST).map(str::to_owned).collect()
     }
 
-    /// Puts a path first; the new list. That it cannot be written is no fault worth a word: the list is a convenience.
+    /// Puts a path first, and returns the new list. Failure to write it is not reported: the list is a convenience.
     pub fn add(&self, path: &str) -> Vec<String> {
         let mut paths = self.list();
         if path.trim().is_empty() || path.contains(['\n', '\r']) {

@@ -1,7 +1,7 @@
-//! What a session keeps besides the parameters: the recordings, the learned distribution, the speed field.
+//! Session data besides the parameters: the recordings, the learned distribution, the speed field.
 //!
-//! It is kept as JSON text, in the plugin's state as its field [`FIELD`]. A text that this
-//! version does not understand is refused as a whole; whoever holds it keeps it as it was.
+//! It is JSON text, stored in the plug-in's state in the field [`FIELD`]. Text that this version does not understand is
+//! rejected as a whole; the caller then keeps it unchanged.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub const FIELD: &str = "pyrophone";
 /// The version that [`Session::to_json`] writes.
 pub const VERSION: u64 = 1;
 
-/// What turns a session of version `index + 1` into one of the next version.
+/// Conversions of a session from version `index + 1` to the next version.
 const MIGRATIONS: &[fn(&mut serde_json::Value)] = &[];
 
 const _: () = assert!(MIGRATIONS.len() as u64 == VERSION - 1, "each version needs its way to the next");
@@ -46,47 +46,47 @@ pub const EARLIER: &[(&str, f64)] = &[
     ("recording_blend", 0.0),
 ];
 
-/// Most quantiles a learned distribution may have.
+/// Largest number of quantiles in a learned distribution.
 pub const MAX_QUANTILES: usize = 65_536;
 
-/// What a session keeps besides the parameters.
+/// Session data besides the parameters.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Session {
     /// The recording that texture synthesis draws on.
     pub recording: Option<RecordingReference>,
-    /// Whether the user wants the recording itself inside the session.
+    /// True if the user wants the recording itself in the session.
     pub embed: bool,
     /// The learned distribution of the drive's amplitudes.
     pub learned: Option<Learned>,
     /// The speed field that vortex sound follows.
     pub field: Option<FieldReference>,
-    /// Which part of the recording is learnt from, and how loud it is taken.
+    /// Part of the recording that is learnt from, and its level.
     pub cut: Cut,
     /// The recordings of the slots after the first.
     pub others: [Slot; SLOTS - 1],
 }
 
-/// A recording beside the first, and which part of it is learnt from.
+/// A recording in addition to the first, with the part of it that is learnt from.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Slot {
-    /// The recording; none where the slot is empty.
+    /// The recording; none if the slot is empty.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recording: Option<RecordingReference>,
-    /// Its part, and its level.
+    /// Part and level of the recording.
     #[serde(default, skip_serializing_if = "Cut::is_whole")]
     pub cut: Cut,
 }
 
-/// Which part of the recording is learnt from, and how loud it is taken.
+/// Part of the recording that is learnt from, and its level.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Cut {
-    /// Start and end in seconds; none: all of it.
+    /// Start and end in seconds; none for the whole recording.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region_s: Option<[f64; 2]>,
     /// Gain in dB, within ±[`MAX_CUT_GAIN_DB`].
     #[serde(default)]
     pub gain_db: f64,
-    /// Whether the part is first brought to a peak of full scale.
+    /// True if the part is first normalised to full scale.
     #[serde(default)]
     pub normalise: bool,
 }
@@ -102,20 +102,22 @@ impl Cut {
     fn check(self) -> Result<Self, String> {
         let region = self.region_s.is_none_or(|[start_s, end_s]| start_s < end_s && end_s.is_finite());
         if !(region && (-MAX_CUT_GAIN_DB..=MAX_CUT_GAIN_DB).contains(&self.gain_db)) {
-            return Err("its part of the recording is no stretch of time, or its gain is beyond 60 dB".to_owned());
+            return Err(
+                "the selected part of its recording is not a time range, or its gain is beyond 60 dB".to_owned()
+            );
         }
         Ok(self)
     }
 }
 
-/// Where a recording is, and which it is.
+/// Location and identity of a recording.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RecordingReference {
     /// Absolute path at the time of saving.
     pub path: String,
     /// BLAKE3 of the file's bytes in hexadecimal.
     pub content_hash: String,
-    /// The file itself, packed by the `recording` crate; none where the user does not want it.
+    /// The file itself, packed by the `recording` crate; none unless the user wants it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub embedded: Option<String>,
 }
@@ -129,7 +131,7 @@ pub struct FieldReference {
     pub bytes: Vec<u8>,
 }
 
-/// Most bytes that a session takes of a speed field: half an hour of 80 sources at 30 steps per second.
+/// Largest speed field in a session, in bytes: half an hour of 80 sources at 30 steps per second.
 pub const MAX_FIELD_BYTES: usize = 4 << 20;
 
 /// A field's bytes in Base64.
@@ -139,14 +141,15 @@ struct PackedField {
     bytes: String,
 }
 
-/// Quantiles of the drive pyramid's top level, in the companded mode of its loudness, and what they hold for.
+/// Quantiles of the drive pyramid's top level, or in the companded mode of its loudness, and the settings that they
+/// apply to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Learned {
     /// Sample rate in Hz.
     pub sample_rate_hz: f64,
     /// Pyramid levels at 44.1 kHz ([`pyrophone_synthesis::EngineConfig::levels`]).
     pub levels: usize,
-    /// Whether they are of the companded mode.
+    /// True if they belong to the companded mode.
     pub companded: bool,
     /// Sorted magnitudes at equal steps of probability, 1 to [`MAX_QUANTILES`].
     pub quantiles: Vec<f64>,
@@ -189,7 +192,7 @@ impl Session {
         }
     }
 
-    /// The recording of a slot, to be changed; a slot beyond the last is the last.
+    /// Mutable recording of a slot; a slot beyond the last is the last.
     pub fn recording_in_mut(&mut self, slot: usize) -> &mut Option<RecordingReference> {
         match slot.checked_sub(1) {
             None => &mut self.recording,
@@ -197,7 +200,7 @@ impl Session {
         }
     }
 
-    /// Which part of a slot's recording is learnt from.
+    /// Part of a slot's recording that is learnt from.
     pub fn cut_in(&self, slot: usize) -> Cut {
         match slot.checked_sub(1) {
             None => self.cut,
@@ -205,7 +208,7 @@ impl Session {
         }
     }
 
-    /// The same, to be changed; a slot beyond the last is the last.
+    /// The same, mutable; a slot beyond the last is the last.
     pub fn cut_in_mut(&mut self, slot: usize) -> &mut Cut {
         match slot.checked_sub(1) {
             None => &mut self.cut,
@@ -262,7 +265,7 @@ impl Session {
 
 impl PackedField {
     fn unpack(self) -> Result<FieldReference, String> {
-        // Four characters hold three bytes.
+        // Four characters encode three bytes.
         if self.bytes.len() / 4 > MAX_FIELD_BYTES / 3 + 1 {
             return Err(format!("its speed field is larger than {} MB", MAX_FIELD_BYTES >> 20));
         }
@@ -298,8 +301,8 @@ enum StateValue {
     Bool(bool),
 }
 
-/// The plugin's whole state as JSON text, as it would save it itself: the bare state of the VST3
-/// plugin. The CLAP plugin's is this with its length in bytes before it, 64 bits, little-endian.
+/// The plug-in's whole state as JSON text, as it would save it itself: the bare state of the VST3 plug-in. The CLAP
+/// plug-in's is the same after its length in bytes, 64 bits, little-endian.
 pub fn plugin_state(values: &Values, session: &Session) -> String {
     // The fields of a state are themselves JSON.
     let session = serde_json::to_string(&session.to_json()).unwrap_or_default();

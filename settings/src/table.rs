@@ -1,13 +1,12 @@
-//! The table of all parameters: the promise that presets, states and automation rest on.
+//! The table of all parameters, a promise that presets, states and automation rely on.
 //!
-//! Ids and the order of choices never change; new parameters go to the end of [`Id`] and of the
-//! table.
+//! Ids and the order of choices never change; new parameters go to the end of [`Id`] and of the table.
 
 use crate::Error;
 use crate::names::nearest;
 use crate::parameter::{Kind, Parameter};
 
-/// Places in [`PARAMETERS`].
+/// Indices into [`PARAMETERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "each is described by its line of the table")]
 pub enum Id {
@@ -192,7 +191,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 6.0, 2.5, 1.0, 3),
         Some(2.5),
-        "How fast the noise falls with frequency: low values hiss, high values rumble.",
+        "Slope of the noise: low values hiss, high values rumble.",
     ),
     control(
         "cutoff",
@@ -219,7 +218,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 4.0, 1.0, 1.0, 3),
         Some(1.0),
-        "Factor on the fitted noise: 1 continues the input's spectrum, less is softer, more is harsher.",
+        "Gain factor of the fitted noise: 1 continues the input's spectrum, less is softer, more is harsher.",
     ),
     control(
         "extension_seed",
@@ -246,7 +245,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 1.0, 0.0, 1.0, 3),
         Some(1.0),
-        "How far single windows' loudness is mapped onto the input's, as the paper does; high values can buzz.",
+        "Degree to which the loudness of single windows is mapped onto the input's, as in the paper; high values can buzz.",
     ),
     control(
         "dynamic_range",
@@ -255,7 +254,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: DYNAMIC_RANGES, default: 2 },
         Some(1.0),
-        "Where the input's loudness range comes from: off (not mapped), learned beforehand, or estimated during playback.",
+        "Source of the input's loudness range: off (not mapped), learned beforehand, or estimated during playback.",
     ),
     control(
         "gate",
@@ -282,7 +281,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: QUALITIES, default: 1 },
         Some(3.0),
-        "How long each search may take: draft, normal and high compare 256, 1024 and 4096 candidates, exact as many as it needs.",
+        "Effort of each search: draft, normal and high compare 256, 1024 and 4096 candidates, exact as many as it needs.",
     ),
     control(
         "texture_width",
@@ -300,7 +299,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: DRIVE_MODES, default: 0 },
         Some(0.0),
-        "What drives the fire: a flame's pressure or flux, the envelope of the sidechain or of the input, or a built-in flame that needs no input.",
+        "Source that drives the fire: a flame's pressure or flux, the envelope of the sidechain or of the input, or a built-in flame that needs no input.",
     ),
     control(
         "drive_gain",
@@ -311,16 +310,8 @@ pub const PARAMETERS: &[Parameter] = &[
         None,
         "Gain of the input before the engines; matching and fitting follow it.",
     ),
-    control("attack", "Attack", "Drive", "ms", float(0.1, 1000.0, 5.0, 0.3, 2), None, "How fast the envelope rises."),
-    control(
-        "release",
-        "Release",
-        "Drive",
-        "ms",
-        float(1.0, 5000.0, 80.0, 0.3, 1),
-        None,
-        "How fast the envelope falls.",
-    ),
+    control("attack", "Attack", "Drive", "ms", float(0.1, 1000.0, 5.0, 0.3, 2), None, "Rise time of the envelope."),
+    control("release", "Release", "Drive", "ms", float(1.0, 5000.0, 80.0, 0.3, 1), None, "Fall time of the envelope."),
     control(
         "threshold",
         "Threshold",
@@ -337,7 +328,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Hz",
         float_or_off(0.0, 200.0, 5.0, 0.5, 1),
         Some(30.0),
-        "Removes what lies below this frequency before the engines; 0 is off.",
+        "Removes everything below this frequency ahead of the engines; 0 is off.",
     ),
     control(
         "bypass",
@@ -370,7 +361,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "windows",
         Kind::Int { low: 1, high: 6, default: 3 },
         3.0,
-        "How many windows to each side are compared in a search: more is smoother, less follows closer.",
+        "Number of windows to each side that a search compares: more is smoother, fewer follow more closely.",
     ),
     structure(
         "falloff",
@@ -378,7 +369,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 1.0, 0.025, 1.0, 3),
         0.0,
-        "How much less the far samples count in a search.",
+        "Degree to which distant samples count less in a search.",
     ),
     structure(
         "half_width",
@@ -386,7 +377,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "samples",
         Kind::Int { low: 100, high: 2000, default: 500 },
         500.0,
-        "Half-width of an extension window, at 44.1 kHz: how fast the noise follows the input.",
+        "Half-width of an extension window, at 44.1 kHz: shorter ones follow the input faster.",
     ),
     structure(
         "fit_width",
@@ -420,7 +411,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "dB",
         float(-24.0, 24.0, 0.0, 1.0, 2),
         None,
-        "Companded mode: how loud a part of the recording the input looks for; high values find its bursts.",
+        "Companded mode: loudness of the parts of the recording that are sought for the input; high values find its bursts.",
     ),
     control(
         "low_end",
@@ -438,7 +429,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 1.0, 0.75, 1.0, 3),
         Some(0.0),
-        "Companded mode: how far the output's spectrum is brought to the recording's.",
+        "Companded mode: degree to which the output's spectrum is matched to the recording's.",
     ),
     control(
         "flame_scene",
@@ -456,7 +447,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 2.0, 1.0, 1.0, 3),
         None,
-        "Drive flame: how much burns; 0 is out, 2 twice as much as designed.",
+        "Drive flame: amount of fire; 0 is out, 2 is twice as much as designed.",
     ),
     control(
         "flame_wind",
@@ -465,7 +456,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 1.0, 0.0, 1.0, 3),
         None,
-        "Drive flame: wind, turbulence and motion of what burns, beyond what it has by itself; 1 is twice as much.",
+        "Drive flame: wind, turbulence and motion of the flame, in addition to the scene's own; 1 is twice as much.",
     ),
     control(
         "flame_offset",
@@ -492,7 +483,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: VORTEX_TEXTURES, default: 0 },
         None,
-        "What whooshes: hot gas that rises from a fire, or a jet.",
+        "Source of the whoosh: hot gas rising from a fire, or a jet.",
     ),
     control(
         "vortex_flow",
@@ -501,7 +492,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: VORTEX_FLOWS, default: 0 },
         None,
-        "What sets the gas's speed: the input's loudness (envelope), a flame's simulated motion (field), or gas simulated while you listen, which the input drives (live).",
+        "Source of the gas's speed: the input's loudness (envelope), a flame's simulated motion (field), or gas simulated during playback and driven by the input (live).",
     ),
     control(
         "vortex_speed",
@@ -519,7 +510,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.1, 4.0, 0.4, 0.5, 3),
         None,
-        "How speed follows loudness: low values whoosh in soft passages too, high ones in the loudest only.",
+        "Relation of speed to loudness: low values whoosh in soft passages too, high ones in the loudest only.",
     ),
     control(
         "vortex_range",
@@ -528,7 +519,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 1.0, 0.5, 1.0, 3),
         None,
-        "How much louder fast gas is than slow gas: 1 as in nature, which is a lot; 0 not at all.",
+        "Degree to which fast gas is louder than slow gas: 1 as in nature, which is a lot; 0 not at all.",
     ),
     control(
         "vortex_variation",
@@ -537,7 +528,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 1.0, 0.25, 1.0, 3),
         None,
-        "How far the speeds of the sources differ.",
+        "Spread of the speeds of the sources.",
     ),
     control(
         "vortex_sources",
@@ -564,7 +555,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "m",
         float(0.0, 20.0, 1.0, 0.5, 2),
         None,
-        "Radius of the ball of gas: how much of the space around its direction it fills.",
+        "Radius of the ball of gas: larger ones fill more of the space around their direction.",
     ),
     control(
         "vortex_azimuth",
@@ -573,7 +564,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "°",
         float(-180.0, 180.0, 0.0, 1.0, 1),
         None,
-        "Where the gas is: 0 ahead, 90 to the right, -90 to the left, 180 behind.",
+        "Direction of the gas: 0 ahead, 90 to the right, -90 to the left, 180 behind.",
     ),
     control(
         "vortex_elevation",
@@ -582,7 +573,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "°",
         float(-90.0, 90.0, 0.0, 1.0, 1),
         None,
-        "How high the gas is: 0 level, 90 overhead.",
+        "Elevation of the gas: 0 level, 90 overhead.",
     ),
     control(
         "vortex_falloff",
@@ -627,7 +618,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "dB",
         level(0.0),
         None,
-        "Companded mode: level of the recording's crackles, which are split off and played beside the texture.",
+        "Companded mode: level of the recording's crackles, which are separated and played alongside the texture.",
     ),
     control(
         "crackle_density",
@@ -663,7 +654,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 2.0, 1.0, 1.0, 3),
         None,
-        "How far crackles become more and louder as the input does: 0 leaves them even.",
+        "Degree to which crackles become more frequent and louder with the input: 0 keeps them even.",
     ),
     control(
         "crackle_seed",
@@ -672,7 +663,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Int { low: 0, high: 65_535, default: 42 },
         None,
-        "Crackle seed: another one plays the same crackles in another order.",
+        "Seed of the crackles: another number plays the same crackles in a different order.",
     ),
     control(
         "ceiling",
@@ -690,7 +681,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "LUFS",
         float_or_off(-60.0, -6.0, -32.0, 1.0, 1),
         None,
-        "Companded mode: loudness to which every recording is brought; off keeps the recording's own.",
+        "Companded mode: loudness to which every recording is adjusted; off keeps the recording's own.",
     ),
     control(
         "fuel",
@@ -699,7 +690,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: FUELS, default: 0 },
         None,
-        "Companded mode: fuel whose crackle is made where no recording crackles; it also sets the tone of hiss and body.",
+        "Companded mode: fuel whose crackle is made when no recording crackles; it also sets the tone of hiss and body.",
     ),
     control(
         "hiss_level",
@@ -762,7 +753,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         float(0.0, 2.0, 1.0, 1.0, 3),
         None,
-        "How far hiss and body become louder as the input does: 0 leaves them even.",
+        "Degree to which hiss and body grow louder with the input: 0 keeps them even.",
     ),
     control(
         "macro_size",
@@ -771,7 +762,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How large the fire is: large ones are deeper and slower. 0 % changes nothing.",
+        "Size of the fire: large ones are deeper and slower. 0 % changes nothing.",
     ),
     control(
         "macro_fury",
@@ -780,7 +771,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How wild the fire is: how far its loudness swings. 0 % changes nothing.",
+        "Wildness of the fire: the swing of its loudness. 0 % changes nothing.",
     ),
     control(
         "macro_crackle",
@@ -789,7 +780,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How much it crackles: number and level of crackles. 0 % changes nothing.",
+        "Amount of crackling: number and level of crackles. 0 % changes nothing.",
     ),
     control(
         "macro_sharpness",
@@ -798,7 +789,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How sharp crackles are: from dull thuds of wet wood to dry snaps. 0 % changes nothing.",
+        "Sharpness of crackles: from dull thuds of wet wood to dry snaps. 0 % changes nothing.",
     ),
     control(
         "macro_hiss",
@@ -807,7 +798,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How much it hisses: the sound of steam and small jets, above 6 kHz. 0 % changes nothing.",
+        "Amount of hiss: the sound of steam and small jets, above 6 kHz. 0 % changes nothing.",
     ),
     control(
         "macro_whoosh",
@@ -816,7 +807,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How much moving gas is heard: vortex sound, added where its level is off. 0 % changes nothing.",
+        "Amount of whoosh: the vortex sound of moving gas, added if its level is off. 0 % changes nothing.",
     ),
     control(
         "macro_tightness",
@@ -825,7 +816,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How closely the sound follows the flame's loudness, moment by moment. 0 % changes nothing.",
+        "Accuracy with which the sound follows the flame's loudness, moment by moment. 0 % changes nothing.",
     ),
     control(
         "macro_distance",
@@ -834,7 +825,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         AMOUNT,
         None,
-        "How far away the fire is: far ones are softer, duller and narrower. 0 % changes nothing.",
+        "Distance of the fire: far ones are softer, duller and narrower. 0 % changes nothing.",
     ),
     control(
         "take",
@@ -852,7 +843,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         float(0.0, 100.0, 50.0, 1.0, 1),
         None,
-        "How far a take's texture may stray from the best-matching moments; noise, crackles and gas differ in every take.",
+        "Degree to which a take's texture may stray from the best-matching moments; noise, crackles and gas differ in every take.",
     ),
     control(
         "recording_slot",
@@ -861,7 +852,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "",
         Kind::Choice { names: RECORDING_SLOTS, default: 0 },
         None,
-        "Slot of the recording that texture and crackle are made of; another one takes over within 50 ms.",
+        "Slot of the recording that texture and crackle are made from; a change takes effect within 50 ms.",
     ),
     control(
         "recording_second",
@@ -879,18 +870,18 @@ pub const PARAMETERS: &[Parameter] = &[
         "%",
         float(0.0, 100.0, 0.0, 1.0, 1),
         None,
-        "Share of the second recording: how many windows of texture are taken from it, and how many of its crackles are heard.",
+        "Share of the second recording: the proportion of texture windows taken from it, and of its crackles that are heard.",
     ),
 ];
 
-/// What belongs to a session's recordings, and stays as it is when a preset is chosen.
+/// Parameters that belong to a session's recordings, and do not change when a preset is chosen.
 pub const OF_SESSION: [Id; 3] = [Id::RecordingSlot, Id::RecordingSecond, Id::RecordingBlend];
 
 /// Number of parameters.
 pub const COUNT: usize = PARAMETERS.len();
 
 impl Id {
-    /// Its line of the table.
+    /// Its row in the table.
     pub fn parameter(self) -> &'static Parameter {
         &PARAMETERS[self as usize]
     }
@@ -900,8 +891,8 @@ impl Id {
 const HOST_GROUPS: [&str; 10] =
     ["Character", "Levels", "Drive", "Flame", "Texture", "Crackle", "Fuel", "Extension", "Vortex", "Structure"];
 
-/// Places in the table in the order in which hosts show the parameters: by group, bypass first, within a group as in
-/// the table.
+/// Indices into the table in the order in which hosts show the parameters: by group, bypass first, and within a group
+/// as in the table.
 pub fn host_order() -> Vec<usize> {
     let mut order: Vec<usize> = (0..COUNT).collect();
     let group = |index: usize| HOST_GROUPS.iter().position(|group| *group == PARAMETERS[index].group);
@@ -909,7 +900,7 @@ pub fn host_order() -> Vec<usize> {
     order
 }
 
-/// Place of the parameter with this id in [`PARAMETERS`].
+/// Index of the parameter with this id in [`PARAMETERS`].
 pub fn index_of(id: &str) -> Result<usize, Error> {
     PARAMETERS.iter().position(|parameter| parameter.id == id).ok_or_else(|| Error::UnknownParameter {
         id: id.to_owned(),

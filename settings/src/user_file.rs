@@ -1,4 +1,4 @@
-//! Small text files of the user's, which several instances read and write.
+//! Small text files of the user that several instances read and write.
 
 use std::fs;
 use std::io::Write;
@@ -7,13 +7,13 @@ use std::path::Path;
 /// A larger file is none of ours.
 const LARGEST_BYTES: u64 = 1 << 20;
 
-/// The file's text; empty where there is no such file, or one that cannot be read.
+/// The file's text; empty if the file is missing or unreadable.
 pub fn read(file: &Path) -> String {
     let is_ours = fs::metadata(file).is_ok_and(|found| found.is_file() && found.len() <= LARGEST_BYTES);
     if is_ours { fs::read_to_string(file).unwrap_or_default() } else { String::new() }
 }
 
-/// Writes the file whole or not at all, and its folder where there is none.
+/// Writes the file completely or not at all, and creates its folder if needed.
 pub fn write(file: &Path, text: &str) -> std::io::Result<()> {
     let folder = file.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder)?;
@@ -22,7 +22,7 @@ pub fn write(file: &Path, text: &str) -> std::io::Result<()> {
     let written = fs::File::create(&beside).and_then(|mut created| created.write_all(text.as_bytes()));
     let done = written.and_then(|()| fs::rename(&beside, file));
     if done.is_err() {
-        // It may not be there.
+        // It may not exist.
         let _ = fs::remove_file(&beside);
     }
     done

@@ -1,4 +1,4 @@
-//! A set of values for all parameters, and what the engines make of it.
+//! A set of values for all parameters, and its conversion for the engines.
 
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::{
@@ -36,25 +36,24 @@ impl Values {
         &self.plain
     }
 
-    /// Sets one parameter to the nearest allowed value; `index` is its place in [`PARAMETERS`],
-    /// a place beyond its end is ignored.
+    /// Sets one parameter to the nearest allowed value; `index` is its index in [`PARAMETERS`], and is ignored beyond
+    /// the end.
     pub fn set_nearest(&mut self, index: usize, plain: f64) {
         if let (Some(value), Some(parameter)) = (self.plain.get_mut(index), PARAMETERS.get(index)) {
             *value = parameter.snap(plain);
         }
     }
 
-    /// Sets one parameter by its place in [`PARAMETERS`]; fails, changing nothing, where the
-    /// value is out of range.
+    /// Sets one parameter by its index in [`PARAMETERS`]; fails without a change if the value is out of range.
     ///
     /// # Panics
-    /// Where `index` is not below [`COUNT`].
+    /// If `index` is not below [`COUNT`].
     pub fn set(&mut self, index: usize, plain: f64) -> Result<(), Error> {
         self.plain[index] = PARAMETERS[index].check(plain)?;
         Ok(())
     }
 
-    /// These values as a preset brings them: what belongs to a session's recordings stays as it is at `present`.
+    /// These values as loaded from a preset: those that belong to a session's recordings are kept from `present`.
     pub fn chosen_over(&self, present: &Self) -> Self {
         let mut chosen = *self;
         OF_SESSION.iter().for_each(|id| chosen.plain[*id as usize] = present.plain[*id as usize]);
@@ -68,8 +67,8 @@ impl Values {
         Ok(())
     }
 
-    /// Sets everything of which Chadwick & James 2011 state a value to that value; the rest
-    /// (levels, widths, seed, envelope) stays.
+    /// Sets all parameters for which Chadwick & James 2011 state a value to that value; the others (levels, widths,
+    /// seed, envelope) stay.
     pub fn reset_to_paper(&mut self) {
         for (value, parameter) in self.plain.iter_mut().zip(PARAMETERS) {
             if let Some(paper) = parameter.paper {
@@ -78,7 +77,7 @@ impl Values {
         }
     }
 
-    /// What the engines may change while sound runs, moved by [`crate::macros`].
+    /// The engines' controls, moved by [`crate::macros`].
     pub fn controls(&self) -> Controls {
         let mut controls = self.controls_without_macros();
         macros::apply(self, &mut controls);
@@ -222,12 +221,12 @@ impl Values {
         }
     }
 
-    /// Whether vortex sound of the flow `live` is heard.
+    /// True if vortex sound of the flow `live` is audible.
     pub fn is_live(&self) -> bool {
         self.get(Id::VortexFlow) as usize == 2 && self.controls().mix.vortex != 0.0
     }
 
-    /// What decides sizes and latency.
+    /// The settings that decide sizes and latency.
     pub fn structure(&self) -> EngineConfig {
         EngineConfig {
             levels: self.get(Id::Levels) as usize,
@@ -240,14 +239,14 @@ impl Values {
         }
     }
 
-    /// A seed, as take 0 has it or as another take makes of it.
+    /// A seed: unchanged for take 0, modified for other takes.
     fn seed(&self, id: Id) -> u32 {
         let (seed, take) = (self.get(id) as u32, self.get(Id::Take) as u32);
-        // An odd factor makes a different number of every take; its bits are spread by the noise itself.
+        // An odd factor gives every take a different number; the noise itself spreads its bits.
         seed.wrapping_add(take.wrapping_mul(0x9E37_79B1))
     }
 
-    /// A level in dB as a factor: exactly 1 at 0 dB, exactly 0 where it is off.
+    /// A level in dB as a factor: exactly 1 at 0 dB, exactly 0 if it is off.
     fn factor(&self, id: Id) -> f64 {
         let plain = self.get(id);
         if id.parameter().is_off(plain) { 0.0 } else { maths::pow(10.0, plain / 20.0) }

@@ -1,7 +1,7 @@
-//! Presets as VST3 hosts keep them: `.vstpreset` files.
+//! Presets in the format of VST3 hosts: `.vstpreset` files.
 //!
-//! A header names the class, then comes the component's state, then a list of where it lies. The state has no session, so
-//! that a preset leaves the recording alone.
+//! A header names the class, followed by the component's state and a list with its position. The state has no session,
+//! so a preset does not affect the recording.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::{Error, Preset};
 /// The plug-in's VST3 class, as its sixteen bytes.
 pub const CLASS_ID: [u8; 16] = *b"PyrophoneFireFX1";
 
-/// Bytes before the state: magic, version, class in hexadecimal, place of the list.
+/// Bytes before the state: magic, version, class in hexadecimal, position of the list.
 const HEADER: usize = 4 + 4 + 32 + 8;
 
 /// A preset as the bytes of a `.vstpreset` file.
@@ -33,10 +33,10 @@ pub fn to_bytes(preset: &Preset) -> Vec<u8> {
     bytes
 }
 
-/// Writes the factory's presets into `folder`, which is made if need be, and gives their paths.
+/// Writes the factory presets to `folder`, which is created if needed, and returns their paths.
 ///
 /// # Errors
-/// [`Error::File`] where the folder or a file cannot be written.
+/// [`Error::File`] if the folder or a file cannot be written.
 pub fn write_factory(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let failed = |path: &Path| {
         let path = path.to_owned();

@@ -61,17 +61,17 @@ fn measure(rate_hz: f64, channels: usize, moving: bool) -> Figures {
     }
 }
 
-/// What one run took.
+/// Measurements of one run.
 struct Figures {
     /// CPU time per second of sound.
     cpu_s: f64,
-    /// The same from the median window's time, which other programs disturb less.
+    /// The same computed from the median window's time, which other programs disturb less.
     undisturbed_s: f64,
     /// The slowest block.
     slowest: Duration,
 }
 
-/// CPU time of this thread, where the system tells it: other programs' load does not count.
+/// CPU time of this thread, if the system reports it: load from other programs does not count.
 fn cpu_time() -> Option<Duration> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     text.split_whitespace().next()?.parse().ok().map(Duration::from_nanos)

@@ -1,4 +1,4 @@
-//! CPU time of vortex sound per second of sound, per source, and how many sources one core renders.
+//! CPU time of vortex sound per second of sound and per source, and the number of sources that one core renders.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -39,7 +39,7 @@ fn main() {
     }
 }
 
-/// What tells the speeds.
+/// Source of the flow speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Driven {
     Steadily,
@@ -105,17 +105,17 @@ fn measure(rate_hz: f64, layout: SpeakerLayout, driven: Driven, bank: Arc<Bank>)
     }
 }
 
-/// What one run took.
+/// Measurements of one run.
 struct Figures {
     /// CPU time per second of sound.
     cpu_s: f64,
-    /// The same from the median hop's time, which other programs disturb less.
+    /// The same computed from the median hop's time, which other programs disturb less.
     undisturbed_s: f64,
     /// The slowest hop.
     slowest: Duration,
 }
 
-/// CPU time of this thread, where the system tells it: other programs' load does not count.
+/// CPU time of this thread, if the system reports it: load from other programs does not count.
 fn cpu_time() -> Option<Duration> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     text.split_whitespace().next()?.parse().ok().map(Duration::from_nanos)

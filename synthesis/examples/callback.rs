@@ -12,7 +12,7 @@ const BLOCK: usize = 512;
 const SECONDS: usize = 10;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let path = std::env::args().nth(1).ok_or("name the WAV file to write")?;
+    let path = std::env::args().nth(1).ok_or("give the path of the WAV file to write")?;
 
     // Before playing, and not on the audio thread: everything that allocates.
     let structure = EngineConfig { dynamics: MatchingMode::Companded, ..EngineConfig::default() };
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut block = vec![vec![0.0f32; BLOCK]; 2];
     let blocks = (SECONDS * SAMPLE_RATE_HZ as usize + chain.latency_samples()).div_ceil(BLOCK);
     for index in 0..blocks {
-        // In the callback: the block holds the input (silence, since a flame burns by itself) and becomes the output.
+        // In the callback: the block contains the input (silence, since a built-in flame burns) and becomes the output.
         block.iter_mut().for_each(|channel| channel.fill(0.0));
         let mut outputs: Vec<&mut [f32]> = block.iter_mut().map(Vec::as_mut_slice).collect();
         let transport = Transport { playing: true, position: Some((index * BLOCK) as i64) };

@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p pyrophone-synthesis --example texture_file -- flame.wav fire.wav out.wav`
 //!
-//! Both files must have one sample rate: this crate does not resample (`pyrophone texture` does).
+//! Both files must have the same sample rate: this crate does not resample (`pyrophone texture` does).
 
 use std::sync::Arc;
 
@@ -11,14 +11,14 @@ use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let paths: Vec<String> = std::env::args().skip(1).collect();
-    let [flame, fire, output] = paths.as_slice() else { return Err("name three files: flame, fire, output".into()) };
+    let [flame, fire, output] = paths.as_slice() else { return Err("give three files: flame, fire, output".into()) };
     let (flame, flame_rate_hz) = mono(flame)?;
     let (fire, fire_rate_hz) = mono(fire)?;
     if flame_rate_hz != fire_rate_hz {
         return Err(format!("the flame has {flame_rate_hz} Hz and the fire {fire_rate_hz} Hz; resample one").into());
     }
 
-    // Analysis of the recording: pyramid, feature vectors, index. It can be used for any number of flames.
+    // Analysis of the recording: pyramid, feature vectors, index. It can serve any number of flames.
     let dictionary = Arc::new(Dictionary::new(&[fire], f64::from(fire_rate_hz), &PyramidConfig::default(), &|_| true)?);
     let made = synthesize(&flame, &dictionary, &Options::default(), &|_| true)?;
 

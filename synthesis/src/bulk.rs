@@ -1,8 +1,8 @@
-//! Large arrays written and read as they lie in memory.
+//! Large arrays written and read in their memory layout.
 //!
-//! A dictionary of two minutes of stereo is some 380 MB of numbers: decoding them one by one takes longer than making the sound that
-//! they are for. What is small goes through `bitcode`, which skips fields that are [`Bulk`]; those follow as plain bytes, each
-//! array after its length, in the order in which [`Bulk`] names them.
+//! A dictionary of two minutes of stereo has some 380 MB of numbers: decoding them one by one takes longer than making
+//! the sound that they are for. Small data goes through `bitcode`, which skips fields that are [`Bulk`]; those follow
+//! as plain bytes, each array after its length, in the order in which [`Bulk`] lists them.
 
 use std::io::{Error, ErrorKind, Read, Result, Write};
 
@@ -10,10 +10,10 @@ use bytemuck::{Pod, allocation::try_zeroed_vec, cast_slice, cast_slice_mut};
 
 /// An array of plain numbers.
 pub(crate) trait Array {
-    /// Its bytes.
+    /// The array as bytes.
     fn bytes(&self) -> &[u8];
-    /// Becomes as many zero bytes, to be overwritten. Fails where they are no whole number of elements, or too many for
-    /// the memory that there is.
+    /// Resizes the array to zero bytes, to be overwritten. Fails if they are not a whole number of elements, or if
+    /// memory is too small.
     fn become_zeroed(&mut self, len_bytes: usize) -> Result<&mut [u8]>;
 }
 
@@ -33,9 +33,9 @@ impl<T: Pod> Array for Vec<T> {
     }
 }
 
-/// Has the system provide an array's memory in one go. Provided page by page as it is first touched, it costs more than all else
-/// that reading a dictionary does; large pages cost more still where memory is in pieces. Nothing depends on the answer: systems
-/// that do not know the advice refuse it.
+/// Makes the system provide an array's memory at once. Page by page, as each page is first touched, it costs more than
+/// everything else in reading a dictionary; large pages cost still more if memory is fragmented. Nothing depends on the
+/// result: systems that do not support this advice reject it.
 #[cfg(target_os = "linux")]
 fn provide(bytes: &mut [u8]) {
     /// Below this there is nothing to win.
@@ -46,18 +46,19 @@ fn provide(bytes: &mut [u8]) {
     }
     let offset = bytes.as_ptr().align_offset(PAGE_BYTES);
     let inner = &mut bytes[offset..];
-    // SAFETY: the range is whole pages inside an array that is borrowed mutably, and the advice changes no byte of it.
+    // SAFETY: the range consists of whole pages inside an array that is borrowed mutably, and the advice changes no
+    // byte of it.
     unsafe { libc::madvise(inner.as_mut_ptr().cast(), inner.len() & !(PAGE_BYTES - 1), libc::MADV_POPULATE_WRITE) };
 }
 
 #[cfg(not(target_os = "linux"))]
 fn provide(_: &mut [u8]) {}
 
-/// Something that holds large arrays, or is one.
+/// A container of large arrays, or such an array itself.
 pub(crate) trait Bulk {
-    /// Its arrays, always in the same order.
+    /// The arrays, always in the same order.
     fn arrays(&self) -> Vec<&dyn Array>;
-    /// The same, to be read into.
+    /// The same arrays, to be read into.
     fn arrays_mut(&mut self) -> Vec<&mut dyn Array>;
 }
 
@@ -117,8 +118,8 @@ pub(crate) fn write_array(bytes: &[u8], out: &mut dyn Write) -> Result<()> {
     out.write_all(bytes)
 }
 
-/// Reads what [`write_array`] wrote. `left` is how many bytes there may be at most, and what remains of them: a damaged length
-/// must not take all memory.
+/// Reads the output of [`write_array`]. `left` is the largest number of bytes allowed, and is reduced by those read: a
+/// damaged length must not take all memory.
 pub(crate) fn read_array(array: &mut dyn Array, left: &mut u64, from: &mut dyn Read) -> Result<()> {
     let mut len = [0; 8];
     from.read_exact(&mut len)?;

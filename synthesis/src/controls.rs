@@ -1,12 +1,12 @@
-//! Everything that may change while sound runs.
+//! Everything that may change during playback.
 //!
-//! A control acts on the sound it arrived with: windows use the value at their centre, levels are
-//! delayed by the latency.
+//! A control acts on the sound it arrived with: windows use the value at their centre, levels are delayed by the
+//! latency.
 
-/// All of the effect's controls.
+/// All controls of the effect.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Controls {
-    /// What the engines feed on.
+    /// Controls of the driving signal.
     pub drive: DriveControls,
     /// Spectral bandwidth extension.
     pub extend: ExtendControls,
@@ -22,7 +22,7 @@ pub struct Controls {
     pub mix: MixControls,
 }
 
-/// How the input becomes the drive.
+/// Conversion of the input to the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DriveMode {
     /// The main input is the flame's low-frequency pressure.
@@ -30,26 +30,25 @@ pub enum DriveMode {
     Pressure,
     /// The main input is the flame's velocity flux; its derivative is the pressure.
     Flux,
-    /// The envelope of the sidechain (of the main input where there is no sidechain bus) modulates
-    /// a band-limited rumble.
+    /// The envelope of the sidechain (of the main input if there is no sidechain bus) modulates a band-limited rumble.
     Envelope,
-    /// The envelope of the main input does: hosts that offer a sidechain bus which nothing is
-    /// connected to cannot be told from a silent one.
+    /// The same with the envelope of the main input: hosts that offer a sidechain bus with nothing connected to it are
+    /// indistinguishable from a silent sidechain.
     InputEnvelope,
-    /// A simulated flame; the input is of no account.
+    /// A simulated flame; the input is ignored.
     Flame,
 }
 
-/// Which flame burns where there is no input, and how.
+/// Controls of the built-in flame, which needs no input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlameControls {
-    /// Place in [`crate::drive::SCENES`]; beyond its end the last.
+    /// Index into [`crate::drive::SCENES`]; beyond its end, the last scene.
     pub scene: usize,
     /// Amount of fuel, to which the flux is proportional, 0-2; 1 as designed.
     pub intensity: f64,
-    /// Wind, motion and turbulence beyond what the scene was designed with, 0-1; 1 is twice as much.
+    /// Wind, motion and turbulence in addition to the scene's own, 0-1; 1 is twice as much.
     pub wind: f64,
-    /// The moment, in seconds, of the scene's period that stands at the timeline's start; 0-3600.
+    /// Time in seconds within the scene's period at the start of the timeline; 0-3600.
     pub offset_s: f64,
 }
 
@@ -63,11 +62,11 @@ impl Default for FlameControls {
 /// Controls of [`crate::drive`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveControls {
-    /// What the input is.
+    /// Conversion of the input.
     pub mode: DriveMode,
     /// Level of the drive as a factor, 0 or more; it acts before the engines.
     pub gain: f64,
-    /// Exponent by which the drive's slow loudness varies more about its mean, -1 to 2; 0 leaves it alone.
+    /// Exponent by which the drive's slow loudness varies more about its mean, -1 to 2; 0 changes nothing.
     pub swell: f64,
     /// Envelope attack in seconds, 0.0001-1.
     pub attack_s: f64,
@@ -104,8 +103,8 @@ impl Default for DriveControls {
 pub struct ExtendControls {
     /// Power-law exponent: the noise's power falls as frequency^(-alpha); 0-6.
     pub alpha: f64,
-    /// Frequency in Hz where the drive ends and the noise begins, 40-1000: centre of the
-    /// blend, of the fit, and corner of the envelope's low-pass.
+    /// Frequency in Hz where the drive ends and the noise begins, 40-1000: centre of the blend and of the fit, and
+    /// corner of the envelope's low-pass.
     pub cutoff_hz: f64,
     /// Width of the blend in Hz, 2-400.
     pub blend_width_hz: f64,
@@ -124,7 +123,7 @@ impl Default for ExtendControls {
     }
 }
 
-/// Where the distribution of the drive's amplitudes comes from (§5.3).
+/// Source of the distribution of the drive's amplitudes (§5.3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DynamicRange {
     /// No mapping.
@@ -136,7 +135,7 @@ pub enum DynamicRange {
     Running,
 }
 
-/// How many candidates one search may look at.
+/// Number of candidates that one search may examine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quality {
     /// At most this many candidates per window.
@@ -144,7 +143,7 @@ pub enum Quality {
         /// Candidates compared per search, at least 1.
         candidates: u32,
     },
-    /// As many as it takes to be sure.
+    /// As many as needed to be certain.
     Exact,
 }
 
@@ -154,10 +153,10 @@ impl Default for Quality {
     }
 }
 
-/// Recordings that are kept ready side by side.
+/// Number of recordings that are kept ready side by side.
 pub const SLOTS: usize = 4;
 
-/// Which recordings texture and crackle are made of. A slot beyond the last is the last.
+/// The recordings that texture and crackle are made from. A slot beyond the last is the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordingControls {
     /// Slot of the recording.
@@ -180,7 +179,8 @@ impl RecordingControls {
         self.slot.min(SLOTS - 1)
     }
 
-    /// Slot and share of the second recording, of which `is_there` tells whether it is loaded; none where it has no share.
+    /// Slot and share of the second recording, if it has a share; `is_there` returns whether a slot's recording is
+    /// loaded.
     pub(crate) fn other(&self, is_there: impl Fn(usize) -> bool) -> Option<(usize, f64)> {
         let (slot, share) = (self.second.min(SLOTS - 1), crate::error::within(self.blend, 0.0, 1.0));
         (share > 0.0 && slot != self.first() && is_there(slot)).then_some((slot, share))
@@ -190,24 +190,25 @@ impl RecordingControls {
 /// Controls of [`crate::texture`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureControls {
-    /// Which recordings it is made of.
+    /// The recordings that it is made from.
     pub recordings: RecordingControls,
-    /// How far the recording's amplitudes are mapped onto the drive's, 0-1 (1: the paper).
+    /// Degree to which the recording's amplitudes are mapped onto the drive's, 0-1 (1: the paper).
     pub scaling_alpha: f64,
-    /// Whether that is lowered while single tones stand out ([`crate::texture::buzz`]).
+    /// True if that is lowered while single tones stand out ([`crate::texture::buzz`]).
     pub scaling_auto: bool,
-    /// Where the drive's amplitude distribution comes from.
+    /// Source of the drive's amplitude distribution.
     pub dynamic_range: DynamicRange,
-    /// Amplitude of the pyramid's top level below which, once it lasts longer than the look-ahead, nothing is synthesized; 0 = no gate.
+    /// Amplitude of the pyramid's top level below which, once it lasts longer than the look-ahead, nothing is
+    /// synthesized; 0 = no gate.
     pub gate: f64,
     /// Bound on each search.
     pub quality: Quality,
     /// Seed of the noise that [`variety`](Self::variety) adds.
     pub seed: u32,
-    /// How far searches are led astray, 0-1, so that another seed finds other windows of the same kind: noise on what is
-    /// looked for, relative to its own root mean square. 0 finds the nearest, as the paper does.
+    /// Degree to which searches are perturbed, 0-1, so that another seed finds other windows of the same kind: noise
+    /// added to the feature, relative to its own root mean square. 0 finds the nearest, as in the paper.
     pub variety: f64,
-    /// What companding does; of no account in the paper's mode.
+    /// Controls of companding; without effect in the paper's mode.
     pub companding: CompandingControls,
 }
 
@@ -230,7 +231,7 @@ impl Default for TextureControls {
 /// Controls of [`crate::companding`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompandingControls {
-    /// Whose loudness dynamics are heard, 0-1: 0 = the recording's own, 1 = the drive's alone.
+    /// Origin of the audible loudness dynamics, 0-1: 0 = the recording's own, 1 = the drive's only.
     pub dynamics: f64,
     /// Factor on the drive's level in matching, around its automatic value; 0.01-100.
     pub drive_match: f64,
@@ -246,7 +247,7 @@ impl Default for CompandingControls {
     }
 }
 
-/// What tells the sources of vortex sound how fast they flow.
+/// Source of the flow speeds of vortex sound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Flow {
     /// The drive's envelope, for all of them.
@@ -254,18 +255,17 @@ pub enum Flow {
     Envelope,
     /// A speed field, for each of them; nothing sounds without one.
     Field,
-    /// A flow that is simulated meanwhile, into which the drive's envelope blows; nothing sounds without a simulator.
+    /// A flow simulated during playback, into which the drive's envelope blows; silent without a simulator.
     Live,
 }
 
-/// Controls of [`crate::vortex`]. What lies out of its range is taken at its end, what is not a number at the lowest
-/// value.
+/// Controls of [`crate::vortex`]. Values out of range are clamped; NaN counts as the lowest value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VortexControls {
-    /// Place in [`crate::vortex::TEXTURES`] of what a source sounds like; beyond its end the last. [`crate::chain::Chain`]
-    /// heeds it; the renderer plays the bank that it has.
+    /// Index into [`crate::vortex::TEXTURES`] of the sources' sound; beyond its end, the last. [`crate::chain::Chain`]
+    /// applies it; the renderer plays the bank that it has.
     pub texture: usize,
-    /// What tells the flow speeds.
+    /// Source of the flow speeds.
     pub flow: Flow,
     /// Envelope attack in seconds, 0.0001-1.
     pub attack_s: f64,
@@ -277,34 +277,34 @@ pub struct VortexControls {
     pub speed_m_s: f64,
     /// Exponent from envelope to speed, 0.1-4: below 1, soft passages flow faster.
     pub curve: f64,
-    /// Part by which the sources' speeds may deviate from that, 0-1.
+    /// Share by which the sources' speeds may deviate from that, 0-1.
     pub variation: f64,
     /// Factor on a field's speeds, 0-10.
     pub field_speed: f64,
     /// Seconds by which a field is ahead of the timeline, -3600 to 3600.
     pub field_offset_s: f64,
-    /// Number of sources, up to what the renderer has room for; a field brings its own. They add by power: twice as
-    /// many are 3 dB louder.
+    /// Number of sources, up to the renderer's capacity; a field has its own. They add by power: twice as many are 3 dB
+    /// louder.
     pub count: usize,
-    /// Seed of the sources' places, directions and times.
+    /// Seed of the sources' positions, directions and times.
     pub seed: u32,
     /// Distance in m from the listener to the middle of the sources, or to a field's origin; 0-1000.
     pub distance_m: f64,
     /// Radius in m of the ball that the sources are spread in, 0-100; of no account with a field.
     pub spread_m: f64,
-    /// Azimuth of the middle in degrees, positive to the right; any.
+    /// Azimuth of the centre in degrees, positive to the right; any.
     pub azimuth_deg: f64,
     /// Elevation of the middle in degrees, -90 to 90.
     pub elevation_deg: f64,
     /// Exponent n of the fall with distance, 1-3 (1: physics, 3: as printed in the paper).
     pub exponent: f64,
-    /// How much of the level's range over speed is kept, in decibels per decibel, 0-1.
+    /// Share of the level's range over speed that is kept, in decibels per decibel, 0-1.
     pub range: f64,
-    /// Speed in m/s whose level the range leaves alone, 0.1-100.
+    /// Speed in m/s whose level the range does not change, 0.1-100.
     pub reference_m_s: f64,
     /// Output per Pa, 0-1,000,000.
     pub level: f64,
-    /// Largest sound pressure in Pa that a receiver takes, 0.000001-1,000,000,000.
+    /// Largest sound pressure in Pa that a receiver accepts, 0.000001-1,000,000,000.
     pub max_pressure_pa: f64,
 }
 
@@ -355,23 +355,23 @@ pub enum Fuel {
 }
 
 impl Fuel {
-    /// Names in the order of [`ALL`](Self::ALL), to which new ones are only ever appended.
+    /// Names in the order of [`ALL`](Self::ALL), to which new ones may only be appended.
     pub const NAMES: &'static [&'static str] = &["off", "dry wood", "wet wood", "grass", "paper", "coal"];
-    /// All of them, in the order of their declaration.
+    /// All fuels, in the order of their declaration.
     pub const ALL: [Self; 6] = [Self::Off, Self::DryWood, Self::WetWood, Self::Grass, Self::Paper, Self::Coal];
 
-    /// The fuel at a place in [`NAMES`](Self::NAMES); `Off` beyond its end.
+    /// The fuel at an index of [`NAMES`](Self::NAMES); `Off` beyond its end.
     pub fn at(place: usize) -> Self {
         Self::ALL.get(place).copied().unwrap_or_default()
     }
 
-    /// Place among the fuels that burn; none for `Off`.
+    /// Index among the fuels that burn; none for `Off`.
     pub fn place(self) -> Option<usize> {
         (self as usize).checked_sub(1)
     }
 }
 
-/// Controls of the noise of [`crate::fuel`]. Values out of range are clamped; what is not a number is taken as the lowest.
+/// Controls of the noise of [`crate::fuel`]. Values out of range are clamped; NaN counts as the lowest value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FuelControls {
     /// Fuel that decides tone and level.
@@ -384,7 +384,7 @@ pub struct FuelControls {
     pub body_tone: f64,
     /// Unevenness of the body, 0-1: 0 = steady, 1 = flapping.
     pub body_flutter: f64,
-    /// Degree to which both follow the drive's loudness: 0 = not at all, 1 = as fire does, 2 = twice as far in dB.
+    /// Degree to which both follow the drive's loudness: 0 = not at all, 1 = as in a fire, 2 = twice as far in dB.
     pub follow: f64,
     /// Noise seed.
     pub seed: u32,
@@ -404,21 +404,22 @@ impl Default for FuelControls {
     }
 }
 
-/// Controls of [`crate::crackle`]. What lies out of its range is taken at its end, what is not a number at the lowest
-/// value.
+/// Controls of [`crate::crackle`]. Values out of range are clamped; NaN counts as the lowest value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrackleControls {
     /// Slot of the recording that crackles.
     pub slot: usize,
-    /// Fuel that crackles where no recording does.
+    /// Fuel that crackles if no recording does.
     pub fuel: Fuel,
     /// Crackles relative to the recording's, 0-4.
     pub density: f64,
     /// -1 = dull, 0 = as recorded, 1 = bright and short.
     pub sharpness: f64,
-    /// Exponent on how far the crackles' levels lie from their median: 0 = all alike, 1 = as recorded, 2 = twice as far in dB.
+    /// Exponent of the distance of the crackles' levels from their median: 0 = all alike, 1 = as recorded, 2 = twice as
+    /// far in dB.
     pub spread: f64,
-    /// How far density and level follow the drive's loudness: 0 = not at all, 1 = as fire does, 2 = twice as far in dB.
+    /// Degree to which density and level follow the drive's loudness: 0 = not at all, 1 = as in a fire, 2 = twice as
+    /// far in dB.
     pub follow: f64,
     /// Seed of their order and variation.
     pub seed: u32,
@@ -442,7 +443,7 @@ impl Default for CrackleControls {
     }
 }
 
-/// Tone of the whole effect: factors at or above 0, each 1 where it leaves the sound alone.
+/// Tone of the whole effect: factors of 0 or more, each 1 if it changes nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToneControls {
     /// Factor below 700 Hz.
@@ -464,7 +465,7 @@ impl Default for ToneControls {
 /// Controls of [`crate::mix`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MixControls {
-    /// Factor on the drive's own low part.
+    /// Gain factor of the drive's own low part.
     pub low: f64,
     /// Factor on the extension's noise.
     pub extension: f64,
@@ -484,10 +485,10 @@ pub struct MixControls {
     pub tone: ToneControls,
     /// Factor on the sum.
     pub output: f64,
-    /// Loudness in LUFS that the recording is brought to in texture and crackle, and a fuel in crackle, hiss and body, in the
-    /// companded mode; none leaves both as they are.
+    /// Loudness in LUFS to which the recording is adjusted in texture and crackle, and a fuel in crackle, hiss and
+    /// body, in the companded mode; none changes neither.
     pub loudness_lufs: Option<f64>,
-    /// Whether what exceeds -1 dBFS is bent so that nothing exceeds full scale.
+    /// True if levels above -1 dBFS are soft-clipped so that nothing exceeds full scale.
     pub ceiling: bool,
     /// The input, delayed by the latency, instead of the effect.
     pub bypass: bool,

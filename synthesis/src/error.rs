@@ -1,6 +1,6 @@
-//! What can be wrong with a configuration or a signal handed to an engine.
+//! Errors of configurations and signals for the engines.
 
-/// Why an engine could not be made or a signal could not be processed.
+/// Reason why an engine could not be created, or a signal could not be processed.
 ///
 /// Every message names the value found and the value allowed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -21,19 +21,19 @@ pub enum Error {
     /// A signal is too short for what is asked of it.
     #[error("{what} has {found} samples, but at least {least} are needed; use a longer sound or {remedy}")]
     TooShort {
-        /// Which signal.
+        /// The signal.
         what: &'static str,
         /// Its length in samples.
         found: usize,
         /// The least length in samples.
         least: usize,
-        /// What else would help.
+        /// An alternative remedy.
         remedy: &'static str,
     },
-    /// A signal holds a NaN or an infinity.
-    #[error("{what} holds a value that is not a number at sample {at}; repair or re-export the file")]
+    /// A signal contains a NaN or an infinity.
+    #[error("{what} has a value that is not finite at sample {at}; repair or re-export the file")]
     NotFinite {
-        /// Which signal.
+        /// The signal.
         what: &'static str,
         /// Index of the first bad sample.
         at: usize,
@@ -43,7 +43,7 @@ pub enum Error {
         "{what}: channel {channel} has {found} samples, channel 0 has {expected}; all channels must be equally long"
     )]
     UnequalChannels {
-        /// Which signal.
+        /// The signal.
         what: &'static str,
         /// The channel that differs.
         channel: usize,
@@ -52,24 +52,24 @@ pub enum Error {
         /// The length of channel 0 in samples.
         expected: usize,
     },
-    /// A flame that comes with the engines cannot be read: the build is damaged.
-    #[error("the factory drive `{scene}` cannot be read: {reason}; write it anew with `cargo xtask drives`")]
+    /// A built-in flame cannot be read: the build is damaged.
+    #[error("the factory drive `{scene}` cannot be read: {reason}; write it again with `cargo xtask drives`")]
     FactoryDrive {
         /// The scene.
         scene: &'static str,
-        /// What is wrong with its file.
+        /// The fault in its file.
         reason: String,
     },
     /// A vortex-sound texture cannot be used.
-    #[error("the vortex texture cannot be used: {reason}; write it anew with `pyrophone vortex-texture`")]
+    #[error("the vortex texture cannot be used: {reason}; write it again with `pyrophone vortex-texture`")]
     VortexTexture {
-        /// What is wrong with it.
+        /// The fault found.
         reason: String,
     },
     /// A speed field cannot be used.
-    #[error("the speed field cannot be used: {reason}; export it anew")]
+    #[error("the speed field cannot be used: {reason}; export it again")]
     SpeedField {
-        /// What is wrong with it.
+        /// The fault found.
         reason: String,
     },
     /// Work was called off by its progress callback.
@@ -82,7 +82,7 @@ pub(crate) fn in_range(what: &'static str, found: f64, low: f64, high: f64) -> R
     if found >= low && found <= high { Ok(()) } else { Err(Error::OutOfRange { what, found, low, high }) }
 }
 
-/// `value` moved into `low..=high`; a NaN becomes `low`, which `clamp` would let through.
+/// `value` limited to `low..=high`; a NaN becomes `low`, which `clamp` would let through.
 pub(crate) fn within(value: f64, low: f64, high: f64) -> f64 {
     value.max(low).min(high)
 }

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// A filter left alone with silence ends here: -300 dBFS.
+/// Level at which a filter that receives silence ends: -300 dBFS.
 const SILENCE: f64 = 1e-15;
 
-/// Butterworth low- and high-pass of order 2 as a state-variable filter with trapezoidal integrators
-/// (Zavalishin, "The Art of VA Filter Design", §4), which stays well-behaved while its corner moves.
+/// Butterworth low- and high-pass of order 2 as a state-variable filter with trapezoidal integrators (Zavalishin, "The
+/// Art of VA Filter Design", §4), which remains well-behaved while its corner moves.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Svf {
     state: [f64; 2],
@@ -15,9 +15,9 @@ pub(crate) struct Svf {
 /// The two outputs of a [`Svf`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bands {
-    /// What lies below the corner.
+    /// The signal below the corner.
     pub low: f64,
-    /// What lies above it.
+    /// The signal above it.
     pub high: f64,
 }
 
@@ -27,7 +27,7 @@ pub(crate) fn section_gain(corner_hz: f64, sample_rate_hz: f64) -> f64 {
 }
 
 impl Svf {
-    /// Back to silence.
+    /// Resets to silence.
     pub fn reset(&mut self) {
         self.state = [0.0; 2];
     }

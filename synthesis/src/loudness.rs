@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-/// Length of a block in seconds, and how many begin within one.
+/// Length of a block in seconds, and number of blocks that begin within one.
 const BLOCK_S: f64 = 0.4;
 const OVERLAP: usize = 4;
-/// Gates in LUFS: absolute, and relative to what passes it.
+/// Gates in LUFS: absolute, and relative to the loudness that passes it.
 const SILENT_LUFS: f64 = -70.0;
 const QUIET_LU: f64 = -10.0;
-/// What a mean square of 1 is, in LUFS.
+/// Loudness in LUFS of a mean square of 1.
 const OFFSET_LUFS: f64 = -0.691;
 
 /// A second-order filter, direct form I.
@@ -50,8 +50,8 @@ fn k_weighting(sample_rate_hz: f64) -> [Biquad; 2] {
     [shelf, high_pass]
 }
 
-/// Integrated loudness in LUFS of `channels`, the mean of their powers, so that the same sound in two channels is as loud
-/// as in one. None for silence, and for what is shorter than a tenth of a second.
+/// Integrated loudness in LUFS of `channels`, from the mean of their powers, so that the same sound in two channels is
+/// as loud as in one. None for silence, and for sounds shorter than a tenth of a second.
 pub(crate) fn integrated_lufs(channels: &[Vec<f64>], sample_rate_hz: f64) -> Option<f64> {
     let samples = channels.first().map_or(0, Vec::len);
     let step = (BLOCK_S / OVERLAP as f64 * sample_rate_hz) as usize;

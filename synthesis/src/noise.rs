@@ -1,7 +1,7 @@
 //! White noise that is a function of (seed, stream, position) only.
 //!
-//! A counter-based generator needs no state, so noise can be asked for at any position, in any
-//! order and in any block size, and two renders of the same place on the timeline are equal.
+//! A counter-based generator needs no state, so noise can be requested at any position, in any order and in any block
+//! size, and two renders of the same section of the timeline are equal.
 
 /// One stream of uniformly distributed white noise of unit variance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,12 +1,12 @@
 //! Levels that follow their controls without a click.
 
-/// Closer than this, a level takes its control's value.
+/// Distance below which a level jumps to its control's value.
 const CLOSE: f64 = 1e-5;
 
 /// A level that follows its control with a time constant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Smoothed {
-    /// The level now.
+    /// The present level.
     pub value: f64,
     coefficient: f64,
 }

@@ -1,17 +1,16 @@
-//! The settings that decide sizes: buffers, latency, dictionary. They do not change while sound
-//! runs; a change builds the engines anew.
+//! Settings that decide sizes: buffers, latency, dictionary. They do not change during playback; a change rebuilds the
+//! engines.
 
 use crate::error::{Error, in_range};
 
-/// How texture synthesis brings a drive's loudness, which varies far more than a recording's, together
-/// with the recording's.
+/// Reconciliation of a drive's loudness, which varies far more, with a recording's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum MatchingMode {
-    /// As published: windows are matched as loud as they come, or mapped one by one (Chadwick & James 2011, §5.3).
+    /// As published: windows are matched at their own loudness, or mapped one by one (Chadwick & James 2011, §5.3).
     #[default]
     Paper,
-    /// The slow loudness is taken out of both, windows are matched in that flat world, and the
-    /// drive's loudness is put back: see [`crate::companding`].
+    /// The slow loudness is removed from both, windows are matched in that flattened domain, and the drive's loudness
+    /// is restored: see [`crate::companding`].
     Companded,
 }
 
@@ -31,7 +30,7 @@ pub struct EngineConfig {
     pub half_width: usize,
     /// Width in Hz of the band in which extension fits its noise, three standard deviations, 3-120.
     pub fit_width_hz: f64,
-    /// How texture follows the drive's loudness; it decides what a dictionary holds.
+    /// Texture's relation to the drive's loudness; it decides the contents of a dictionary.
     pub dynamics: MatchingMode,
 }
 
@@ -54,7 +53,7 @@ impl EngineConfig {
     /// The rate in Hz at which the paper's sizes are stated.
     pub const REFERENCE_RATE_HZ: f64 = 44_100.0;
 
-    /// Fails with the first setting outside its range.
+    /// Fails with the first setting out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         in_range("levels", self.levels as f64, 3.0, 8.0)?;
         in_range("window", self.window as f64, 2.0, 16.0)?;
@@ -64,8 +63,8 @@ impl EngineConfig {
         in_range("fit width", self.fit_width_hz, 3.0, 120.0)
     }
 
-    /// Pyramid levels at `sample_rate_hz`: one more per doubling of the rate, so that the top
-    /// level's band stays where it is.
+    /// Pyramid levels at `sample_rate_hz`: one more per doubling of the rate, so that the top level's band does not
+    /// move.
     pub fn levels_at(&self, sample_rate_hz: f64) -> usize {
         let doublings = maths::log2(sample_rate_hz / Self::REFERENCE_RATE_HZ).round();
         (self.levels as f64 + doublings).max(2.0) as usize

@@ -1,10 +1,10 @@
 //! Automation that travels beside the audio.
 
-/// The recent past of a value that changes at known samples, so that a stage that works later can
-/// use the value that was in force at the sample it works on.
+/// The recent past of a value that changes at known samples, so that a stage that works later can use the value that
+/// was in force at the sample it works on.
 ///
-/// Values are kept as runs; there is room for a change at every sample of the span, so nothing is
-/// ever lost and nothing allocates after `new`.
+/// Values are stored as runs; there is room for a change at every sample of the span, so nothing is ever lost and
+/// nothing allocates after `new`.
 #[derive(Debug, Clone)]
 pub struct Timeline<T> {
     /// Ring of (first sample, value), oldest at `head`.
@@ -23,7 +23,7 @@ impl<T: Copy + PartialEq> Timeline<T> {
         Self { runs, head: 0, len: 1, end: 0 }
     }
 
-    /// Forgets everything; reads `initial` until the first push.
+    /// Forgets everything; returns `initial` until the first push.
     pub fn reset(&mut self, initial: T) {
         self.head = 0;
         self.len = 1;
@@ -31,7 +31,7 @@ impl<T: Copy + PartialEq> Timeline<T> {
         self.runs[0] = (0, initial);
     }
 
-    /// `value` holds for the next `samples` samples.
+    /// Records that `value` applies to the next `samples` samples.
     pub fn push(&mut self, value: T, samples: usize) {
         if samples == 0 {
             return;
@@ -53,15 +53,15 @@ impl<T: Copy + PartialEq> Timeline<T> {
         self.end += samples as u64;
     }
 
-    /// The value at `sample` (0 = the first after reset): the oldest known one before the span,
-    /// the newest one from the end on.
+    /// The value at `sample` (0 = the first after reset): the oldest known value before the span, the newest one from
+    /// the end on.
     pub fn at(&self, sample: u64) -> T {
         self.run_at(sample).0
     }
 
-    /// The value at `sample`, and the sample before which it is known to hold.
+    /// The value at `sample`, and the sample up to which it is known to apply.
     pub fn run_at(&self, sample: u64) -> (T, u64) {
-        // Not a remainder: this is asked for several times a window.
+        // Not a remainder, because this is called several times per window.
         let run = |i: usize| {
             let at = self.head + i;
             self.runs[if at < self.runs.len() { at } else { at - self.runs.len() }]

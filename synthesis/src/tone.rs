@@ -1,7 +1,7 @@
 //! Tone of the whole effect: a tilt and two high shelves, of first order, so that they add no latency.
 //!
-//! Every stage splits the sound into what lies below its corner and the rest, which add up to the sound again
-//! (Zavalishin, "The Art of VA Filter Design", §3). A stage whose factors are 1 passes the sound bit for bit.
+//! Every stage splits the sound into the part below its corner and the rest, which add up to the sound again
+//! (Zavalishin, "The Art of VA Filter Design", §3). A stage with factors of 1 passes the sound bit for bit.
 
 use std::f64::consts::PI;
 
@@ -10,18 +10,18 @@ use crate::smoothed::Smoothed;
 
 /// Frequency in Hz about which the tone tilts.
 pub const TILT_HZ: f64 = 700.0;
-/// Frequency in Hz above which distance takes the highs.
+/// Frequency in Hz above which distance reduces the highs.
 pub const AIR_HZ: f64 = 2500.0;
-/// Frequency in Hz above which it hisses.
+/// Corner of hiss in Hz.
 pub const HISS_HZ: f64 = 6000.0;
 
 const STAGES: usize = 3;
 const FACTORS: usize = 4;
 /// Time constant in seconds with which factors follow their controls.
 const SMOOTHING_S: f64 = 0.02;
-/// Corners lie at most at this part of the sample rate.
+/// Largest corner as a share of the sample rate.
 const HIGHEST: f64 = 0.45;
-/// A filter left alone with silence ends here: -300 dBFS.
+/// Level at which a filter that receives silence ends: -300 dBFS.
 const SILENCE: f64 = 1e-15;
 /// Seconds after which the lowest stage has fallen from full scale to [`SILENCE`].
 const TAIL_S: f64 = 0.01;
@@ -35,7 +35,7 @@ pub(crate) struct Tone {
     /// Factors less 1.
     factors: [Smoothed; FACTORS],
     states: [[f64; STAGES]; MAX_CHANNELS],
-    /// Whether any factor differs from 1.
+    /// True if any factor differs from 1.
     is_on: bool,
     tail_samples: usize,
 }
@@ -56,7 +56,7 @@ impl Tone {
         }
     }
 
-    /// Back to silence, with factors as they are to be at once.
+    /// Resets to silence, with the factors of `controls` at once.
     pub fn reset(&mut self, controls: &ToneControls) {
         self.states = [[0.0; STAGES]; MAX_CHANNELS];
         let targets = targets(controls);
@@ -64,17 +64,17 @@ impl Tone {
         self.is_on = targets != [0.0; FACTORS];
     }
 
-    /// Whether it passes the sound bit for bit, and will with these controls.
+    /// True if it passes the sound bit for bit, and will with these controls.
     pub fn is_neutral(&self, controls: &ToneControls) -> bool {
         !self.is_on && targets(controls) == [0.0; FACTORS]
     }
 
-    /// Samples for which it sounds on after its input has ended.
+    /// Samples for which it continues after its input has ended.
     pub fn tail_samples(&self, controls: &ToneControls) -> usize {
         if targets(controls) == [0.0; FACTORS] { 0 } else { self.tail_samples }
     }
 
-    /// Moves the factors by one sample; once for all channels, before they are processed.
+    /// Moves the factors by one sample; called once for all channels, before they are processed.
     #[inline]
     pub fn step(&mut self, controls: &ToneControls) {
         let targets = targets(controls);
@@ -83,7 +83,7 @@ impl Tone {
                 return;
             }
             if self.factors.iter().all(|factor| factor.value == 0.0) {
-                // The next time it begins as a fresh one does.
+                // Next time, it begins as a fresh one does.
                 self.reset(controls);
                 return;
             }
@@ -119,14 +119,14 @@ impl Tone {
             };
         }
         if !value.is_finite() {
-            // One broken sample is to be one broken sample.
+            // A single broken sample must not affect the following ones.
             *states = [0.0; STAGES];
         }
         value
     }
 }
 
-/// Factors less 1; what is no number is neutral.
+/// Factors minus 1; NaN is neutral.
 fn targets(controls: &ToneControls) -> [f64; FACTORS] {
     [controls.low, controls.high, controls.air, controls.hiss]
         .map(|factor| if factor.is_finite() { factor.max(0.0) - 1.0 } else { 0.0 })

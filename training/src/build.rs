@@ -8,19 +8,19 @@ use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 /// Stage of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// The part is brought to the engines' sample rate.
+    /// Resampling of the part to the engines' sample rate.
     Resampling,
-    /// Its dictionary is made.
+    /// Building of its dictionary.
     Indexing,
 }
 
-/// Reason for which there is no dictionary.
+/// Reason why there is no dictionary.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The part is none, or cannot be brought to the sample rate.
+    /// The part is empty, or cannot be resampled.
     #[error(transparent)]
     Recording(pyrophone_recording::Error),
-    /// The engines refuse it.
+    /// The engines reject it.
     #[error("{name}: {source}")]
     Engine {
         /// The recording's name.
@@ -29,7 +29,7 @@ pub enum Error {
         source: pyrophone_synthesis::Error,
     },
     /// `progress` has called it off.
-    #[error("called off")]
+    #[error("cancelled")]
     Cancelled,
 }
 
@@ -42,14 +42,14 @@ impl From<pyrophone_recording::Error> for Error {
     }
 }
 
-/// The dictionary of the part `cut` of a recording, for engines of a structure at a sample rate in Hz. `progress` is told what is
-/// done and how much of that (0-1), and returns whether to continue.
+/// The dictionary of the part `cut` of a recording, for engines of a structure at a sample rate in Hz. `progress`
+/// receives the stage and its finished share (0-1), and returns whether to continue.
 ///
-/// The paper's method takes a recording as it is; the companded one without what lies below hearing.
+/// The paper's method uses a recording unchanged; the companded one removes everything below hearing.
 ///
 /// # Errors
-/// [`Error::Recording`] where the part is none or its gain out of range, [`Error::Engine`] where it is too short or holds what is
-/// no number, [`Error::Cancelled`].
+/// [`Error::Recording`] if the part is empty or its gain out of range, [`Error::Engine`] if it is too short or contains
+/// values that are not finite, [`Error::Cancelled`].
 pub fn build(
     recording: &Recording,
     cut: &Cut,

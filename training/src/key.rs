@@ -1,4 +1,4 @@
-//! Key of a dictionary: everything that it is made from.
+//! Key of a dictionary: all of its inputs.
 
 use pyrophone_recording::Cut;
 use pyrophone_synthesis::EngineConfig;

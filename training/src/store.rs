@@ -1,8 +1,9 @@
-//! Dictionaries on disk, so that a session that is opened again has its recording at once.
+//! Dictionaries on disk, so that a reopened session has its recording at once.
 //!
-//! A dictionary is kept under what it is made of and the build that has made it. A file begins with its magic and ends in a
-//! checksum of all before; one that does not fit is deleted and made again. Files are written beside their place and moved
-//! there, so that a reader never sees half of one, and the oldest are deleted when all of them grow beyond a limit.
+//! A dictionary is stored under its inputs and the build that made it. A file begins with its magic number and ends
+//! with a checksum of everything before; if that does not match, the file is deleted and made again. Files are written
+//! under a temporary name and moved into place, so that a reader never sees half of one, and the oldest are deleted
+//! when all of them together exceed a limit.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Read, Result, Write};
@@ -14,10 +15,10 @@ use pyrophone_synthesis::texture::Dictionary;
 
 use crate::key::DictionaryKey;
 
-/// Names another folder; where it is empty, nothing is kept.
+/// Variable that names another folder; if it is empty, nothing is stored.
 pub const FOLDER_VARIABLE: &str = "PYROPHONE_CACHE";
 
-/// Fingerprint of the source that dictionaries depend on: what a build with another one has kept is made again.
+/// Fingerprint of the source that dictionaries depend on: files stored by a build with a different one are made again.
 const BUILD: &str = env!("PYROPHONE_BUILD_FINGERPRINT");
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"PYRODIC2";
@@ -25,7 +26,7 @@ const MAGIC: &[u8; 8] = b"PYRODIC2";
 const CHECKSUM_LEN: u64 = 4;
 /// Bytes read and summed up in one go, while they are in the processor's cache.
 const STRIDE: usize = 1 << 17;
-/// Ending of files that are whole.
+/// Extension of complete files.
 const EXTENSION: &str = "dictionary";
 /// Most bytes of all files together: some ten recordings of two minutes, or a hundred of ten seconds.
 const MOST_BYTES: u64 = 2 << 30;
@@ -37,8 +38,8 @@ pub struct Store {
     most_bytes: u64,
 }
 
-/// The user's folder for what can be made again: that which `PYROPHONE_CACHE` names, else `Pyrophone` where the system keeps
-/// such things. None where the variable is empty or the user has no home.
+/// The user's cache folder: that in `PYROPHONE_CACHE`, otherwise `Pyrophone` in the system's cache folder. None if the
+/// variable is empty or the user has no home.
 pub fn user_folder() -> Option<PathBuf> {
     match std::env::var_os(FOLDER_VARIABLE) {
         Some(named) if named.is_empty() => None,
@@ -53,7 +54,7 @@ impl Store {
         Some(Self::new(user_folder()?.join("dictionaries"), MOST_BYTES))
     }
 
-    /// Dictionaries in `folder`, which need not exist yet, of at most `most_bytes` together.
+    /// A store in `folder`, which need not exist yet, of at most `most_bytes` in total.
     pub fn new(folder: PathBuf, most_bytes: u64) -> Self {
         Self { folder, most_bytes }
     }
@@ -63,14 +64,14 @@ impl Store {
         self.folder.join(format!("{name}.{EXTENSION}"))
     }
 
-    /// The dictionary of this key, if it is kept and whole. It counts as used now.
+    /// The dictionary of this key, if it is stored and complete. It counts as used now.
     pub fn read(&self, key: &DictionaryKey) -> Option<Dictionary> {
         let path = self.path(key);
         let file = File::open(&path).ok()?;
         let dictionary = file.metadata().and_then(|about| read(file, about.len())).ok();
         match &dictionary {
             Some(_) => {
-                // Where the time cannot be set, the file merely counts as older than it is.
+                // If the time cannot be set, the file merely counts as older than it is.
                 let _ = File::options().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
             }
             None => {
@@ -80,10 +81,10 @@ impl Store {
         dictionary
     }
 
-    /// Keeps a dictionary, and deletes the oldest where they would be too many; what cannot be written is not kept.
+    /// Stores a dictionary, and deletes the oldest ones if the limit is exceeded; if writing fails, nothing is stored.
     ///
     /// # Errors
-    /// Where the folder or the file cannot be written.
+    /// If the folder or the file cannot be written.
     pub fn write(&self, key: &DictionaryKey, dictionary: &Dictionary) -> Result<()> {
         let mut size = Summed { inner: std::io::sink(), checksum: Hasher::new(), len: 0 };
         write(dictionary, &mut size)?;
@@ -117,7 +118,7 @@ impl Store {
     }
 }
 
-/// When each kept file was last used, its size, its path.
+/// Time of last use, size and path of each stored file.
 fn files(folder: &Path) -> Vec<(SystemTime, u64, PathBuf)> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let described = entries.filter_map(|entry| {
@@ -165,21 +166,21 @@ fn write<T: Write>(dictionary: &Dictionary, out: &mut Summed<T>) -> Result<()> {
     out.write_all(&checksum.to_le_bytes())
 }
 
-/// Reads a file of `len` bytes. Fails where it is not one that [`write`] wrote, down to the last byte.
+/// Reads a file of `len` bytes. Fails if it is not exactly one that [`write`] wrote.
 fn read(file: impl Read, len: u64) -> Result<Dictionary> {
     let damaged = |what: &str| std::io::Error::new(std::io::ErrorKind::InvalidData, what);
     let mut file = Summed { inner: file, checksum: Hasher::new(), len: 0 };
     let mut magic = [0; MAGIC.len()];
     file.read_exact(&mut magic)?;
     if magic != *MAGIC {
-        return Err(damaged("no dictionary of this kind"));
+        return Err(damaged("not a dictionary of this kind"));
     }
     let dictionary = Dictionary::read_from(&mut file, len.saturating_sub(MAGIC.len() as u64 + CHECKSUM_LEN))?;
     let expected = file.checksum.clone().finalize();
     let mut checksum = [0; CHECKSUM_LEN as usize];
     file.read_exact(&mut checksum)?;
     if u32::from_le_bytes(checksum) != expected || file.len != len {
-        return Err(damaged("the checksum does not fit"));
+        return Err(damaged("the checksum does not match"));
     }
     Ok(dictionary)
 }

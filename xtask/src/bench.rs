@@ -12,7 +12,7 @@ use crate::{bundle, cargo, instructions, setup};
 
 /// The package with the benches; each is a program that prints tables.
 const PACKAGE: &str = "pyrophone-synthesis";
-/// Markers of the search's figures in the page.
+/// Page with the figures, and markers of the search's.
 const PERFORMANCE: &str = "docs/performance.md";
 const BEGIN: &str = "<!-- figures: cargo xtask bench search -->\n";
 const END: &str = "<!-- end of figures -->\n";
@@ -49,9 +49,9 @@ enum Bench {
     Window,
     /// Loading a recording, for the first time and in a session that is opened again
     Reload,
-    /// Instructions of one second of each engine; keeps them for `cargo xtask soak` to compare with
+    /// Instructions of one second of each engine, saved for comparison by `cargo xtask soak`
     Instructions,
-    /// Sound of the scenes at several resolutions; takes minutes, so it only runs when named
+    /// Sound of the scenes at several resolutions; needs minutes, so it only runs when named
     Scenes,
 }
 
@@ -101,7 +101,7 @@ fn costs() -> Result<ExitCode> {
     let bench =
         |package: &str| printed(cargo::command().args(["bench", "--quiet", "--package", package, "--bench", "cost"]));
     let mut table = bench(PACKAGE)?;
-    // The rest goes on with the same table.
+    // The remaining rows continue the same table.
     let flames = bench("pyrophone-flame")?;
     table.extend(flames.lines().skip(2).map(|line| format!("{line}\n")));
     table.push('\n');
@@ -110,7 +110,7 @@ fn costs() -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The window: frame by frame without a screen, then as the process pays for it on one, with and without rasterising.
+/// Cost of the window: frame by frame without a screen, then of a whole process on one, with and without rasterising.
 fn window() -> Result<ExitCode> {
     setup::ensure(&setup::TEST)?;
     let mut figures =
@@ -122,7 +122,7 @@ fn window() -> Result<ExitCode> {
         test.args(["test", "--quiet", "--release", "--package", "pyrophone-tests", "--test", "editor_cost", "--"]);
         test.args(["--ignored", "--nocapture"]);
         if !is_rasterised {
-            // Mesa draws nothing then: what is left is the editor's own part and the driver's.
+            // Mesa draws nothing then: the remaining cost is the editor's own and the driver's.
             test.env("GALLIUM_NOOP", "1");
         }
         let rows = printed(&mut test)?;
@@ -134,7 +134,7 @@ fn window() -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Runs a program and shows what it prints, which is also the answer.
+/// Runs a program, shows its output, and returns it.
 fn printed(command: &mut Command) -> Result<String> {
     let mut child = command.stdout(Stdio::piped()).spawn().context("calling the bench")?;
     let mut text = String::new();
@@ -149,7 +149,7 @@ fn printed(command: &mut Command) -> Result<String> {
     Ok(text)
 }
 
-/// Puts the figures where the page keeps them.
+/// Writes the figures between their markers in the page.
 fn keep(figures: &str, begin_mark: &str, end_mark: &str) -> Result<()> {
     let page = std::fs::read_to_string(PERFORMANCE).context(PERFORMANCE)?;
     let (Some(begin), Some(end)) = (page.find(begin_mark), page.find(end_mark)) else {

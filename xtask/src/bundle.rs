@@ -20,14 +20,14 @@ const MODULE_INFO: &str = include_str!("../moduleinfo.json");
 /// Build profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Profile {
-    /// With debug assertions.
+    /// Build with debug assertions.
     Dev,
-    /// As for use.
+    /// Build for use.
     Release,
 }
 
 impl Profile {
-    /// Its flags for Cargo.
+    /// Flags for Cargo.
     fn flags(self) -> Vec<String> {
         match self {
             Self::Dev => vec![],
@@ -35,7 +35,7 @@ impl Profile {
         }
     }
 
-    /// Its folder in the target folder.
+    /// Name of its folder in the target folder.
     fn folder(self) -> &'static str {
         match self {
             Self::Dev => "debug",
@@ -51,10 +51,10 @@ pub fn bundle(profile: Profile) -> Result<[PathBuf; 2]> {
     wrap(profile)
 }
 
-/// Makes the bundles of a library that was built already, and gives their paths, CLAP first.
+/// Makes the bundles of a library already built, and returns their paths, CLAP first.
 pub fn wrap(profile: Profile) -> Result<[PathBuf; 2]> {
     let target = project::target_dir();
-    // The bundler looks for a library named after its package.
+    // The bundler expects a library named after its package.
     let folder = target.join(profile.folder());
     let built = folder.join(format!("{DLL_PREFIX}{LIBRARY}{DLL_SUFFIX}"));
     let expected = folder.join(format!("{DLL_PREFIX}{}{DLL_SUFFIX}", PACKAGE.replace('-', "_")));
@@ -71,8 +71,8 @@ pub fn wrap(profile: Profile) -> Result<[PathBuf; 2]> {
     Ok(bundles)
 }
 
-/// Puts what hosts want to know of a VST3 bundle without loading it beside its library. The validator compares it with
-/// what the library itself says.
+/// Adds the description of a VST3 bundle that hosts read without loading it. The validator compares it with the library
+/// itself.
 pub fn describe(bundle: &Path) -> Result<()> {
     let folder = bundle.join("Contents/Resources");
     fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;

@@ -22,12 +22,12 @@ pub fn exit_code(status: ExitStatus) -> ExitCode {
     }
 }
 
-/// Builds `xtask-sound` and hands over to it.
+/// Builds `xtask-sound` and runs it.
 pub fn sound(name: &str, arguments: &[OsString]) -> Result<ExitCode> {
     let mut sound = command();
     sound.args(["run", "--release", "--package", "xtask", "--bin", "xtask-sound", "--", name]);
     if name == "demo" && std::env::var_os("NICE_LOG").is_none() {
-        // What the plugin tells its user in a host's log is of no use between the demo's lines.
+        // The plugin's log messages are only noise between the demo's lines.
         sound.env("NICE_LOG", project::target_dir().join("demo.log"));
     }
     let status = sound.args(arguments).status()?;

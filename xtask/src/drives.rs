@@ -1,8 +1,8 @@
-//! `cargo xtask drives`: the flames that burn in the plugin without any input.
+//! `cargo xtask drives`: the built-in flames of the plugin.
 //!
 //! Each scene is simulated in two ways, and the flux of every step written as a loop: `presets/drives/SCENE.wav`, a
-//! channel per way, a sample per step. How fast the gas flows where, in the flame as designed, is written beside it as a
-//! speed field of the same loop: `presets/fields/SCENE.field`. The synthesis crate takes these files into the build.
+//! channel per way, a sample per step. The local gas speeds, in the flame as designed, are written beside it as a speed
+//! field of the same loop: `presets/fields/SCENE.field`. The synthesis crate includes these files in the build.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -26,14 +26,14 @@ const FADE_S: f64 = 1.0;
 /// Change of a variant against the scene as designed.
 type Way = fn(Options) -> Options;
 
-/// The ways in which every scene is simulated, in the order that the synthesis crate expects: as designed, windy.
+/// Variants in which every scene is simulated, in the order that the synthesis crate expects: as designed, windy.
 const WAYS: [(&str, Way); 2] =
     [("plain", |designed| designed), ("windy", |designed| Options { wind: 2.0, turbulence: 2.0, ..designed })];
 
 /// Options of `cargo xtask drives`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scenes to simulate, by name [default: all, which takes some 40 minutes on two cores]
+    /// Scenes to simulate, by name [default: all, which needs some 40 minutes on two cores]
     scenes: Vec<String>,
     /// Folder that `drives` and `fields` are written in [default: presets]
     #[arg(long, value_name = "DIR")]
@@ -77,10 +77,10 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// One scene over a loop and the second in which it fades.
+/// One scene over a loop and the second for its crossfade.
 fn burn(scene: Scene, way: &str, options: Way, resolution: usize) -> Result<Burnt> {
     let options = options(Options { resolution, ..Options::default() });
-    // A loop goes on from its end, not from an unlit box.
+    // A loop continues from its end, not from an unlit box.
     let pre_roll_s = scene.period_s().unwrap_or(scene.default_pre_roll_s());
     let what = format!("{}, {way}", scene.name());
     simulated::burn(scene, options, pre_roll_s, loop_s(scene) + FADE_S, &what)
@@ -90,7 +90,7 @@ fn burn(scene: Scene, way: &str, options: Way, resolution: usize) -> Result<Burn
 fn field(burnt: &Burnt) -> Result<SpeedField> {
     let series = |region: usize| {
         let speeds: Vec<f64> = burnt.motion.iter().map(|step| f64::from(step[region])).collect();
-        // An equal-power fade may go below the slowest speed, and below none.
+        // An equal-power fade may undershoot the slowest speed, and even zero.
         seamless(&speeds, (FADE_S * MOTION_RATE_HZ) as usize).into_iter().map(|speed| speed.max(0.0) as f32)
     };
     let looped: Vec<Vec<f32>> = (0..burnt.regions.len()).map(|region| series(region).collect()).collect();
@@ -103,7 +103,7 @@ fn loop_s(scene: Scene) -> f64 {
     scene.period_s().map_or(LOOP_S, |period_s| (LOOP_S / period_s).floor() * period_s)
 }
 
-/// Writes the ways as channels, as loud as fits together: what sounds is their slope, at a level of its own.
+/// Writes the variants as channels, as loudly as possible: the sound depends on their slope, at a separate level.
 fn write(path: &Path, ways: &[Vec<f64>]) -> Result<()> {
     let steps = ways.iter().map(Vec::len).min().unwrap_or(0);
     let middles: Vec<f64> = ways.iter().map(|way| way.iter().sum::<f64>() / way.len() as f64).collect();
@@ -119,7 +119,7 @@ fn write(path: &Path, ways: &[Vec<f64>]) -> Result<()> {
         bits_per_sample: 16,
         sample_format: SampleFormat::Int,
     };
-    // What was there stays whole until all is written.
+    // The old file stays complete until the new one is.
     let partial = path.with_extension("wav.partial");
     let mut writer = WavWriter::create(&partial, spec)?;
     for step in 0..steps {
@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(Scene::ALL.map(Scene::name), SCENES);
     }
 
-    /// What burns in the plugin is the pressure that the command line makes of the same flux.
+    /// The plugin plays the pressure that the command line makes of the same flux.
     #[test]
     fn the_plugin_plays_the_flux_that_is_written() {
         for (scene, name) in SCENES.iter().enumerate() {
@@ -209,7 +209,7 @@ mod tests {
         let samples: Vec<i16> = reader.samples().map(|sample| sample.expect("a sample")).collect();
         for (n, step) in samples.chunks_exact(2).enumerate() {
             for (way, sample) in step.iter().enumerate() {
-                // The louder way, twice 0-9, stands 9 off its middle.
+                // The louder variant, twice 0-9, reaches 9 off its middle.
                 let expected = (way + 1) as f64 * ((n % 10) as f64 - 4.5) / 9.0 * 32_767.0;
                 assert!((f64::from(*sample) - expected).abs() <= 0.51, "step {n}, way {way}: {sample}, {expected}");
             }

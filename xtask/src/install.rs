@@ -12,7 +12,7 @@ use crate::cargo;
 /// Options of `cargo xtask install`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// For all users instead of the present one
+    /// Install for all users instead of the current one
     #[arg(long)]
     system: bool,
     /// Into this folder instead of the usual ones
@@ -40,7 +40,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-/// Writes the factory's presets as VST3 hosts keep them.
+/// Writes the factory presets in VST3's form.
 fn write_presets(folder: &Path) -> Result<()> {
     let mut writing = cargo::command();
     writing.args(["run", "--quiet", "--release", "--package", "pyrophone-settings", "--example", "vst3_presets", "--"]);
@@ -48,8 +48,8 @@ fn write_presets(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Where VST3 hosts look for the factory's presets: a folder of their own, so that it can be removed with all in it. None
-/// where the system has no such place.
+/// Folder in which VST3 hosts look for the factory presets: a separate one, so that it can be removed with all its
+/// content. None where the system has no such place.
 pub fn preset_folder(named: Option<&Path>, is_system: bool) -> Option<PathBuf> {
     const PLACE: &str = "Pyrophone/Pyrophone/Factory";
     if let Some(named) = named {
@@ -93,8 +93,8 @@ pub fn system_folders() -> [PathBuf; 2] {
     }
 }
 
-/// Copies a file or a whole folder over what is there. The old one is removed, not overwritten: a host that has it open
-/// keeps what it has loaded.
+/// Copies a file or a whole folder over an existing one. The old one is removed, not overwritten: a host that has it
+/// open keeps the loaded version.
 fn replace(from: &Path, to: &Path) -> std::io::Result<()> {
     if to.is_dir() {
         fs::remove_dir_all(to)?;
@@ -104,7 +104,7 @@ fn replace(from: &Path, to: &Path) -> std::io::Result<()> {
     copy(from, to)
 }
 
-/// Copies a file or a whole folder, and makes the folders above it.
+/// Copies a file or a whole folder, and creates the folders above it.
 pub fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
     if let Some(folder) = to.parent() {
         fs::create_dir_all(folder)?;

@@ -1,5 +1,5 @@
-//! Instructions of one fixed second of each engine, which do not depend on what else the machine does: so nothing becomes
-//! slower unseen.
+//! Instruction counts of one fixed second of each engine, which do not depend on the machine's other load: so no
+//! slow-down goes unnoticed.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 0.1;
 const PACKAGE: &str = "pyrophone-synthesis";
 const ENGINES: [&str; 6] = ["exact", "bounded", "quiet", "extension", "default", "activation"];
 
-/// Reason for which nothing can be compared, if there is one.
+/// Reason why a comparison is impossible, if any.
 pub fn obstacle() -> Option<&'static str> {
     if !can_count() {
         Some("valgrind is not installed (`apt-get install valgrind`)")
@@ -28,7 +28,7 @@ pub fn obstacle() -> Option<&'static str> {
     }
 }
 
-/// Whether this machine can count.
+/// True if this machine can count instructions.
 fn can_count() -> bool {
     Command::new("valgrind").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
@@ -52,7 +52,7 @@ pub fn table() -> Result<String> {
     Ok(table)
 }
 
-/// Counts, and keeps the counts for comparisons.
+/// Counts, and saves the counts for comparison.
 pub fn keep() -> Result<()> {
     ensure!(can_count(), "valgrind is not installed (`apt-get install valgrind`)");
     let mut text = String::new();
@@ -63,7 +63,7 @@ pub fn keep() -> Result<()> {
     std::fs::write(KEPT, text).context(KEPT)
 }
 
-/// Fails where an engine needs more or fewer instructions than those kept allow.
+/// Fails where an engine's instruction count differs too much from the saved one.
 pub fn compare() -> Result<()> {
     let kept = std::fs::read_to_string(KEPT).context(KEPT)?;
     differences(&kept, &counts()?)
@@ -74,13 +74,16 @@ fn differences(kept: &str, found: &[(String, f64)]) -> Result<()> {
     for (engine, millions) in found {
         let line = kept.lines().find_map(|line| line.strip_prefix(engine.as_str())?.strip_prefix(' '));
         let Some(expected) = line.and_then(|line| line.trim().parse::<f64>().ok()) else {
-            bail!("{KEPT} has no count of {engine}: `cargo xtask bench instructions` counts anew");
+            bail!("{KEPT} has no count of {engine}: `cargo xtask bench instructions` counts again");
         };
         if (millions / expected - 1.0).abs() > TOLERANCE {
             writeln!(wrong, "{engine}: {millions:.1} million instructions instead of {expected:.1}")?;
         }
     }
-    ensure!(wrong.is_empty(), "{wrong}what is meant to be so is kept by `cargo xtask bench instructions`");
+    ensure!(
+        wrong.is_empty(),
+        "{wrong}if the change is intended, store the new counts with `cargo xtask bench instructions`"
+    );
     Ok(())
 }
 

@@ -1,7 +1,7 @@
-//! `cargo xtask`: the project's chores.
+//! `cargo xtask`: the project's maintenance commands.
 //!
-//! This program is kept small, so that it starts soon on a bare machine. What plays through plugins and draws pictures
-//! is the binary `xtask-sound`, which it builds and calls.
+//! This program is kept small, so that it builds quickly on a bare machine. Commands that play through plugins or draw
+//! pictures are in the binary `xtask-sound`, which it builds and calls.
 
 mod bench;
 mod bundle;
@@ -40,19 +40,19 @@ enum Command {
         #[arg(long)]
         release: bool,
     },
-    /// Build the release bundles and copy them to where hosts look for plugins
+    /// Build the release bundles and copy them to the folders where hosts look for plugins
     Install(install::Args),
-    /// Remove what `install` copied
+    /// Remove everything that `install` has copied
     Uninstall(uninstall::Args),
     /// Make the packages that users download, in target/packages
     Package(package::Args),
     /// Play a file through the built plugin in a headless host; see `bounce --help`
     #[command(disable_help_flag = true)]
     Bounce(Forwarded),
-    /// Build everything, make fire and write a page to hear and see it; see `demo --help`
+    /// Build everything, make fire and write a page with players and pictures; see `demo --help`
     #[command(disable_help_flag = true)]
     Demo(Forwarded),
-    /// Simulate the built-in flames again, which burn in the plugin without any input; see `drives --help`
+    /// Simulate the plugin's built-in flames again; see `drives --help`
     #[command(disable_help_flag = true)]
     Drives(Forwarded),
     /// Write a blind listening test as one HTML file; see `listen --help`

@@ -1,4 +1,4 @@
-//! The command line of Open Job Description, with which a farm's job is run on this machine.
+//! The command line of Open Job Description, which runs a farm's job on this machine.
 
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -9,11 +9,11 @@ use crate::setup::is_program;
 /// Environment variable that names the program to the test of `flux-plan`.
 pub const PROGRAM: &str = "PYROPHONE_OPENJD";
 
-/// The package on PyPI, whose templates and messages are those that were looked at.
+/// The package on PyPI, at the version whose templates and messages were checked.
 const PACKAGE: &str = "openjd-cli==0.8.0";
 
-/// The program: the system's, else one in a virtual environment in the target folder, which is made where that is possible.
-/// None where it is not; the test then counts itself as skipped.
+/// The program: the system's, otherwise one in a virtual environment in the target folder, which is created where
+/// possible. None otherwise; the test then counts itself as skipped.
 pub fn program() -> Option<PathBuf> {
     if is_program("openjd") {
         return Some("openjd".into());

@@ -8,8 +8,8 @@ pub fn root() -> &'static Path {
     xtask.parent().unwrap_or(xtask)
 }
 
-/// Cargo's folder of built things: `CARGO_TARGET_DIR`, else `target` in the workspace.
+/// Cargo's target folder: `CARGO_TARGET_DIR`, otherwise `target` in the workspace.
 pub fn target_dir() -> PathBuf {
-    // A relative one counts from where Cargo is called, which is the workspace.
+    // A relative path starts from the folder in which Cargo is called, which is the workspace.
     root().join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()))
 }

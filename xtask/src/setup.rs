@@ -1,4 +1,4 @@
-//! Requirements besides Rust, which are installed if they are missing and that is possible.
+//! Requirements besides Rust, installed if missing and possible.
 
 use std::env::consts::EXE_SUFFIX;
 use std::env::{split_paths, var_os};
@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Result, bail, ensure};
 
-/// Something that may be missing.
+/// Requirement that may be missing.
 #[derive(Debug)]
 pub struct Need {
     found: Found,
@@ -34,7 +34,7 @@ enum Found {
 const LINKER: Need = Need { found: Found::Program("cc"), package: "gcc", purpose: "linking" };
 const C_LIBRARY: Need = Need { found: Found::Library("crt1.o"), package: "libc6-dev", purpose: "linking" };
 
-/// Enough to build and to make sound.
+/// Requirements for building and making sound.
 pub const BUILD: [Need; 2] = [LINKER, C_LIBRARY];
 
 /// Enough for the tests too: they open the editor on a screen that is not there.
@@ -52,11 +52,11 @@ pub const TEST: [Need; 11] = [
     Need { found: Found::Driver("swrast_dri.so"), package: "libgl1-mesa-dri", purpose: "drawing the editor" },
 ];
 
-/// Enough to build packages for Linux: another C library comes with what Python's index has.
+/// Requirements for Linux packages: another C library comes with a package from the Python index.
 pub const LINUX_PACKAGE: [Need; 5] = [
     LINKER,
     C_LIBRARY,
-    // Debian parts what makes environments from Python itself.
+    // Debian separates the part that creates environments from Python itself.
     Need { found: Found::Module("ensurepip"), package: "python3-venv", purpose: PACKAGES },
     program("objdump", "binutils"),
     program("dpkg-deb", "dpkg"),
@@ -78,7 +78,7 @@ pub const WINDOWS_PACKAGE: [Need; 7] = [
     program("zip", "zip"),
 ];
 
-/// Enough to compile for any system, without linking.
+/// Requirements for compiling for any system, without linking.
 pub const CHECK: [Need; 3] = [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE];
 
 /// Enough to build for Linux on 64-bit ARM.
@@ -99,7 +99,7 @@ const fn library(name: &'static str, package: &'static str) -> Need {
     Need { found: Found::Library(name), package, purpose: "the plugin's editor" }
 }
 
-/// Installs what is missing, or fails with the command that would. On systems other than Linux nothing is looked for.
+/// Installs missing requirements, or fails with the command that would. On systems other than Linux nothing is checked.
 pub fn ensure(needs: &[Need]) -> Result<()> {
     if !cfg!(target_os = "linux") {
         return Ok(());
@@ -115,14 +115,14 @@ pub fn ensure(needs: &[Need]) -> Result<()> {
     let by_hand = format!("apt-get update && apt-get install -y --no-install-recommends {}", packages.join(" "));
     ensure!(
         is_program("apt-get"),
-        "this system has no apt-get; install what Debian calls {} and try again",
+        "this system has no apt-get; install the equivalents of Debian's {} and try again",
         packages.join(" ")
     );
     if !is_root() && !sudo_asks_nothing() {
         bail!("run this once, then try again:\n  sudo sh -c '{by_hand}'");
     }
     eprintln!("installing {}", packages.join(" "));
-    // A list of packages that cannot be brought up to date may still be good enough.
+    // An outdated list of packages may still be good enough.
     let _ = apt_get(&["update"]);
     let mut install = vec!["install", "-y", "--no-install-recommends"];
     install.extend(&packages);
@@ -160,19 +160,19 @@ fn library_folders() -> impl Iterator<Item = String> {
         .flat_map(move |folder| [format!("{folder}/{triplet}"), folder.to_owned(), format!("{folder}64")])
 }
 
-/// What is missing of these, as Debian names it.
+/// The missing ones of these, by Debian's names.
 pub fn missing(needs: &[Need]) -> Vec<&'static str> {
     needs.iter().filter(|need| !need.is_met()).map(|need| need.package).collect()
 }
 
-/// Whether Python is there and has a module.
+/// True if Python exists and has a module.
 fn imports(name: &str) -> bool {
     let mut python = Command::new("python3");
     python.args(["-c", &format!("import {name}")]).stdout(Stdio::null()).stderr(Stdio::null());
     python.status().is_ok_and(|status| status.success())
 }
 
-/// Whether a program is in PATH.
+/// True if a program is in PATH.
 pub fn is_program(name: &str) -> bool {
     let file = format!("{name}{EXE_SUFFIX}");
     var_os("PATH").is_some_and(|path| split_paths(&path).any(|folder| folder.join(&file).is_file()))

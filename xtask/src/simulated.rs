@@ -7,7 +7,7 @@ use pyrophone_flame::Front;
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
 use pyrophone_flame::speed_field::{Regions, stride};
 
-/// Cells along the box from which on finer ones are hardly heard, and parts of a cell in which its front is looked for.
+/// Cells along the box above which more make hardly an audible difference, and parts of a cell for locating its front.
 pub const RESOLUTION: usize = 40;
 const REFINE: usize = 2;
 
@@ -21,15 +21,15 @@ pub struct Burnt {
     pub regions: Regions,
 }
 
-/// Rate at which motion is sampled, per second.
+/// Sampling rate of motion, per second.
 pub const MOTION_RATE_HZ: f64 = 30.0;
 
-/// Flux at every step over `seconds`, after `pre_roll_s` that are not kept.
+/// Flux at every step over `seconds`, after `pre_roll_s` that are dropped.
 pub fn flux(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what: &str) -> Result<Vec<f64>> {
     Ok(burn(scene, options, pre_roll_s, seconds, what)?.flux)
 }
 
-/// Flux and motion over `seconds`, after `pre_roll_s` that are not kept; `what` names it where progress is shown.
+/// Flux and motion over `seconds`, after `pre_roll_s` that are dropped; `what` is the name shown with progress.
 pub fn burn(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what: &str) -> Result<Burnt> {
     let mut simulation = Simulation::new(scene, options)?;
     let regions = Regions::of_solver(simulation.solver());

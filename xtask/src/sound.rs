@@ -25,13 +25,13 @@ struct Cli {
 enum Command {
     /// Play a file through the built plugin in a headless host
     Bounce(bounce::Args),
-    /// Make fire with every engine and write a page to hear and see it
+    /// Make fire with every engine and write a page with players and pictures
     Demo(demo::Args),
-    /// Simulate the flames that burn in the plugin without any input
+    /// Simulate the plugin's built-in flames
     Drives(drives::Args),
     /// Write a blind listening test as one HTML file
     Listen(listen::Args),
-    /// Print how the scenes sound at several resolutions
+    /// Print the sound of the scenes at several resolutions, in figures
     Scenes(scenes::Args),
     /// Score results against their recordings
     Score(score::Args),

@@ -1,4 +1,4 @@
-//! Counts of what has passed, failed and been skipped, over everything that a run of the tests calls.
+//! Counts of passed, failed and skipped tests, over everything called by a test run.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 
 use crate::{cargo, project};
 
-/// Environment variable that names the list to which tests that cannot run here add themselves.
+/// Environment variable with the list to which tests that cannot run here add themselves.
 const SKIPPED: &str = "PYROPHONE_SKIPPED";
 
 /// Results of tests so far.
@@ -22,13 +22,13 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts something that cannot be run here, and says why.
+    /// Counts something that cannot run here, and prints the reason.
     pub fn skip(&mut self, name: &str, why: &str) {
         eprintln!("\nskipped: {name}: {why}");
         self.skipped += 1;
     }
 
-    /// Counts something that is no test by itself, but must work.
+    /// Counts a step that is not a test itself, but must succeed.
     pub fn step(&mut self, name: &str, work: impl FnOnce() -> Result<()>) -> bool {
         let began = headline(name);
         let result = work();
@@ -43,13 +43,13 @@ impl Tally {
         result.is_ok()
     }
 
-    /// Runs `cargo test`, shows what it says and counts its results. What does not even build counts as one failure.
+    /// Runs `cargo test`, shows its output and counts its results. A failed build counts as one failure.
     pub fn cargo_test(&mut self, name: &str, environment: &[(&str, &str)], arguments: &[&str]) -> Result<()> {
         self.call(name, environment, &[&["test", "--no-fail-fast"], arguments].concat())
     }
 
-    /// Calls cargo, shows what it says and counts its results. The summaries stand in `cargo test`'s output and in what
-    /// nextest says beside it.
+    /// Calls cargo, shows its output and counts its results, from the summaries in the output of `cargo test` or
+    /// nextest.
     pub fn call(&mut self, name: &str, environment: &[(&str, &str)], arguments: &[&str]) -> Result<()> {
         let began = headline(name);
         let mut command = cargo::command();
@@ -74,7 +74,7 @@ impl Tally {
             for line in BufReader::new(output).split(b'\n') {
                 let line = String::from_utf8_lossy(&line?).into_owned();
                 writeln!(shown, "{line}")?;
-                // Nextest shows what failed tests have printed, with summaries of their own.
+                // Nextest shows the output of failed tests, with summaries of their own.
                 if !is_nextest || line.trim_start().starts_with("Summary [") {
                     self.count(&line);
                 }
@@ -88,8 +88,8 @@ impl Tally {
         Ok(())
     }
 
-    /// Counts the tests on a list as skipped. Their programs have counted them as passed, since Rust's tests cannot say
-    /// otherwise once they run.
+    /// Counts the tests on a list as skipped. Their programs have counted them as passed, since Rust's tests cannot
+    /// report anything else at run time.
     fn count_skipped(&mut self, list: &str) {
         let tests: BTreeSet<&str> = list.lines().collect();
         for test in &tests {

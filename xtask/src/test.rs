@@ -1,4 +1,4 @@
-//! Everything that must pass, and the long tests.
+//! All tests that must pass, and the long tests.
 
 use std::process::{ExitCode, Stdio};
 
@@ -8,22 +8,22 @@ use crate::bundle::{self, Profile};
 use crate::tally::Tally;
 use crate::{cargo, elsewhere, instructions, openjd, project, setup, validators};
 
-/// End-to-end tests: real bundles in real hosts.
+/// Package of end-to-end tests: real bundles in real hosts.
 const END_TO_END: &str = "pyrophone-tests";
-/// The command line, which they compare the bundles with.
+/// Package of the command line, against which they compare the bundles.
 const COMMAND_LINE: &str = "pyrophone-cli";
-/// What runs under which of Rust's sanitizers: its name and a test of the engines. The address sanitizer watches over the
-/// search, which is where `unsafe` stands, the realtime sanitizer over `process`. Only the engines are built for them: the
-/// plug-in's own part of the audio thread is counted for allocations in every run, and sanitized in the long tests.
+/// Sanitizers, each with a test of the engines. The address sanitizer checks the search, which contains the `unsafe`
+/// code, the realtime sanitizer checks `process`. Only the engines are built for them: the plug-in's own part of the
+/// audio thread is counted for allocations in every run, and sanitized in the long tests.
 const SANITIZED: [(&str, &str); 2] = [("address", "texture_search"), ("realtime", "realtime")];
 /// The engines.
 const ENGINES: &str = "pyrophone-synthesis";
 /// The plug-in.
 const PLUGIN: &str = "pyrophone-plugin";
 
-/// Tells end-to-end tests which build to take.
+/// Environment variable with the build for end-to-end tests.
 const BUILD: &str = "PYROPHONE_BUILD";
-/// Names the folder in which dictionaries are kept.
+/// Environment variable with the folder of dictionaries.
 const CACHE: &str = "PYROPHONE_CACHE";
 
 /// Environment variable that enables the long tests.
@@ -34,9 +34,10 @@ pub fn run() -> Result<ExitCode> {
     setup::ensure(&setup::TEST)?;
     let mut tally = Tally::default();
 
-    // All at once, and just as the runner wants it: other sets of packages would have their dependencies built again.
+    // All at once, with the runner's own arguments: other sets of packages would rebuild their dependencies.
     if tally.step("building", build_tests) && tally.step("bundles", || bundle::wrap(Profile::Dev).map(drop)) {
-        // What many tests learn alike is learnt once for all, and again whenever the source that it depends on has changed.
+        // Dictionaries used by many tests are learnt once for all, and again whenever the source they depend on has
+        // changed.
         let learnt = project::target_dir().join("tmp/learnt");
         let learnt = learnt.to_string_lossy();
         let openjd = openjd::program().map(|program| program.to_string_lossy().into_owned());
@@ -86,7 +87,7 @@ pub fn soak() -> Result<ExitCode> {
     Ok(tally.conclude())
 }
 
-/// Builds all tests, and the plugin and command line that the end-to-end ones load and call.
+/// Builds all tests, and the plugin and command line used by the end-to-end ones.
 fn build_tests() -> Result<()> {
     let status = cargo::command().args(["build", "--workspace", "--lib", "--bins", "--tests"]).status()?;
     ensure!(status.success(), "it does not build; see above");
@@ -107,8 +108,8 @@ fn sanitizer_target() -> Option<String> {
     here.then(|| "x86_64-unknown-linux-gnu".to_owned())
 }
 
-/// Whether `cargo nextest` is there. It runs tests of all programs side by side and each in a process of its own, which
-/// takes half the time; without it `cargo test` runs the same tests.
+/// True if `cargo nextest` is installed. It runs the tests of all programs in parallel, each in a separate process, in
+/// half the time; without it `cargo test` runs the same tests.
 fn has_nextest() -> bool {
     let version = cargo::command().args(["nextest", "--version"]).stdout(Stdio::null()).stderr(Stdio::null()).status();
     version.is_ok_and(|status| status.success())
@@ -119,7 +120,7 @@ fn all_tests(tally: &mut Tally, environment: &[(&str, &str)], arguments: &[&str]
     if !has_nextest() {
         return tally.cargo_test("tests, end to end", environment, arguments);
     }
-    // Many tests wait for windows and threads: one more at a time than there are processors keeps those busy.
+    // Many tests wait for windows and threads: one more test than there are processors keeps those busy.
     let threads = std::thread::available_parallelism().map_or(2, usize::from) + 1;
     let threads = threads.to_string();
     let mut runner = vec!["nextest", "run", "--no-fail-fast", "--test-threads", &threads];

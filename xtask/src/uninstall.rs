@@ -1,4 +1,4 @@
-//! Removing what `install` has installed.
+//! Removal of everything that `install` has installed.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -12,15 +12,15 @@ use crate::install::{preset_folder, system_folders, user_folders};
 /// Options of `cargo xtask uninstall`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// From where it is installed for all users, instead of for the present one
+    /// Remove the installation for all users, instead of the current one
     #[arg(long)]
     system: bool,
-    /// From this folder instead of the usual ones
+    /// Remove from this folder instead of the usual ones
     #[arg(long, value_name = "DIR", conflicts_with = "system")]
     from: Option<PathBuf>,
 }
 
-/// Removes the bundles and the factory's presets, and nothing else: the user's presets and recordings stay.
+/// Removes the bundles and the factory presets, and nothing else: the user's presets and recordings stay.
 pub fn run(args: &Args) -> Result<()> {
     let folders = match &args.from {
         Some(folder) => [folder.clone(), folder.clone()],
@@ -30,7 +30,7 @@ pub fn run(args: &Args) -> Result<()> {
     for (bundle, folder) in bundle::paths().iter().zip(&folders) {
         let installed = folder.join(bundle.file_name().context("a bundle without a name")?);
         let removed = remove(&installed).with_context(|| format!("removing {}", installed.display()))?;
-        println!("{}{}", installed.display(), if removed { "" } else { ": is not there" });
+        println!("{}{}", installed.display(), if removed { "" } else { ": not installed" });
     }
     if let Some(folder) = preset_folder(args.from.as_deref(), args.system)
         && remove(&folder).with_context(|| format!("removing {}", folder.display()))?
@@ -40,7 +40,7 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Removes a file, a folder with all in it, or a link but not what it leads to; answers whether there was one.
+/// Removes a file, a folder with all its content, or a link but not its target; returns true if there was one.
 fn remove(path: &Path) -> std::io::Result<bool> {
     let found = match fs::symlink_metadata(path) {
         Ok(found) => found,

@@ -1,5 +1,5 @@
-//! Validators of others over the built bundles, where they are installed. What they have found is also looked for by our
-//! own (`pyrophone_host::validator`), which always runs.
+//! Third-party validators on the built bundles, where installed. Our own (`pyrophone_host::validator`) also checks for
+//! everything they have found, and always runs.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,10 +9,10 @@ use anyhow::{Result, ensure};
 use crate::tally::Tally;
 use crate::{bundle, project, setup};
 
-/// Names the folder that the plug-in keeps things in.
+/// Environment variable with the plug-in's data folder.
 const CACHE: &str = "PYROPHONE_CACHE";
 
-/// A validator: its program, what it is, how to obtain it, and its arguments before the bundle.
+/// A validator: its program, its description, its source, and its arguments before the bundle.
 struct Validator {
     program: &'static str,
     from: &'static str,
@@ -57,7 +57,7 @@ pub fn run(tally: &mut Tally) -> Result<()> {
 }
 
 fn validate(validator: &Validator, bundle: &Path) -> Result<()> {
-    // Presets and dictionaries that the plug-in keeps are of this build and not the user's.
+    // The plug-in's presets and dictionaries must be those of this build and not the user's.
     let cache = project::target_dir().join("validators");
     let status = Command::new(validator.program).args(validator.before).arg(bundle).env(CACHE, cache).status()?;
     ensure!(status.success(), "{} has found something; see above", validator.program);

@@ -15,7 +15,7 @@ use crate::project;
 /// Options of `cargo xtask vortex`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Textures to record, by name [default: all, which takes some 10 minutes on two cores]
+    /// Textures to record, by name [default: all, which needs some 10 minutes on two cores]
     textures: Vec<String>,
     /// Folder to write to [default: presets/vortex]
     #[arg(long, value_name = "DIR")]
@@ -47,7 +47,7 @@ fn named(name: &str) -> Result<Shipped> {
 fn record(Shipped { name, recipe, speeds: (low, high, count) }: &Shipped) -> Result<VortexTexture> {
     let speeds = speeds(*low, *high, *count)?;
     let meter = Meter::new(name, speeds.iter().map(|speed| recipe.recorded_steps(*speed)).sum());
-    // The long ones first, so that no core is left alone with one at the end.
+    // The long ones first, so that no core ends up alone with one.
     let rows = speeds.par_iter().rev().with_max_len(1).map(|speed| {
         recipe.record(*speed, |progress| {
             if matches!(progress, Progress::Recording(_)) {
@@ -66,7 +66,7 @@ fn write(path: &Path, texture: &VortexTexture) -> Result<()> {
     Ok(write_file(path, |file| file.write_all(&texture.to_bytes()))?)
 }
 
-/// How far a texture is: steps that are recorded. Before these a flow settles, for nobody knows how long.
+/// Progress of a texture: recorded steps. Before these a flow settles, for an unpredictable time.
 struct Meter<'a> {
     name: &'a str,
     total: usize,
@@ -87,7 +87,7 @@ impl<'a> Meter<'a> {
         if self.is_shown && done.1 != Some(percent) {
             done.1 = Some(percent);
             eprint!("\rrecording {}: {percent:3} %", self.name);
-            // Progress that cannot be shown is no reason to end.
+            // Progress that cannot be shown is no reason to stop.
             let _ = std::io::stderr().flush();
         }
     }

@@ -1,4 +1,4 @@
-//! The files of a simulation, and whether they are still the same.
+//! The files of a simulation, and their identity for resumed runs.
 
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
@@ -6,17 +6,18 @@ use std::time::UNIX_EPOCH;
 use pyrophone_flame::import::Sequence;
 use pyrophone_recording::content_hash;
 
-/// Characters of a hash that are kept.
+/// Hexadecimal digits of a hash that are kept.
 const DIGITS: usize = 16;
 
-/// All files of a simulation, whether or not they are asked for.
+/// All files of a simulation, requested or not.
 pub fn files(sequence: &Sequence) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = (0..sequence.len()).map(|index| sequence.path_of(index).into()).collect();
     files.extend(files.first().map(|path| arrays_beside(path)).unwrap_or_default());
     files
 }
 
-/// A number for files as they are now, wherever they are: names, sizes and times of change in seconds.
+/// Identity of files in their present state, independent of their folder: a hash of names, sizes and modification times
+/// in seconds.
 pub fn identity(files: &[PathBuf]) -> String {
     let mut list = String::new();
     for path in files {
@@ -31,15 +32,15 @@ pub fn identity(files: &[PathBuf]) -> String {
     content_hash(list.as_bytes()).chars().take(DIGITS).collect()
 }
 
-/// The files of some frames.
+/// Files of some frames.
 pub fn files_of(sequence: &Sequence, indices: &[usize]) -> Vec<PathBuf> {
     let paths: Vec<PathBuf> = indices.iter().map(|index| sequence.path_of(*index).into()).collect();
     let arrays = paths.first().map(|path| arrays_beside(path)).unwrap_or_default();
     if arrays.is_empty() { paths } else { arrays }
 }
 
-/// All arrays in the folder of one, in order: a frame of arrays has several files, of which a sequence names the first.
-/// None where `path` is no array.
+/// All arrays in the same folder, in order: a frame of arrays has several files, of which a sequence names the first.
+/// Empty if `path` is no array.
 fn arrays_beside(path: &Path) -> Vec<PathBuf> {
     let is_array = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy"));
     let folder = path.parent().filter(|_| is_array(path));

@@ -1,8 +1,8 @@
-//! The day and the time, as a Broadcast Wave file has them.
+//! Date and time in the form that Broadcast Wave files use.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// `yyyy-mm-dd` and `hh:mm:ss` now, in universal time.
+/// `yyyy-mm-dd` and `hh:mm:ss` now, in UTC.
 pub fn now() -> (String, String) {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
     at(seconds)
@@ -10,7 +10,8 @@ pub fn now() -> (String, String) {
 
 fn at(seconds: u64) -> (String, String) {
     let (days, of_day) = (seconds / 86_400, seconds % 86_400);
-    // Days since 0000-03-01, so that the leap day is a year's last (Hinnant, chrono-compatible low-level date algorithms).
+    // Days since 0000-03-01, so that the leap day is a year's last (Hinnant, chrono-compatible low-level date
+    // algorithms).
     let days = days + 719_468;
     let (era, of_era) = (days / 146_097, days % 146_097);
     let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;

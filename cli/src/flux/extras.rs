@@ -1,4 +1,4 @@
-//! What a part of a simulation holds beside its table, for speed fields and reports that are merged: `PART.csv.extra`.
+//! Data of a part beyond its table, for merging speed fields and reports: `PART.csv.extra`.
 //!
 //! ```text
 //! magic | hash of the part's table | facts | speeds? | fronts? | hash of everything before
@@ -38,7 +38,7 @@ pub type Fronts = Vec<(i64, Mesh)>;
 pub struct PartExtras {
     /// Steps of all parts together.
     pub span: Span,
-    /// The part's own first step; the highest number where it has none.
+    /// First step of this part itself; the highest number if it has none.
     pub first_own: i64,
     /// Facts about the cache.
     pub facts: CacheFacts,
@@ -48,7 +48,7 @@ pub struct PartExtras {
     pub fronts: Option<Fronts>,
 }
 
-/// The file that belongs to a part.
+/// Path of a part's extra file.
 pub fn path_of(part: &Path) -> PathBuf {
     let mut name = part.file_name().unwrap_or_default().to_os_string();
     name.push(".extra");
@@ -56,10 +56,10 @@ pub fn path_of(part: &Path) -> PathBuf {
 }
 
 impl PartExtras {
-    /// Writes the file of the part in `table`, which is written already.
+    /// Writes the extra file of the part in `table`, which must exist already.
     ///
     /// # Errors
-    /// Where either cannot be read or written.
+    /// If either file cannot be read or written.
     pub fn write(&self, table: &Path) -> Result<PathBuf, Error> {
         let path = path_of(table);
         let bytes = self.to_bytes(&hash_of(table)?);
@@ -67,19 +67,19 @@ impl PartExtras {
         Ok(path)
     }
 
-    /// Reads the file of the part in `table`.
+    /// Reads the extra file of the part in `table`.
     ///
     /// # Errors
-    /// Where there is none, where it was cut or changed, or where it belongs to another state of the part.
+    /// If it does not exist, was truncated or modified, or does not match the part's table.
     pub fn read(table: &Path) -> Result<Self, Error> {
         let path = path_of(table);
         let refused = |reason: &str| Error::Conflict(format!("{}: {reason}", path.display()));
         let again = "measure the part again with --partial-with";
         let bytes = std::fs::read(&path).map_err(|error| refused(&format!("{}; {again}", error.kind())))?;
         let (table_hash, extras) = Self::from_bytes(&bytes)
-            .ok_or_else(|| refused(&format!("it was cut or changed, or is of another version; {again}")))?;
+            .ok_or_else(|| refused(&format!("it was truncated or modified, or comes from another version; {again}")))?;
         if table_hash != hash_of(table)? {
-            return Err(refused(&format!("it belongs to another state of {}; {again}", table.display())));
+            return Err(refused(&format!("it does not match the present {}; {again}", table.display())));
         }
         Ok(extras)
     }

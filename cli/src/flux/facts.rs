@@ -1,4 +1,4 @@
-//! Facts about a simulation for its report: the same from one run and from merged parts.
+//! Facts about a simulation for its report, the same from one run as from merged parts.
 
 use pyrophone_flame::flux::Flux;
 use pyrophone_flame::import::Numbering;
@@ -6,14 +6,14 @@ use pyrophone_flame::import::Numbering;
 use super::measuring::Plan;
 use crate::args::UpAxis;
 
-/// Facts that only who reads the cache can tell.
+/// Facts that can only be read from the cache.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CacheFacts {
     /// The cache as the user named it.
     pub simulation: String,
-    /// Size of the voxels and of what burns in the first frame; none before ignition.
+    /// Size of the voxels and of the flame in the first frame; none before ignition.
     pub size: Option<String>,
-    /// Agreement of rate and velocity unit with the smoke, where that can be told.
+    /// Agreement of the rate and the velocity unit with the smoke, if it could be checked.
     pub check: Option<String>,
 }
 
@@ -22,12 +22,12 @@ impl CacheFacts {
     pub fn of(plan: &Plan, input: &std::path::Path, check: Option<String>) -> Self {
         let size = plan.sight.as_ref().map(|sight| {
             let (voxel, extent) = (sight.voxel_text(), sight.extent_text());
-            format!("voxel {voxel}; what burns in the first frame spans {extent} (world units)")
+            format!("voxel {voxel}; the flame spans {extent} in the first frame (world units)")
         });
         Self { simulation: input.display().to_string(), size, check }
     }
 
-    /// Labels and values in the order of the page.
+    /// Labels and values in the order in which the page shows them.
     pub fn labelled(
         self,
         settings: &str,
@@ -41,7 +41,7 @@ impl CacheFacts {
             UpAxis::Z => "third",
         };
         let axes = format!("first, second, third as in the files; the {up} points up for the speed field (--up)");
-        let told_hz = rate_hz.map_or("unknown".into(), |rate_hz| format!("{rate_hz} measured steps a second"));
+        let told_hz = rate_hz.map_or("unknown".into(), |rate_hz| format!("{rate_hz} measured steps per second"));
         let interpolated = format!("{} of {} frames", flux.interpolated.len(), flux.rows.len());
         let facts = [
             ("Simulation", Some(self.simulation)),

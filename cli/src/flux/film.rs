@@ -1,12 +1,12 @@
-//! Film time: position of a simulation's first frame, and the metadata that state it.
+//! Film time: the position of a simulation's first frame, and the metadata that state it.
 
 use crate::args::TimelineArgs;
 use crate::error::Error;
 use crate::flux::signal::Signal;
 
-/// Position of the first step on the timeline, in seconds; none without a film rate.
+/// Position of the first step on the timeline in seconds; none without a film rate.
 ///
-/// Fails where the frame of film is not known, or lies before the timeline's start.
+/// Fails if the film frame is unknown or lies before the start of the timeline.
 pub fn place_s(args: &TimelineArgs, signal: &Signal) -> Result<Option<f64>, Error> {
     let Some(rate) = args.film_rate else { return Ok(None) };
     let at_start_s = args.timecode.map_or(Ok(0.0), |timecode| timecode.seconds(rate))?;
@@ -17,7 +17,7 @@ pub fn place_s(args: &TimelineArgs, signal: &Signal) -> Result<Option<f64>, Erro
         None if (frames_hz / rate.hz() - 1.0).abs() < 1e-3 => signal.first_number(),
         None => {
             let message = format!(
-                "the simulation has {frames_hz} frames per second and the film {}, so their frame numbers differ; give the film frame of the first one with --film-frame",
+                "the simulation has {frames_hz} frames per second and the film {}, so their frame numbers differ; give the film frame of the simulation's first frame with --film-frame",
                 rate.hz()
             );
             return Err(Error::Conflict(message));
@@ -34,7 +34,7 @@ pub fn place_s(args: &TimelineArgs, signal: &Signal) -> Result<Option<f64>, Erro
     Ok(Some(place_s))
 }
 
-/// The iXML chunk (iXML 1.61), which editing programs read beside the time stamp.
+/// The iXML chunk (iXML 1.61), which editing programs read as well as the time stamp.
 pub fn ixml(args: &TimelineArgs, place_samples: u64, sample_rate_hz: u32) -> Option<String> {
     if args.film_rate.is_none() && args.scene.is_none() && args.take.is_none() {
         return None;

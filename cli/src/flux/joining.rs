@@ -1,4 +1,4 @@
-//! Joining what parts hold beside their tables.
+//! Joining of the parts' extra data.
 
 use std::path::Path;
 
@@ -8,14 +8,14 @@ use super::measuring::Span;
 use super::motion::{Speeds, Survey};
 use crate::error::Error;
 
-/// The extras of some parts, with their names.
+/// The extra data of some parts, with the parts' names.
 pub struct Extras(Vec<(String, PartExtras)>);
 
 impl Extras {
-    /// Reads those of all parts; none where no part has any.
+    /// Reads the extra data of all parts; none if no part has any.
     ///
     /// # Errors
-    /// Where some have them and others do not, or where one belongs to another state of its part.
+    /// If only some parts have extra data, or if one file does not match its part.
     pub fn read(parts: &[&Path]) -> Result<Option<Self>, Error> {
         if parts.iter().all(|part| !path_of(part).exists()) {
             return Ok(None);
@@ -24,23 +24,23 @@ impl Extras {
         parts.iter().map(read).collect::<Result<_, Error>>().map(|extras| Some(Self(extras)))
     }
 
-    /// Refuses parts that are not all those they were measured as: frames were chosen from the whole.
+    /// Rejects an incomplete set of parts: frames were chosen from the whole that each part was measured for.
     ///
     /// # Errors
-    /// With the first part of another whole than steps `first` to `last`.
+    /// Names the first part that was measured for a whole other than steps `first` to `last`.
     pub fn check(&self, first: i64, last: i64, label: impl Fn(i64) -> String) -> Result<(), Error> {
         let is_other = |(_, extras): &&(String, PartExtras)| (extras.span.first, extras.span.last) != (first, last);
         let Some((name, PartExtras { span, .. })) = self.0.iter().find(is_other) else { return Ok(()) };
         let [whole_first, whole_last, first, last] = [span.first, span.last, first, last].map(label);
         Err(Error::Conflict(format!(
-            "{name}: it was measured as a part of frames {whole_first}-{whole_last}, but the parts together are {first}-{last}; add the parts that are missing, or measure them with --partial-of {first}-{last}"
+            "{name}: it was measured as a part of frames {whole_first}-{whole_last}, but the parts together cover {first}-{last}; add the missing parts, or measure these again with --partial-of {first}-{last}"
         )))
     }
 
-    /// The speeds of all parts.
+    /// Speeds of all parts.
     ///
     /// # Errors
-    /// With the first part that has none, or that measured them in another way than the first.
+    /// Names the first part that has none, or that measured them differently from the first part.
     pub fn speeds(&self) -> Result<(Survey, Speeds), Error> {
         let mut joined: Option<(Survey, Speeds)> = None;
         for (name, extras) in &self.0 {
@@ -48,7 +48,7 @@ impl Extras {
             let (first, all) = joined.get_or_insert_with(|| (*survey, Speeds::new()));
             if first != survey {
                 let message = format!(
-                    "{name}: its flow was measured at another rate or in another box than that of {}; measure all parts alike",
+                    "{name}: its flow was measured at a different rate or in a different box from that of {}; measure all parts with the same options",
                     self.0[0].0
                 );
                 return Err(Error::Conflict(message));
@@ -58,7 +58,7 @@ impl Extras {
         joined.ok_or_else(|| pyrophone_flame::Error::NoFrames.into())
     }
 
-    /// The facts and the fronts of all parts, and the whole's span; none where a part has no fronts.
+    /// Facts and fronts of all parts, and the span of the whole; none if a part has no fronts.
     pub fn report(&self) -> Option<(CacheFacts, Fronts, Span)> {
         let mut fronts = vec![];
         for (_, extras) in &self.0 {
@@ -73,9 +73,9 @@ impl Extras {
     }
 }
 
-/// The refusal where a speed field is wanted of parts that have none.
+/// Error for a speed field requested from parts that have none.
 pub fn no_speeds(part: &str) -> Error {
     Error::Conflict(format!(
-        "{part}: this part holds no speeds; measure all parts with --partial-with speed-field, or leave out --speed-field"
+        "{part}: this part contains no speeds; measure all parts with --partial-with speed-field, or leave out --speed-field"
     ))
 }

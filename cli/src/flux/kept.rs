@@ -1,4 +1,4 @@
-//! Checkpoint of an interrupted run: a part of the table, beside the output.
+//! Checkpoint of an interrupted run: a partial table beside the output.
 
 use std::fs::File;
 use std::io::Write;
@@ -8,29 +8,29 @@ use pyrophone_flame::flux::{Changes, FluxShard, Row, Steps};
 
 use crate::error::Error;
 
-/// Suffix of the checkpoint's name, after the output's.
+/// Suffix that turns the output's name into the checkpoint's.
 const SUFFIX: &str = ".flux-progress";
 
-/// Frames done so far, in a file that goes away when the work is whole.
+/// Finished frames, in a file that is removed once the work is complete.
 pub struct FluxCheckpoint {
     path: PathBuf,
     settings: String,
-    /// Frames done by the run before; in the end, all of them.
+    /// Frames finished by the previous run; in the end, all frames.
     pub steps: Steps,
     /// Changes from each step to the next, if upsampling needs them.
     pub changes: Changes,
-    /// Open once there is something to keep.
+    /// Open once there is something to store.
     file: Option<File>,
     done: usize,
 }
 
 impl FluxCheckpoint {
-    /// Finds what a run with the same settings, over the same files, has left beside `output`.
+    /// Finds what a previous run with the same settings, over the same files, left beside `output`.
     pub fn open(output: &Path, settings: String) -> Self {
         let mut name = output.file_name().unwrap_or_default().to_os_string();
         name.push(SUFFIX);
         let path = output.with_file_name(name);
-        // A file that cannot be read, or of other settings, is of no use: it will be written again.
+        // A file that is unreadable or has other settings is ignored: it will be written again.
         let text = std::fs::read_to_string(&path).unwrap_or_default();
         // The last line may have been cut off while it was written.
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
@@ -40,7 +40,7 @@ impl FluxCheckpoint {
         Self { path, settings, steps, changes, file: None, done }
     }
 
-    /// Adds frames, and how they change.
+    /// Adds frames and the changes between them.
     pub fn add<'a>(&mut self, rows: impl Iterator<Item = (&'a Row, Option<&'a [f64]>)>) -> Result<(), Error> {
         let (mut text, mut count) = (vec![], 0);
         let failure = |error: std::io::Error| {
@@ -77,13 +77,13 @@ impl FluxCheckpoint {
         Ok(())
     }
 
-    /// The work is whole.
+    /// Removes the checkpoint after complete work.
     pub fn remove(self) {
         drop(self.file);
         let _ = std::fs::remove_file(&self.path);
     }
 
-    /// The work ends early: says what is kept, if anything is.
+    /// Wraps the error of interrupted work, with the location of the checkpoint if there is one.
     pub fn unfinished(self, reason: Error) -> Error {
         if self.done == 0 {
             return reason;

@@ -1,4 +1,4 @@
-//! Measuring the frames of a simulation, several at a time.
+//! Measurement of a simulation's frames, several at a time.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -23,34 +23,34 @@ use crate::progress::{Work, note};
 /// Relative tolerance between a given rate and the frames' own.
 const SAME_RATE: f64 = 0.01;
 
-/// Frames for each thread that are measured before they are kept.
+/// Frames per thread that are measured before the checkpoint is written.
 const PORTION: usize = 4;
 
-/// Frames behind a part that the change from its last one depends on.
+/// Frames after a part that the change from its last frame depends on.
 const AHEAD: usize = 2;
 
-/// A measurement: of which frames, and how.
+/// A plan of a measurement: which frames, and how.
 pub struct Plan {
     /// The frames on disk.
     pub sequence: Sequence,
-    /// The grids.
+    /// The grids to read.
     pub selection: Selection,
-    /// The surface.
+    /// The flame front to measure.
     pub front: Front,
-    /// Frames of the sequence that are asked for, counted from 0.
+    /// Requested frames, as indices into the sequence.
     pub indices: Vec<usize>,
-    /// The frames of all parts together, where a part needs them.
+    /// Frames of all parts together, for a part that needs them.
     pub whole: Option<Whole>,
     /// The steps of the sequence's frames, ascending.
     numbers: Vec<i64>,
-    /// Steps among those asked for that have no file.
+    /// Requested steps that have no file.
     missing: Vec<i64>,
-    /// Facts from the first good frame; none without a good one.
+    /// Facts from the first good frame; none without a good frame.
     pub sight: Option<Sight>,
-    /// Everything that the results depend on, except for the files.
+    /// Everything that the results depend on, apart from the files.
     pub settings: String,
     measure: Measure,
-    /// Describes the change from each step to the next, if upsampling is wanted.
+    /// Source of the change from each step to the next, if upsampling is requested.
     pub upsampler: Option<Upsampler>,
     skip_bad: bool,
     /// Folder for fronts, stride in steps, and first step.
@@ -58,23 +58,23 @@ pub struct Plan {
     mesh_kind: MeshKind,
 }
 
-/// Frames that belong together: those of one run, or of all parts.
+/// Frames that belong together: those of one run or of all parts.
 #[derive(Debug, Clone)]
 pub struct Whole {
-    /// Frames of the sequence, counted from 0, ascending.
+    /// Indices into the sequence, ascending.
     pub indices: Vec<usize>,
-    /// Their steps.
+    /// Steps that these frames span.
     pub span: Span,
 }
 
-/// Steps from the first to the last.
+/// Range of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Span {
-    /// The first step, whether or not it has a file.
+    /// First step, with or without a file.
     pub first: i64,
-    /// The last step, whether or not it has a file.
+    /// Last step, with or without a file.
     pub last: i64,
-    /// The first step that has a file.
+    /// First step that has a file.
     pub first_file: i64,
 }
 
@@ -86,7 +86,7 @@ struct Measured {
 }
 
 impl Plan {
-    /// Opens the frames and looks at the first good one; says what the user may want otherwise.
+    /// Opens the frames and examines the first good one; notes anything the user may not expect.
     pub fn new(args: &FluxArgs, work: &Work) -> Result<Self, Error> {
         let sequence = Sequence::open(&args.input)?;
         note_names(&sequence);
@@ -98,8 +98,8 @@ impl Plan {
             work.check()?;
             Sight::of(&sequence, *index, &selection, args)
         };
-        // Where all are bad the first one's reason is told: most often a name that no frame has. A frame before ignition
-        // has no field, and nothing that could be told of it.
+        // If all are bad, the first one's reason is reported: most often a name that no frame has. A frame before
+        // ignition has no field, and so nothing to report.
         let is_bad = |look: &Result<Sight, Error>| matches!(look, Err(Error::Import(_)));
         let is_unlit = |index: &usize| sequence.is_unlit(*index, &selection);
         let mut lit = indices.iter().skip_while(|index| is_unlit(index));
@@ -118,13 +118,13 @@ impl Plan {
             look => look?,
         };
         if sight.is_none() && args.partial.is_none() && !indices.is_empty() && !args.skip_bad {
-            note("nothing burns in any of the frames");
+            note("nothing burns in any frame");
         }
         let mesh =
             args.mesh.clone().map(|folder| (folder, args.mesh_every, indices.first().map_or(0, |i| numbers[*i])));
         let whole = whole(args, &sequence, &indices)?;
-        // A part in which nothing burns yet tells how its last frame changes to the next, and how its gas moves: for both it
-        // needs the iso value and the unit that the other parts find.
+        // A part before ignition measures the change from its last frame to the next, and the motion of its gas: for
+        // both it needs the iso value and the unit that the other parts find.
         let others: Vec<usize> = match (&sight, &whole, indices.last()) {
             (None, Some(whole), _) => whole.indices.clone(),
             (None, None, Some(last)) if args.partial.is_some() => (last + 1..sequence.len()).take(AHEAD).collect(),
@@ -154,7 +154,7 @@ impl Plan {
         })
     }
 
-    /// The same, with the changes between steps that an upsampler needs.
+    /// The same plan, with the changes between steps that an upsampler needs.
     pub fn with_upsampler(mut self, upsampler: Option<Upsampler>) -> Self {
         if let (Some(upsampler), Some(_)) = (&upsampler, &self.sight) {
             self.settings += &format!(", upsample {upsampler}");
@@ -163,7 +163,8 @@ impl Plan {
         self
     }
 
-    /// Every frame's numbers; none for those skipped. What is done is kept beside `output` until all is.
+    /// Measures every frame; skipped frames have no numbers. Finished frames are kept beside `output` until all are
+    /// done.
     pub fn measure(&self, output: &Path, work: &Work) -> Result<FluxCheckpoint, Error> {
         if let Some((folder, ..)) = &self.mesh {
             make_folder(folder)?;
@@ -226,8 +227,8 @@ impl Plan {
         Ok(())
     }
 
-    /// The sources of the frames of a portion and of the two behind each, asked for or not: a shard looks beyond its own.
-    /// What cannot be read is left out; when it is measured itself, its fault is told.
+    /// The sources of a portion's frames and of the two frames after each, requested or not: a shard looks beyond its
+    /// own frames. Unreadable frames are left out; the error is reported when the frame itself is measured.
     fn sources(
         &self,
         portion: &[usize],
@@ -249,7 +250,7 @@ impl Plan {
         Ok(sources)
     }
 
-    /// Change from a frame to the next, if that is wanted and both can be read.
+    /// Change from a frame to the next, if it is needed and both can be read.
     fn change(&self, index: usize, sources: &BTreeMap<usize, Source>) -> Option<Vec<f64>> {
         let next = self.next(index)?;
         let beyond = self.next(next).and_then(|beyond| sources.get(&beyond));
@@ -257,7 +258,7 @@ impl Plan {
         Some(self.upsampler.as_ref()?.change(self.sequence.numbers().nth(index)?, before, after, beyond))
     }
 
-    /// The frame of the step behind this one, asked for or not: a shard looks one frame beyond its own.
+    /// The frame of the following step, requested or not: a shard looks one frame beyond its own.
     fn next(&self, index: usize) -> Option<usize> {
         let numbers: Vec<i64> = self.sequence.numbers().skip(index).take(2).collect();
         matches!(numbers[..], [this, next] if this.checked_add(1) == Some(next)).then_some(index + 1)
@@ -299,7 +300,7 @@ impl Plan {
         Ok(Row::new(frame.number, &measure))
     }
 
-    /// The field summed over the frame, or how much it changes to the next one: neither needs a front.
+    /// The field's sum over the frame, or its change to the next frame; neither needs a front.
     fn integral(&self, index: usize) -> Result<Row, Error> {
         let source = self.source(index)?;
         let flux = match (self.measure, self.next(index)) {
@@ -313,9 +314,9 @@ impl Plan {
         Ok(Row { frame, flux, area: 0.0, mean_curvature: None })
     }
 
-    /// Frames per second: as given, else as the frames say.
+    /// Frames per second: as given, otherwise as stated by the frames.
     pub fn rate_hz(&self, given_hz: Option<f64>) -> Result<Option<f64>, Error> {
-        // Of a single frame nobody can tell a rate, but a shard of one frame has neighbours.
+        // A single frame gives no rate, but a shard of one frame has neighbours.
         let near = |index: &usize| index.saturating_sub(1)..=(index + 1).min(self.sequence.len() - 1);
         let asked =
             if self.indices.len() > 1 { self.indices.clone() } else { self.indices.iter().flat_map(near).collect() };
@@ -334,7 +335,7 @@ impl Plan {
         }
     }
 
-    /// Reads a frame; one before ignition is empty.
+    /// Reads a frame; a frame before ignition is empty.
     pub fn read(&self, index: usize) -> Result<Frame, Error> {
         self.sequence.read(index, &self.selection).or_else(|error| {
             if self.sequence.is_unlit(index, &self.selection) {
@@ -345,29 +346,29 @@ impl Plan {
         })
     }
 
-    /// An error with the file of the frame.
+    /// Error with the path of the frame's file.
     pub fn of_frame(&self, index: usize, source: FlameError) -> Error {
         Error::Frame { path: self.sequence.path_of(index).display().to_string(), source: Box::new(source) }
     }
 
-    /// The first step that is asked for, missing ones included.
+    /// First requested step, including missing ones.
     pub fn first_frame(&self) -> Option<i64> {
         span(&self.numbers, &self.indices, &self.missing).map(|span| span.first)
     }
 
-    /// The frames that are asked for; none where there are none.
+    /// The requested frames; none if there are none.
     pub fn own(&self) -> Option<Whole> {
         let span = span(&self.numbers, &self.indices, &self.missing)?;
         Some(Whole { indices: self.indices.clone(), span })
     }
 
-    /// The frame of a step, if it is among these.
+    /// The frame of a step, if it is one of the requested frames.
     pub fn index_of(&self, step: i64, among: &[usize]) -> Option<usize> {
         let index = self.numbers.binary_search(&step).ok()?;
         among.binary_search(&index).is_ok().then_some(index)
     }
 
-    /// The number of a step as its file names it.
+    /// Number of a step in its file's name.
     pub fn label(&self, step: i64) -> String {
         self.sequence.numbering().label(step)
     }
@@ -382,14 +383,14 @@ impl Plan {
     }
 }
 
-/// The frames and the missing steps that a list holds; all without one.
+/// The frames and the missing steps of a list; without a list, all frames.
 fn wanted(sequence: &Sequence, list: Option<&FrameList>) -> (Vec<usize>, Vec<i64>) {
     let is_wanted = |step: &i64| list.is_none_or(|list| list.holds(*step, sequence.numbering()));
     let frames = sequence.numbers().enumerate().filter(|(_, step)| is_wanted(step));
     (frames.map(|(index, _)| index).collect(), sequence.missing().into_iter().filter(is_wanted).collect())
 }
 
-/// The frames of all parts together, where a part needs them.
+/// Frames of all parts together, for a part that needs them.
 fn whole(args: &FluxArgs, sequence: &Sequence, own: &[usize]) -> Result<Option<Whole>, Error> {
     if args.partial_with.is_empty() {
         return Ok(None);
@@ -404,16 +405,17 @@ fn whole(args: &FluxArgs, sequence: &Sequence, own: &[usize]) -> Result<Option<W
         (_, outside, list) => {
             let list = list.as_ref().map(ToString::to_string).unwrap_or_default();
             let which = outside.and_then(|index| numbers.get(*index)).map(|step| sequence.numbering().label(*step));
-            let what = which.map_or("no frame".into(), |frame| format!("not frame {frame} of this part"));
+            let what = which
+                .map_or("contains no frame".into(), |frame| format!("does not contain frame {frame} of this part"));
             let shown = args.input.display();
             Err(Error::Conflict(format!(
-                "{shown}: --partial-of is {list}, which holds {what}; name the frames of all parts together"
+                "{shown}: --partial-of is {list}, which {what}; name the frames of all parts together"
             )))
         }
     }
 }
 
-/// First and last of these frames and of missing steps; none where no frame is there.
+/// First and last step, including missing steps; none without any frame.
 fn span(numbers: &[i64], indices: &[usize], missing: &[i64]) -> Option<Span> {
     let step = |index: Option<&usize>| index.and_then(|index| numbers.get(*index)).copied();
     let (first_file, last_file) = (step(indices.first())?, step(indices.last())?);
@@ -436,7 +438,7 @@ fn selection(args: &FluxArgs) -> Selection {
     }
 }
 
-/// Everything that the results depend on, except for the files.
+/// Everything that the results depend on, apart from the files.
 fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
     let Sight { iso, field, velocity, .. } = sight;
     match args.measure {
@@ -453,7 +455,7 @@ fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
     }
 }
 
-/// Says what is unusual about the files' names.
+/// Notes anything unusual about the file names.
 fn note_names(sequence: &Sequence) {
     if sequence.left_out() > 0 {
         note(&format!("{} numbered files with other names are ignored", sequence.left_out()));
@@ -468,12 +470,12 @@ fn note_names(sequence: &Sequence) {
     }
 }
 
-/// Refuses missing frames, and a choice of frames of which there is none; a shard may be empty.
+/// Rejects missing frames, and a choice without any frame; only a shard may be empty.
 fn check_wanted(args: &FluxArgs, sequence: &Sequence, indices: &[usize], missing: &[i64]) -> Result<(), Error> {
     let shown = args.input.display();
     if let (Some(step), false) = (missing.first(), args.skip_bad) {
         return Err(Error::Conflict(format!(
-            "{shown}: frame {} is missing ({} in all); add the missing files, or --skip-bad to interpolate",
+            "{shown}: frame {} is missing ({} in all); add the missing files, or interpolate them with --skip-bad",
             sequence.numbering().label(*step),
             missing.len()
         )));
@@ -483,7 +485,7 @@ fn check_wanted(args: &FluxArgs, sequence: &Sequence, indices: &[usize], missing
     let [first, last] = ends.map(|step| sequence.numbering().label(step.unwrap_or_default()));
     let message = format!("--frames is {list}, but the frames in {shown} are {first}-{last}");
     if args.partial.is_none() {
-        return Err(Error::Conflict(format!("{message}; choose some of those")));
+        return Err(Error::Conflict(format!("{message}; choose from those")));
     }
     note(&format!("{message}: the part is empty"));
     Ok(())

@@ -1,4 +1,4 @@
-//! Speed field of a simulation, for vortex sound: how fast the gas flows, and where.
+//! Speed field of a simulation, for vortex sound: the speed of the gas in each region.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,27 +14,27 @@ use crate::args::UpAxis;
 use crate::error::Error;
 use crate::progress::Work;
 
-/// Frames whose boxes are looked at, at even distances.
+/// Number of frames, evenly spaced, that are examined for the box.
 const LOOKS: usize = 24;
 
-/// Where and when a flow is measured: the same for the whole simulation and for every part of it.
+/// Times and region of the measurement: the same for the whole simulation and for every part of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Survey {
-    /// Steps of the whole.
+    /// Steps of the whole simulation.
     pub span: Span,
     /// Stride between measured steps.
     pub every: u64,
-    /// The box that holds all motion, lowest and highest corner, and its voxel's edge; none where nothing moves.
+    /// The box that contains all motion: its lowest and highest corners; none if nothing moves.
     pub extent: Option<[[f64; 3]; 2]>,
-    /// Edge of a voxel in that box.
+    /// Voxel edge in that box.
     pub voxel: f64,
 }
 
-/// Mean speeds of all regions, by step; a step that could not be read is not there.
+/// Mean speeds of all regions, by step; unreadable steps are missing.
 pub type Speeds = BTreeMap<i64, Vec<f32>>;
 
 impl Survey {
-    /// Looks at frames of the whole, whose steps come `rate_hz` times per second.
+    /// Examines frames of the whole simulation, whose steps come at `rate_hz`.
     pub fn new(plan: &Plan, whole: &Whole, rate_hz: f64, work: &Work) -> Result<Self, Error> {
         let survey = Self { span: whole.span, every: stride(rate_hz), extent: None, voxel: 0.0 };
         let there: Vec<usize> = survey.steps().filter_map(|step| plan.index_of(step, &whole.indices)).collect();
@@ -51,12 +51,12 @@ impl Survey {
         Ok(Self { extent, voxel, ..survey })
     }
 
-    /// The measured steps, whether or not they have a file.
+    /// The measured steps, with or without a file.
     fn steps(&self) -> impl Iterator<Item = i64> + use<> {
         (self.span.first..=self.span.last).step_by(usize::try_from(self.every).unwrap_or(usize::MAX))
     }
 
-    /// The box cut into sub-volumes; none where nothing moves.
+    /// The box divided into sub-volumes; none if nothing moves.
     fn regions(&self) -> Option<Regions> {
         let [low, high] = self.extent?;
         // Samples stand in the middle of their voxels.
@@ -64,7 +64,7 @@ impl Survey {
         Some(Regions::new(low.map(|x| x - half), high.map(|x| x + half), self.voxel))
     }
 
-    /// Measures those of its steps that the plan has.
+    /// Measures those of the survey's steps that the plan has.
     pub fn measure(&self, plan: &Plan, work: &Work) -> Result<Speeds, Error> {
         let stage = work.stage("measuring the flow");
         let Some(regions) = self.regions() else { return Ok(Speeds::new()) };
@@ -83,8 +83,8 @@ impl Survey {
         Ok(speeds)
     }
 
-    /// The field of what was measured, the first step at `start_s` of the timeline. Where a step is missing, the flow
-    /// goes on as it was.
+    /// The field of the measured speeds, whose first step is at `start_s` on the timeline. A missing step repeats the
+    /// one before.
     pub fn field(&self, speeds: &Speeds, up: UpAxis, rate_hz: f64, start_s: f64) -> Result<SpeedField, Error> {
         let regions = self.regions().ok_or(pyrophone_flame::Error::NoMotion)?;
         let mut steps: Vec<Vec<f32>> = vec![];
@@ -101,7 +101,7 @@ impl Survey {
     }
 }
 
-/// Writes a field's file.
+/// Writes a speed field to a file.
 pub fn write(path: &Path, field: &SpeedField) -> Result<(), Error> {
     Ok(write_file(path, |file| std::io::Write::write_all(file, &field.to_bytes()))?)
 }

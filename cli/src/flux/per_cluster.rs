@@ -19,36 +19,36 @@ use crate::error::Error;
 use crate::output::{self, make_folder};
 use crate::progress::{Work, note};
 
-/// Time in which flux passes from one track to another where a front tears or joins, in seconds: three periods of the
-/// pressure's high-pass.
+/// Time over which flux passes from one track to another when a front splits or merges, in seconds: three periods of
+/// the pressure's high-pass.
 const HANDOVER_S: f64 = 0.1;
 
-/// Frames for each thread whose parts are found before they are followed.
+/// Frames per thread whose clusters are found before they are followed.
 const PORTION: usize = 4;
 
-/// A track, or all that have none of their own.
+/// One track, or all tracks without a separate drive.
 struct Group {
-    /// Name of its files.
+    /// Base name of its files.
     name: String,
     /// Its tracks.
     tracks: Vec<usize>,
 }
 
-/// Refuses what cannot be told apart by flame.
+/// Rejects options that do not work flame by flame.
 pub fn check(args: &FluxArgs) -> Result<(), Error> {
     if args.per_cluster.is_none() {
         return Ok(());
     }
     let conflicts = [
-        (args.measure != Measure::Flux, "only --measure flux has a front to tell flames apart by"),
-        (args.sound.kind == Kind::Envelope, "envelopes of parts do not add up to that of the whole; leave out --as"),
-        (args.timeline.retime.is_some(), "positions are not retimed; leave out --retime, and retime what is written"),
+        (args.measure != Measure::Flux, "only --measure flux has a front that separates flames"),
+        (args.sound.kind == Kind::Envelope, "the flames' envelopes do not add up to that of the whole; leave out --as"),
+        (args.timeline.retime.is_some(), "positions are not retimed; leave out --retime, and retime the written files"),
     ];
     let found = conflicts.into_iter().find(|(is_given, _)| *is_given);
     found.map_or(Ok(()), |(_, why)| Err(Error::Conflict(format!("--per-cluster: {why}"))))
 }
 
-/// Writes the folder; returns its files. `signal` is the whole flame's, not upsampled yet.
+/// Writes the folder and returns its files. `signal` is that of the whole flame, before upsampling.
 pub fn write(
     folder: &Path,
     args: &FluxArgs,
@@ -99,7 +99,7 @@ pub fn write(
     Ok(files)
 }
 
-/// The parts of all fronts, followed from step to step.
+/// The clusters of all fronts, followed from step to step.
 fn follow(plan: &Plan, part: &FluxShard, work: &Work) -> Result<Vec<Track>, Error> {
     let stage = work.stage("following flames");
     let measured = |index: &&usize| {
@@ -129,7 +129,7 @@ fn follow(plan: &Plan, part: &FluxShard, work: &Work) -> Result<Vec<Track>, Erro
     Ok(tracker.finish())
 }
 
-/// The tracks that are heard most, each by itself, in the order of their first steps; then all others together.
+/// The loudest tracks, one group each, in the order of their first steps; then one group of all others.
 fn groups(tracks: &[Track], most: usize) -> Vec<Group> {
     let mut order: Vec<usize> = (0..tracks.len()).collect();
     order.sort_by(|a, b| tracks[*b].variation().total_cmp(&tracks[*a].variation()));
@@ -144,7 +144,7 @@ fn groups(tracks: &[Track], most: usize) -> Vec<Group> {
     groups
 }
 
-/// Flux of a group at all measured steps.
+/// Flux of a group at each measured step.
 fn steps(group: &Group, fluxes: &[BTreeMap<i64, f64>], tracks: &[Track], part: &FluxShard) -> Steps {
     let row = |frame: i64| {
         let flux = group.tracks.iter().filter_map(|track| fluxes.get(*track)?.get(&frame)).sum();
@@ -154,7 +154,7 @@ fn steps(group: &Group, fluxes: &[BTreeMap<i64, f64>], tracks: &[Track], part: &
     part.steps.iter().map(|(frame, whole)| (*frame, whole.is_some().then(|| row(*frame)))).collect()
 }
 
-/// Sums of a group at a step, and the mean of its places by area; none where nothing of it burns.
+/// Sums over a group at a step, with the mean position weighted by area; none if none of it burns.
 fn point(group: &Group, tracks: &[Track], step: i64) -> Option<Point> {
     let points = || group.tracks.iter().filter_map(|track| tracks.get(*track)?.points.get(&step));
     let area: f64 = points().map(|point| point.area).sum();
@@ -163,20 +163,20 @@ fn point(group: &Group, tracks: &[Track], step: i64) -> Option<Point> {
     (area > 0.0).then(|| Point { flux, area, centroid: std::array::from_fn(mean) })
 }
 
-/// The upsampler that draws the smooth curve alone.
+/// An upsampler that draws only the smooth curve.
 fn cubic(upsampler: &Upsampler) -> Result<Upsampler, Error> {
     Ok(Upsampler::new(Method::Cubic, upsampler.substeps(), upsampler.seed())?)
 }
 
-/// What upsampling adds to the smooth curve through the whole flame's steps.
+/// The difference between upsampling and the smooth curve, for the whole flame.
 fn added(measured: &Signal, whole: &Signal, upsampler: Option<&Upsampler>) -> Result<Vec<f64>, Error> {
     let Some(upsampler) = upsampler else { return Ok(vec![0.0; whole.flux.len()]) };
     let smooth = cubic(upsampler)?.series(&measured.flux, measured.first_frame, &BTreeMap::new());
     Ok(whole.flux.iter().zip(smooth).map(|(whole, smooth)| whole - smooth).collect())
 }
 
-/// The part of each group in what upsampling adds, which is known of the whole flame alone: that of its area. Where
-/// nothing burns all belongs to the first, so that they always add up to 1.
+/// Each group's share of that difference, which is only known for the whole flame: its share of the area. If nothing
+/// burns, the first group gets all of it, so that the shares always add up to 1.
 fn shares(groups: &[Group], tracks: &[Track], signal: &Signal, substeps: usize) -> Vec<Vec<f64>> {
     let count = signal.flux.len();
     let area = |group: &Group, n: usize| {
@@ -204,7 +204,7 @@ fn time_s(signal: &Signal, step: i64) -> f64 {
     step.saturating_sub(signal.first_frame) as f64 / signal.rate_hz
 }
 
-/// A table of a group's places.
+/// Writes a table of a group's positions.
 fn write_track(to: &mut impl Write, group: &Group, tracks: &[Track], signal: &Signal) -> std::io::Result<()> {
     let mut to = std::io::BufWriter::new(to);
     writeln!(to, "time_s,x_m,y_m,z_m,area_m2,flux_m3_per_s")?;
@@ -216,7 +216,7 @@ fn write_track(to: &mut impl Write, group: &Group, tracks: &[Track], signal: &Si
     to.flush()
 }
 
-/// A table of all groups: when each begins and ends, and why.
+/// Writes a table of all groups: when each begins and ends, and why.
 fn write_list(to: &mut impl Write, groups: &[Group], tracks: &[Track], signal: &Signal) -> std::io::Result<()> {
     writeln!(to, "cluster,start_s,end_s,birth,birth_from,death,death_into,tracks")?;
     let name_of = |track: usize| {
@@ -257,7 +257,7 @@ fn died(death: Death) -> (&'static str, Option<usize>) {
     }
 }
 
-/// Says how many flames there are, and what became of them.
+/// Notes the number of flames and what became of them.
 fn tell(groups: &[Group], tracks: &[Track]) {
     let births = |is: fn(&Birth) -> bool| tracks.iter().filter(|track| is(&track.birth)).count();
     let deaths = |is: fn(&Death) -> bool| tracks.iter().filter(|track| is(&track.death)).count();
@@ -266,7 +266,7 @@ fn tell(groups: &[Group], tracks: &[Track]) {
     let rest = groups.iter().find(|group| group.tracks.len() > 1).map_or(0, |group| group.tracks.len());
     let rest = if rest > 0 { format!("; the {rest} quietest share one drive (--clusters)") } else { String::new() };
     note(&format!(
-        "{} flames: {ignited} ignited later, {split} torn off others, {ended} went out, {merged} joined others{rest}",
+        "{} flames: {ignited} ignited later, {split} split off others, {ended} went out, {merged} joined others{rest}",
         tracks.len()
     ));
 }

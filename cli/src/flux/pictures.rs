@@ -1,4 +1,4 @@
-//! Pictures of the front at even distances, in one view.
+//! Pictures of the front at even intervals, in one view.
 
 use pyrophone_flame::import::Numbering;
 use rayon::prelude::*;
@@ -9,10 +9,10 @@ use crate::error::Error;
 use crate::progress::Work;
 use crate::report::{Picture, View};
 
-/// Pictures of the front in a report.
+/// Number of pictures of the front in a report.
 const PICTURES: usize = 12;
 
-/// Those fronts of the whole's pictures that the plan has.
+/// Fronts to picture that fall within the plan's own frames.
 pub fn fronts(plan: &Plan, whole: &Whole, work: &Work) -> Result<Fronts, Error> {
     let _stage = work.stage("drawing");
     let last = whole.indices.len().saturating_sub(1);

@@ -1,4 +1,4 @@
-//! Retiming: the frame of the simulation at each frame of the film.
+//! Retiming: a curve from film frames to simulation frames.
 
 use std::path::Path;
 
@@ -9,15 +9,16 @@ use crate::input::text;
 /// Longest film in seconds.
 const MOST_S: f64 = 3600.0;
 
-/// A curve from frames of the film to frames of the simulation, linear between its points.
+/// A curve from film frames to simulation frames, linear between its points.
 pub struct Retime {
     points: Vec<(f64, f64)>,
 }
 
 impl Retime {
-    /// Reads a table of two columns, `film frame, simulation frame`, with or without a line of names.
+    /// Reads a table of two columns, `film frame, simulation frame`, with or without a header.
     ///
-    /// Fails with the line where there are no two numbers, where frames of the film do not ascend, and with fewer than two rows.
+    /// Fails, naming the line, if it does not hold two numbers or if film frames do not ascend; also with fewer than
+    /// two rows.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let shown = path.display().to_string();
         let failed = |line: usize, reason: &str| Err(Error::Conflict(format!("{shown}: line {line}: {reason}")));
@@ -42,7 +43,7 @@ impl Retime {
         Ok(Self { points })
     }
 
-    /// The first frame of the film.
+    /// First frame of the film.
     pub fn first(&self) -> f64 {
         self.points.first().map_or(0.0, |(film, _)| *film)
     }
@@ -53,9 +54,9 @@ impl Retime {
         a + (b - a) * ((film - from) / (to - from)).clamp(0.0, 1.0)
     }
 
-    /// The signal as the film shows it, its first step at the curve's first frame.
+    /// The signal as the film shows it; its first step is at the curve's first frame.
     ///
-    /// Fails where the film would be longer than an hour.
+    /// Fails if the film would be longer than an hour.
     pub fn applied(&self, signal: &Signal, film_hz: f64) -> Result<Vec<f64>, Error> {
         let (first, last) = (self.first(), self.points.last().map_or(0.0, |(film, _)| *film));
         let seconds = (last - first) / film_hz;
@@ -71,7 +72,7 @@ impl Retime {
     }
 }
 
-/// A value between steps: the cubic through the four nearest (Catmull & Rom); end values beyond the ends.
+/// Value between steps: the cubic through the four nearest (Catmull & Rom), with constant ends.
 fn cubic(values: &[f64], at: f64) -> f64 {
     let last = values.len() as f64 - 1.0;
     let at = at.clamp(0.0, last.max(0.0));
@@ -82,7 +83,7 @@ fn cubic(values: &[f64], at: f64) -> f64 {
 }
 
 impl Signal {
-    /// The same as a film shows it that bends time; as it is where none does.
+    /// The signal as a retimed film shows it; unchanged without a retiming curve.
     pub fn retimed(self) -> Result<Self, Error> {
         let Some((path, rate)) =
             self.timeline.as_ref().and_then(|timeline| timeline.retime.as_ref().zip(timeline.film_rate))

@@ -1,4 +1,4 @@
-//! One scale for all flames of a shot, so that their balance is kept.
+//! One scale for all flames of a shot, so that their balance is preserved.
 
 use pyrophone_recording::write_file;
 
@@ -9,9 +9,9 @@ use crate::input::text;
 /// First line of the file; the scale follows.
 const MARK: &str = "pyrophone scale ";
 
-/// The scale in the shot's file; none where there is no such file yet.
+/// The scale in the shot's file; none if the file does not exist yet.
 ///
-/// Fails where it is no such file.
+/// Fails if the file holds anything else.
 pub fn kept(args: &SoundArgs) -> Result<Option<f64>, Error> {
     let Some(path) = args.scale_file.as_deref().filter(|path| path.exists()) else { return Ok(None) };
     let found = text(path)?;
@@ -23,18 +23,18 @@ pub fn kept(args: &SoundArgs) -> Result<Option<f64>, Error> {
     scale.filter(|scale| scale.is_finite() && *scale > 0.0).map(Some).ok_or_else(refused)
 }
 
-/// Writes the shot's file where this flame is the first.
+/// Writes the shot's file if this flame is the first.
 pub fn keep(args: &SoundArgs, scale: f64) -> Result<(), Error> {
     let Some(path) = args.scale_file.as_deref().filter(|path| !path.exists()) else { return Ok(()) };
     Ok(write_file(path, |file| std::io::Write::write_all(file, format!("{MARK}{scale:?}\n").as_bytes()))?)
 }
 
-/// The loudest sample.
+/// Magnitude of the loudest sample.
 pub fn peak(samples: &[f32]) -> f32 {
     samples.iter().fold(0.0, |peak: f32, sample| peak.max(sample.abs()))
 }
 
-/// The scaling that was applied, as text.
+/// Description of the applied scaling.
 pub fn told(args: &SoundArgs, scale: f64, peak: f32) -> String {
     match &args.scale_file {
         Some(path) => {

@@ -1,4 +1,4 @@
-//! Facts from the first good frame of a simulation: size, placement, units.
+//! Facts from the first good frame of a simulation: size, placement and units.
 
 use pyrophone_flame::import::{GridInfo, Selection, Sequence};
 
@@ -6,29 +6,29 @@ use crate::args::{FluxArgs, Measure, Placement};
 use crate::error::Error;
 use crate::progress::note;
 
-/// Iso value of a field of 0 to 1.
+/// Iso value of a field that ranges from 0 to 1.
 const ISO: f64 = 0.5;
 
 /// Facts from one frame.
 pub struct Sight {
-    /// The value at the front.
+    /// Value of the field at the front.
     pub iso: f64,
-    /// The voxels' edges in world units.
+    /// Voxel edges in world units.
     pub voxel_edges: [f64; 3],
-    /// Lowest and highest corner of what burns, in world units; none before ignition.
+    /// Lowest and highest corners of the burning region in world units; none before ignition.
     pub extent: Option<[[f64; 3]; 2]>,
-    /// The burning field's name.
+    /// Name of the burning field.
     pub field: String,
-    /// The velocity's, or those of its components; nothing where it is not needed.
+    /// Name of the velocity grid, or names of its components; empty if the velocity is not needed.
     pub velocity: String,
-    /// Whether Blender wrote it.
+    /// True if Blender wrote the file.
     pub is_blender: bool,
 }
 
 impl Sight {
-    /// Looks at a frame.
+    /// Examines a frame.
     ///
-    /// Fails if it cannot be read, or if the value at its front is unknown.
+    /// Fails if the frame cannot be read, or if the value at its front is unknown.
     pub fn of(sequence: &Sequence, index: usize, selection: &Selection, args: &FluxArgs) -> Result<Self, Error> {
         let description = sequence.describe(index)?;
         let (info, velocity) = match args.measure {
@@ -62,7 +62,7 @@ impl Sight {
         })
     }
 
-    /// The voxels' edges, for people.
+    /// Voxel edges, as text.
     pub fn voxel_text(&self) -> String {
         self.voxel_edges.map(shortly).join(" x ")
     }
@@ -86,7 +86,7 @@ fn note_staggered(velocity: &GridInfo, args: &FluxArgs) {
     }
 }
 
-/// Six digits of a number, the last ones left out where they are zeros.
+/// The number to six significant digits, without trailing zeros.
 fn shortly(number: f64) -> String {
     format!("{number:.5e}").parse::<f64>().unwrap_or(number).to_string()
 }

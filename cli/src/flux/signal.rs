@@ -1,4 +1,4 @@
-//! A flux with its time: what is measured, before it becomes sound.
+//! A flux series with its timing: the measurement before it becomes sound.
 
 use pyrophone_flame::flux::{Changes, Flux};
 use pyrophone_flame::import::Numbering;
@@ -6,25 +6,25 @@ use pyrophone_flame::upsample::Upsampler;
 
 use crate::args::TimelineArgs;
 
-/// Steps per second for checking options while the true rate is not known yet: the paper's.
+/// Assumed steps per second for checking options before the true rate is known: the paper's rate.
 pub const LIKELY_RATE_HZ: f64 = 360.0;
 
-/// A flux with its time.
+/// A flux series with its timing.
 #[derive(Clone)]
 pub struct Signal {
     /// One value per step.
     pub flux: Vec<f64>,
-    /// The front's area at every step; empty where it is not known.
+    /// Area of the front at every step; empty if unknown.
     pub area: Vec<f64>,
     /// Number of the first step.
     pub first_frame: i64,
-    /// Steps per second; a likely value if it is unknown.
+    /// Steps per second; an assumed rate if it is unknown.
     pub rate_hz: f64,
-    /// Whether that rate is known.
+    /// True if that rate is known.
     pub is_timed: bool,
     /// Timeline options, if any were given.
     pub timeline: Option<TimelineArgs>,
-    /// The frame of the film at which it starts, where a curve says so.
+    /// Film frame at the start of the signal, if a retiming curve sets it.
     pub film_frame: Option<f64>,
     /// Relation of frame numbers to measured steps.
     pub numbering: Numbering,
@@ -54,22 +54,22 @@ impl Signal {
         Self { flux, first_frame, ..Self::of_flux(&none, Some(rate_hz)) }
     }
 
-    /// The same, its steps counted by frames' numbers.
+    /// The same signal, with its steps counted by the frames' numbers.
     pub fn counted(self, numbering: Numbering) -> Self {
         Self { numbering, ..self }
     }
 
-    /// The same on a timeline.
+    /// The same signal on a timeline.
     pub fn on_timeline(self, timeline: &TimelineArgs) -> Self {
         Self { timeline: Some(timeline.clone()), ..self }
     }
 
-    /// The first frame's number.
+    /// Number of the first frame.
     pub fn first_number(&self) -> f64 {
         self.numbering.number(self.first_frame)
     }
 
-    /// The same with more steps.
+    /// The same signal with more steps.
     pub fn upsampled(self, upsampler: &Upsampler, changes: &Changes) -> Self {
         let substeps = upsampler.substeps();
         let area = |area: &f64| std::iter::repeat_n(*area, substeps);
@@ -82,7 +82,7 @@ impl Signal {
         }
     }
 
-    /// Steps per second that were measured.
+    /// Measured steps per second.
     pub fn measured_hz(&self) -> f64 {
         self.rate_hz / self.substeps as f64
     }

@@ -1,4 +1,4 @@
-//! From flux to the files that were asked for.
+//! Conversion of flux to the requested files.
 
 use std::io::Write;
 use std::path::Path;
@@ -23,17 +23,16 @@ const START_S: f64 = 0.05;
 /// Amplitude ratio beyond which a loud start is noted: 12 dB.
 const START_RATIO: f32 = 4.0;
 
-/// Interpolated frames that a note names.
+/// Number of interpolated frames that a note lists.
 const NAMED_FRAMES: usize = 8;
 
-/// Files that were asked for, except the report's.
+/// Requested files, apart from the report's.
 pub fn files(args: &SoundArgs) -> impl Iterator<Item = &Path> {
     [args.output.as_deref(), args.flux_csv.as_deref()].into_iter().flatten()
 }
 
-/// Options out of range, and outputs in each other's way, are refused before any file is read. `others` are outputs
-/// beside those of `args`;
-/// `has_folder` says that there is a folder of them too.
+/// Rejects options out of range, and conflicting outputs, before any file is read. `others` are outputs beside those of
+/// `args`; `has_folder` is true if there is a folder of outputs too.
 pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path], has_folder: bool) -> Result<(), Error> {
     options(args, rate_hz.unwrap_or(LIKELY_RATE_HZ)).validate()?;
     scale::kept(args)?;
@@ -50,7 +49,7 @@ pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path], has_folde
             output::check_file(output)?;
         }
         if outputs[..index].contains(output) {
-            let message = format!("{}: two outputs have this name; choose another for one of them", output.display());
+            let message = format!("{}: two outputs have this name; rename one of them", output.display());
             return Err(Error::Conflict(message));
         }
     }
@@ -61,7 +60,7 @@ pub fn check(args: &SoundArgs, rate_hz: Option<f64>, others: &[&Path], has_folde
     Ok(())
 }
 
-/// The rate of steps that come to nothing else but numbers matters to none of them; all else needs one that somebody knows.
+/// The step rate. It does not matter to outputs that are bare numbers; all others need a known rate.
 pub fn known_rate(args: &SoundArgs, rate_hz: Option<f64>, input: &Path) -> Result<f64, Error> {
     let needs_rate = args.output.is_some() || args.report.is_some();
     match rate_hz {
@@ -71,7 +70,7 @@ pub fn known_rate(args: &SoundArgs, rate_hz: Option<f64>, input: &Path) -> Resul
     }
 }
 
-/// Nobody says how fast the steps follow each other.
+/// Error for an unknown step rate.
 pub fn no_rate(input: &Path) -> Error {
     Error::Conflict(format!(
         "{}: its step rate is unknown; give the simulation's frames per second, as in --rate 24",
@@ -88,7 +87,7 @@ pub fn options(args: &SoundArgs, rate_hz: f64) -> Options {
     Options { rate_hz, sample_rate_hz, kind, high_pass_hz, peak_db: args.peak_db, scale: None }
 }
 
-/// Says which frames were not measured.
+/// Notes the frames that were interpolated.
 pub fn note_interpolated(frames: &[i64], numbering: &Numbering) {
     if frames.is_empty() {
         return;
@@ -98,7 +97,7 @@ pub fn note_interpolated(frames: &[i64], numbering: &Numbering) {
     note(&format!("{} frames interpolated: {}{more}", frames.len(), named.join(", ")));
 }
 
-/// A simulation that starts from rest makes one loud step, to which all the rest is scaled.
+/// Notes a loud start: a simulation that begins at rest starts with one large step, to which everything else is scaled.
 fn note_start(samples: &[f32], sample_rate_hz: u32) {
     let start = ((START_S * f64::from(sample_rate_hz)) as usize).min(samples.len());
     let peak = |samples: &[f32]| samples.iter().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
@@ -106,12 +105,12 @@ fn note_start(samples: &[f32], sample_rate_hz: u32) {
     if rest > 0.0 && first > START_RATIO * rest {
         let above_db = 20.0 * (first / rest).log10();
         note(&format!(
-            "the first {START_S} s are {above_db:.0} dB louder than everything after them, and set the scale: leave out the start of a simulation that begins at rest"
+            "the first {START_S} s are {above_db:.0} dB louder than everything after them, so they set the scale; leave out the start of a simulation that begins at rest"
         ));
     }
 }
 
-/// Renders `signal` and writes whatever `args` ask for; the sound comes last. `flux` is the table, where there is one.
+/// Renders `signal` and writes the outputs requested in `args`, the sound last. `flux` is the table, if there is one.
 pub fn write(
     args: &SoundArgs,
     signal: &Signal,
@@ -181,7 +180,7 @@ pub fn write(
         let heard = result.inspect_err(|_| remove(&written))?;
         if is_silent {
             let reason = match (signal.flux.len(), signal.area.iter().all(|area| *area == 0.0)) {
-                (steps, _) if steps <= signal.substeps => "there is only one frame, and so no change",
+                (steps, _) if steps <= signal.substeps => "there is only one frame, so nothing changes",
                 (_, false) => "the flux is constant: the flame does not move, or as much gas flows in as out",
                 (_, true) => "the flux is constant; is there a flame front at this iso value?",
             };
@@ -195,7 +194,7 @@ pub fn write(
     Ok(done)
 }
 
-/// Frame by frame, or step by step where there are more steps than frames.
+/// Writes a table, one row per frame; one row per step if there are more steps than frames.
 fn write_table(path: &Path, flux: &Flux, signal: &Signal) -> Result<(), Error> {
     write_file(path, |file| {
         let mut file = std::io::BufWriter::new(file);
@@ -217,7 +216,7 @@ fn write_table(path: &Path, flux: &Flux, signal: &Signal) -> Result<(), Error> {
     Ok(())
 }
 
-/// Half of what was asked for is nothing; that the rest failed is what is reported.
+/// Removes outputs already written: half of the outputs is worse than none. Only the original failure is reported.
 fn remove(written: &[&Path]) {
     for path in written {
         let _ = std::fs::remove_file(path);
@@ -238,11 +237,11 @@ pub fn time_reference(args: &SoundArgs, signal: &Signal) -> Result<u64, Error> {
     Ok((steps as f64 / signal.measured_hz() * sample_rate_hz).round() as u64)
 }
 
-/// Steps from the start of the timeline to the first one.
+/// Steps from the start of the timeline to the first step.
 fn frames_since(start: i64, first: i64, numbering: &Numbering) -> Result<u64, Error> {
     let steps = first.checked_sub(numbering.step_from(start)).and_then(|steps| u64::try_from(steps).ok());
     steps.ok_or_else(|| {
         let what = format!("--start-frame is {start}, but the first frame is {}", numbering.label(first));
-        Error::Conflict(format!("{what}; the timeline must start there or before"))
+        Error::Conflict(format!("{what}; the timeline must start there or earlier"))
     })
 }

@@ -1,4 +1,4 @@
-//! The unit of a simulation's velocity, and whether it and the rate can be right.
+//! The unit of a simulation's velocity, and a check of it and the rate against the smoke.
 
 use pyrophone_flame::advection::fit;
 use pyrophone_flame::import::{Selection, Sequence};
@@ -9,17 +9,18 @@ use crate::error::Error;
 use crate::input::in_range;
 use crate::progress::{Work, note};
 
-/// Mantaflow's units of time in a second, at a time scale of 1: a frame is 0.1 · 25/fps of them (Blender's
+/// Mantaflow's time units in a second at a time scale of 1: a frame is 0.1 · 25/fps of them (Blender's
 /// `MANTA::initDomain`, dt_default).
 const BLENDER_UNITS_PER_S: f64 = 2.5;
 
-/// Relative tolerance between sizes of voxels that are meant to be the same: they are written with few digits.
+/// Relative tolerance between voxel sizes that should be equal: they are written with few digits.
 const SAME_SIZE: f64 = 1e-4;
 
-/// Pairs of frames that are looked at, at even distances.
+/// Number of frame pairs, evenly spaced, that are examined.
 const PAIRS: usize = 3;
 
-/// The selection with its velocity in world units per second: as given, else as is known of the program that wrote it.
+/// The selection with its velocity in world units per second: as given, otherwise as known for the program that wrote
+/// it.
 pub fn scaled(
     selection: Selection,
     sequence: &Sequence,
@@ -38,17 +39,17 @@ pub fn scaled(
     let edge = edges.first().copied().unwrap_or(sight.voxel_edges[0]);
     if edges.iter().any(|other| (other / edge - 1.0).abs() > SAME_SIZE) {
         note(
-            "the voxel size changes from frame to frame, as Blender's adaptive domain writes it wrongly; put the cache's folder config back beside data, or velocities and fluxes are wrong",
+            "the voxel size changes from frame to frame, because Blender's adaptive domain stores it wrongly; put the cache's config folder back beside data, or velocities and fluxes are wrong",
         );
     }
     let scale = BLENDER_UNITS_PER_S * edge;
     note(&format!(
-        "the velocity is Blender's, in cells per unit of its own time; it is multiplied by 2.5 voxels ({scale:.6}), which gives world units per second at a time scale of 1; for another time scale, use --velocity-scale"
+        "the velocity is Blender's, in cells per unit of Blender's time; it is multiplied by 2.5 voxels ({scale:.6}), which gives world units per second at a time scale of 1; for another time scale, use --velocity-scale"
     ));
     Ok(Selection { velocity_scale: scale, ..selection })
 }
 
-/// Voxel sizes of Blender's grids in the first, the middle and the last frame of the sequence.
+/// Voxel sizes of Blender's grids in the first, middle and last frames of the sequence.
 fn blender_voxels(sequence: &Sequence) -> Vec<f64> {
     let last = sequence.len().saturating_sub(1);
     let edge = |index: usize| {
@@ -58,7 +59,7 @@ fn blender_voxels(sequence: &Sequence) -> Vec<f64> {
     [0, last / 2, last].into_iter().filter_map(edge).collect()
 }
 
-/// Says so where smoke does not go where the gas goes, so that the rate or the velocity's unit cannot be right.
+/// Checks that the smoke moves with the gas; if it does not, the rate or the velocity's unit must be wrong.
 pub fn check(
     sequence: &Sequence,
     selection: &Selection,
@@ -74,7 +75,7 @@ pub fn check(
     for n in 1..=PAIRS {
         work.check()?;
         let Some(pair) = neighbours.get(n * neighbours.len() / (PAIRS + 1)) else { continue };
-        // What cannot be read is told when it is measured.
+        // Read errors are reported when the frame is measured.
         let carried = |index: usize| sequence.read_carried(index, selection).ok().flatten();
         if let (Some((before, flow)), Some((after, _))) = (carried(pair[0]), carried(pair[1])) {
             pairs.push((before, after, flow));

@@ -1,4 +1,4 @@
-//! Steps between the frames of a simulation that has too few of them for sound.
+//! Additional steps between the frames of a simulation that has too few for sound.
 
 use pyrophone_flame::upsample::{Method, Upsampler};
 
@@ -6,18 +6,18 @@ use crate::args::{FluxArgs, Kind, Measure, Upsample};
 use crate::error::Error;
 use crate::progress::note;
 
-/// Steps per second that are made.
+/// Steps per second to upsample to.
 const TARGET_HZ: f64 = 360.0;
 
-/// Tolerance below that rate, so that television's rates need no more steps than others.
+/// Tolerance below that rate, so that television rates need no more steps than others.
 const NEARLY: f64 = 0.98;
 
-/// Steps per second from which nothing is added unless asked for.
+/// Steps per second from which nothing is added unless requested.
 const ENOUGH_HZ: f64 = 200.0;
 
-/// The upsampler that is asked for, or that the rate calls for; says what is made up.
+/// The upsampler that was requested or that the rate calls for; notes what is estimated.
 ///
-/// Fails if one is asked for and the rate is unknown.
+/// Fails if upsampling was requested and the rate is unknown.
 pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>, Error> {
     let is_envelope = args.sound.kind == Kind::Envelope;
     let method = match (args.upsample, rate_hz) {
@@ -46,7 +46,7 @@ pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>
         return Ok(None);
     }
     note(&format!(
-        "{rate_hz} frames per second are turned into {} steps (--upsample {}): above {:.1} Hz, loudness and timbre are estimates, and phases are plausible, not true",
+        "{rate_hz} frames per second are upsampled to {} steps (--upsample {}): above {:.1} Hz, loudness and timbre are estimates, and phases are plausible, not true",
         rate_hz * substeps as f64,
         method.name(),
         0.5 * rate_hz

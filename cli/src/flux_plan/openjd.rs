@@ -1,4 +1,4 @@
-//! Open Job Description, as Deadline Cloud and others run it (specification 2023-09, with chunks of tasks).
+//! Jobs for Open Job Description, as run by Deadline Cloud and others (specification 2023-09, with chunks of tasks).
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,7 @@ use super::Job;
 /// Placeholder for a chunk's frames: the engine fills in `1-30`, or `7` for a chunk of one.
 const FRAMES: &str = "{{Task.Param.Frames}}";
 
-/// The template, in JSON, of which YAML is a superset.
+/// The template in JSON, a subset of YAML.
 pub fn template(job: &Job) -> String {
     let (first, last) = job.frames;
     let frames = json!({
@@ -37,14 +37,14 @@ pub fn template(job: &Job) -> String {
     serde_json::to_string_pretty(&template).unwrap_or_default() + "\n"
 }
 
-/// The engine shows how far a task is from lines of its own kind.
+/// Command of a task, with progress lines of the kind that the engine displays.
 fn call(job: &Job, arguments: &[String]) -> Value {
     let with_progress: Vec<&str> =
         ["--progress", "openjd"].into_iter().chain(arguments.iter().map(String::as_str)).collect();
     json!({ "command": job.program.display().to_string(), "args": with_progress })
 }
 
-/// The folder of the parts, made by whichever worker comes first.
+/// The parts' folder, created by whichever worker comes first.
 fn folder(job: &Job) -> Value {
     let make = json!({ "command": "mkdir", "args": ["-p", job.parts.display().to_string()] });
     json!({ "name": "Folder", "script": { "actions": { "onEnter": make } } })

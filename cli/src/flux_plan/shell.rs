@@ -1,11 +1,11 @@
-//! Jobs as shell scripts: plain, one part after the other, and for Slurm.
+//! Jobs as shell scripts: plain, running the parts one after another, and for Slurm.
 
 use super::Job;
 
-/// Stands for the frames until the shell's own word takes its place; it needs quotes, and nobody's file has it.
+/// Placeholder for the frames until the shell's variable replaces it; it needs quoting, and no file has this name.
 const PLACE: &str = "\u{1}";
 
-/// A script that measures part by part and resumes where it was stopped.
+/// A script that measures part by part and resumes where it stopped.
 pub fn plain(job: &Job) -> String {
     let mut text = head(job);
     for (first, last) in job.chunks() {
@@ -14,14 +14,14 @@ pub fn plain(job: &Job) -> String {
     text + &command(job, &job.merge_arguments()) + "\n"
 }
 
-/// A script that submits an array of parts, each of which may be requeued, and what puts them together when all are done.
+/// A script that submits an array of parts, each of which may be requeued, and a merge job that runs when all are done.
 pub fn slurm(job: &Job) -> String {
     let count = job.chunks().count();
     let mut lists = String::new();
     for (task, (first, last)) in job.chunks().enumerate() {
         lists += &format!("  {task}) frames={} ;;\n", quoted(&frames(first, last)));
     }
-    // The frames are the shell's to put in, behind whatever stands in quotes before them.
+    // The shell inserts the frames, after any quoted arguments before them.
     let measure = command(job, &job.measure_arguments(PLACE));
     let parts = job.parts.join(format!("part_{PLACE}.csv")).display().to_string();
     let (before, behind) = parts.split_once(PLACE).unwrap_or((&parts, ""));
@@ -52,7 +52,7 @@ fn command(job: &Job, arguments: &[String]) -> String {
     words.join(" ")
 }
 
-/// A word as a POSIX shell takes it whole.
+/// A word, quoted for a POSIX shell.
 fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=+,@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {

@@ -15,7 +15,7 @@ pub const NAME: &str = "standard input";
 /// Interval at which a wait for input checks for a signal.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// All of it, with its true length in the header where its writer did not know it.
+/// All of standard input, with its true length in the header if its writer did not know it.
 pub fn read(work: &Work) -> Result<Vec<u8>, Error> {
     if std::io::stdin().is_terminal() {
         return Err(Error::Conflict("the input is -, but standard input is a terminal; pipe a sound into it".into()));

@@ -3,21 +3,21 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time between two lines at least: what is done sooner leaves none.
+/// Shortest time between two lines; shorter work leaves none.
 const APART: Duration = Duration::from_secs(2);
 /// Percent between two lines, ...
 const APART_PERCENT: u8 = 10;
-/// ... unless so long a time has passed, so that a long run can be told from one that hangs.
+/// ... unless this much time has passed, so that a long run is distinguishable from one that hangs.
 const LONG: Duration = Duration::from_secs(60);
 
-/// The lines of one part of the work, whichever threads tell how far it is.
+/// The lines of one stage of the work, whichever threads report its progress.
 pub struct Lines {
     /// Text before and after the percentage.
     around: (&'static str, &'static str),
     last: Mutex<Last>,
 }
 
-/// The last line.
+/// The most recent line.
 struct Last {
     time: Instant,
     percent: u8,
@@ -28,7 +28,7 @@ impl Lines {
         Self::around((name, " %"))
     }
 
-    /// Lines that engines of Open Job Description read, `openjd_progress: 42`.
+    /// Lines in the format of Open Job Description, `openjd_progress: 42`.
     pub fn for_openjd() -> Self {
         Self::around(("openjd_progress", ""))
     }
@@ -37,7 +37,7 @@ impl Lines {
         Self { around, last: Mutex::new(Last { time: Instant::now(), percent: 0 }) }
     }
 
-    /// Writes a line where one is due for how much is done (0-1).
+    /// Writes a line if one is due, for the finished share (0-1).
     pub fn at(&self, done: f32) {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(percent) = last.due(Instant::now(), done) {

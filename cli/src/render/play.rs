@@ -1,4 +1,4 @@
-//! A whole signal through the chain.
+//! Rendering of a whole signal through the chain.
 
 use pyrophone_settings::Values;
 use pyrophone_settings::automation::Event;
@@ -6,24 +6,25 @@ use pyrophone_synthesis::chain::{Chain, Transport};
 
 use crate::error::Error;
 
-/// Samples per call of the chain, unless automation cuts it shorter.
+/// Samples per call of the chain, unless automation splits the block.
 pub const BLOCK_SAMPLES: usize = 4096;
 
-/// Everything that is played.
+/// Everything to play.
 pub struct Score<'a> {
-    /// Channels of the main input, all of one length.
+    /// Channels of the main input, all of the same length.
     pub main: &'a [Vec<f32>],
-    /// Channels of the sidechain, as long.
+    /// Channels of the sidechain, of that length too.
     pub sidechain: &'a [Vec<f32>],
     /// Channels of the output.
     pub outputs: usize,
     /// Values of all parameters at the start.
     pub values: Values,
-    /// Their steps, sorted by time.
+    /// Parameter changes, sorted by time.
     pub events: &'a [Event],
 }
 
-/// Plays all of it from position 0 and cuts off the latency; `go_on` gets the share that is done (0-1) and returns whether to continue.
+/// Plays the whole score from position 0 and cuts off the latency. `go_on` receives the finished share (0-1) and
+/// returns whether to continue.
 pub fn play(
     chain: &mut Chain,
     score: &Score<'_>,

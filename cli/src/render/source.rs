@@ -1,4 +1,4 @@
-//! Main input of the chain: a file, standard input, or a length of silence.
+//! Main input of the chain: a file, standard input, or silence of a given length.
 
 use std::path::{Path, PathBuf};
 
@@ -11,24 +11,24 @@ use crate::error::Error;
 use crate::input::{self, in_range};
 use crate::progress::Work;
 
-/// Shortest output of `--seconds`.
+/// Shortest length allowed for `--seconds`.
 const LEAST_SECONDS: f64 = 0.01;
 
-/// Channels of an output that has no input: a stereo track, as in a host.
+/// Channels of an output without an input: a stereo track, as in a host.
 const CHANNELS: usize = 2;
 
 /// The main input.
 pub struct Source {
     /// Its sound.
     pub recording: Recording,
-    /// Position on the timeline, as its file states it.
+    /// Timeline position that its file states.
     pub broadcast: Option<Broadcast>,
     /// Its name in messages.
     pub name: PathBuf,
 }
 
 impl Source {
-    /// Reads `--input`, or makes the silence of `--seconds`.
+    /// Reads `--input`, or generates silence for `--seconds`.
     pub fn load(args: &RenderArgs, values: &Values, automation: &Automation, work: &Work) -> Result<Self, Error> {
         let Some(path) = &args.input else {
             return Self::silence(args, values, automation);
@@ -63,7 +63,7 @@ impl Source {
     }
 }
 
-/// Refuses what would be silent, since nothing goes in.
+/// Rejects settings that would be silent without an input.
 fn check_needs_none(args: &RenderArgs, values: &Values, automation: &Automation) -> Result<(), Error> {
     let sounds = |mode: f64| match DRIVE_MODES.get(mode as usize) {
         Some(&"flame") => true,

@@ -1,4 +1,4 @@
-//! The dictionary that texture learns from.
+//! The dictionary that texture learns from a recording.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,7 +12,8 @@ use crate::error::Error;
 use crate::progress::{Work, note};
 use crate::texture::{check_windows, say_if_cancelling};
 
-/// The dictionary of a part of the recording from `path`: the kept one, if there is one, else a new one, which is kept.
+/// The dictionary of a region of the recording from `path`: the stored one if there is one, otherwise a new one, which
+/// is then stored.
 pub fn dictionary(
     recording: &Recording,
     path: &Path,
@@ -25,7 +26,7 @@ pub fn dictionary(
     let key = DictionaryKey::new(&recording.content_hash, cut, rate_hz, structure);
     let store = Store::of_user();
     if let Some(kept) = store.as_ref().and_then(|store| store.read(&key)) {
-        // The plug-in keeps what is too short for a window, too: there, extension stands in.
+        // The plug-in keeps a part too short for a window, too: there, extension replaces texture.
         check_windows(&kept, path)?;
         return Ok(Arc::new(kept));
     }

@@ -1,4 +1,4 @@
-//! A page about a flame signal: pictures of the front, curves, and figures, in one file.
+//! A report on a flame signal: pictures of the front, curves and figures, in one file.
 
 mod page;
 mod plots;
@@ -16,7 +16,7 @@ use crate::output::make_folder;
 pub use raster::{Picture, View};
 use spectrum::Spectrum;
 
-/// The band in which the simulation itself is heard (Chadwick & James 2011, §3-4), in Hz.
+/// The band in Hz that comes from the simulation itself (Chadwick & James 2011, §3-4).
 const BAND_HZ: (f64, f64) = (30.0, 180.0);
 
 /// Contents of a report on a flame signal.
@@ -25,11 +25,11 @@ pub struct Report<'a> {
     pub title: String,
     /// Origin of the signal: labels and values.
     pub facts: Vec<(String, String)>,
-    /// Pictures of the front, each with its label, in the order of time.
+    /// Pictures of the front with their labels, in time order.
     pub surfaces: Vec<(String, Picture)>,
     /// Velocity flux, one value per step.
     pub flux: &'a [f64],
-    /// The front's area, one value per step; empty where it is not known.
+    /// Area of the front, one value per step; empty if unknown.
     pub area: &'a [f64],
     /// Steps per second.
     pub rate_hz: f64,
@@ -37,11 +37,11 @@ pub struct Report<'a> {
     pub pressure: &'a [f32],
     /// Its sample rate.
     pub sample_rate_hz: u32,
-    /// Whether it is an envelope, which has no spectrum to speak of.
+    /// True for an envelope, which has no meaningful spectrum.
     pub is_envelope: bool,
 }
 
-/// Writes `folder/index.html`, which needs no other file; makes the folder where there is none.
+/// Writes `folder/index.html`, which needs no other file; creates the folder if needed.
 pub fn write(folder: &Path, report: &Report<'_>) -> Result<(), Error> {
     let path = folder.join("index.html");
     let failed = |reason: String| {
@@ -85,7 +85,7 @@ fn figures(report: &Report<'_>, spectrum: &Spectrum) -> Vec<(String, String)> {
         figures.push(("Flux".into(), spread(report.flux)));
     }
     if !report.area.is_empty() {
-        figures.push(("Front's area".into(), spread(report.area)));
+        figures.push(("Front area".into(), spread(report.area)));
     }
     figures
 }

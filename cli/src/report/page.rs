@@ -1,4 +1,4 @@
-//! The page: one file of HTML with its pictures inside.
+//! The page: a single HTML file with embedded pictures.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -8,19 +8,19 @@ use super::raster::Picture;
 use super::spectrum::Spectrum;
 use super::{BAND_HZ, Report, figures};
 
-/// Range of a spectrum in dB.
+/// Range of a spectrum's axis in dB.
 const RANGE_DB: f64 = 90.0;
 /// Lowest frequency of a spectrum in Hz.
 const LOWEST_HZ: f64 = 10.0;
 
-/// The whole page; fails where a picture cannot be drawn.
+/// Renders the whole page; fails if a picture cannot be drawn.
 pub fn render(report: &Report<'_>) -> Result<String, String> {
     let spectrum = Spectrum::of(report.pressure, report.sample_rate_hz);
     let title = escaped(&report.title);
     let mut body = String::new();
     body += &format!(
         "<section class=tables>{}{}</section>\n",
-        table("What it is", &report.facts),
+        table("Origin", &report.facts),
         table("Figures", &figures(report, &spectrum))
     );
     if !report.surfaces.is_empty() {
@@ -42,12 +42,16 @@ pub fn render(report: &Report<'_>) -> Result<String, String> {
         ("Area", "Of the front, in square world units.", area(report)?),
         (
             if report.is_envelope { "Envelope" } else { "Pressure" },
-            if report.is_envelope { "As written." } else { "The flux's derivative behind the high-pass, as written." },
+            if report.is_envelope {
+                "As written to the file."
+            } else {
+                "The flux's derivative after the high-pass, as written to the file."
+            },
             Some(pressure(report)?),
         ),
         (
             "Spectrum of the pressure",
-            "Marked: the band that the simulation makes itself; above it, sound is synthesised.",
+            "The marked band comes from the simulation itself; above it, the sound is synthesised.",
             spectrum_of(report, &spectrum)?,
         ),
     ] {
@@ -116,7 +120,7 @@ fn table(heading: &str, rows: &[(String, String)]) -> String {
     format!("<div><h2>{heading}</h2><table>{rows}</table></div>\n")
 }
 
-/// A picture as PNG inside the page.
+/// A picture as an embedded PNG.
 fn data_uri(picture: &Picture) -> Result<String, String> {
     let mut bytes = vec![];
     let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
@@ -129,7 +133,7 @@ fn data_uri(picture: &Picture) -> Result<String, String> {
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(&bytes)))
 }
 
-/// Text as HTML.
+/// Text with HTML special characters escaped.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
 }

@@ -11,9 +11,9 @@ use super::raster::Picture;
 
 /// Size in pixels.
 const SIZE: (u32, u32) = (1360, 400);
-/// From the picture's edges to the curve's frame.
+/// Margins between the picture's edges and the plot's frame.
 const MARGINS: (i32, i32, i32, i32) = (110, 20, 18, 52);
-/// Size of letters in pixels.
+/// Font size in pixels.
 const LETTERS: i32 = 21;
 
 const BACKGROUND: RGBColor = RGBColor(0x15, 0x10, 0x10);
@@ -21,41 +21,41 @@ const GRID: RGBColor = RGBColor(0x33, 0x29, 0x27);
 const LABEL: RGBColor = RGBColor(0xc0, 0xae, 0xa3);
 const BAND: RGBColor = RGBColor(0x2a, 0x1b, 0x14);
 
-/// Of a signal.
+/// Colour of a signal.
 pub const EMBER: RGBColor = RGBColor(0xff, 0x7a, 0x2f);
-/// Of what it is made from.
+/// Colour of the quantity it is derived from.
 pub const GLOW: RGBColor = RGBColor(0xff, 0xc4, 0x54);
-/// Of something beside it.
+/// Colour of a secondary quantity.
 pub const ASH: RGBColor = RGBColor(0xb9, 0xab, 0x9e);
 
 /// Scale of an axis.
 pub struct Axis {
-    /// Ends.
+    /// Lowest and highest value.
     pub range: (f64, f64),
-    /// Whether it shows orders of magnitude.
+    /// True for a logarithmic axis.
     pub logarithmic: bool,
-    /// Stands at its end.
+    /// Unit, written at the end of the axis.
     pub unit: &'static str,
 }
 
 /// A curve with its axes.
 pub struct Plot<'a> {
-    /// Points, ascending; those off the y axis are left out.
+    /// Points in ascending order; those outside the y axis are left out.
     pub points: &'a [(f64, f64)],
     /// Colour of the curve.
     pub color: RGBColor,
-    /// Along.
+    /// Horizontal axis.
     pub x: Axis,
-    /// Upwards.
+    /// Vertical axis.
     pub y: Axis,
-    /// A part of the x axis that is marked.
+    /// Highlighted part of the x axis.
     pub band: Option<(f64, f64)>,
 }
 
 type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
 impl Plot<'_> {
-    /// Draws the plot; fails with what the drawing library says.
+    /// Draws the plot; fails with the drawing library's message.
     pub fn draw(&self) -> Result<Picture, String> {
         static FONT: Once = Once::new();
         // The picture does not depend on which fonts the system has.
@@ -79,7 +79,7 @@ impl Plot<'_> {
         }
         for (value, label) in self.x.ticks(7) {
             area.draw(&PathElement::new([(x(value), top), (x(value), bottom)], GRID))?;
-            // Not where the unit stands.
+            // Leaves room for the unit.
             if x(value) < right - 60 {
                 area.draw(&Text::new(label, (x(value), bottom + 12), text(HPos::Center, VPos::Top)))?;
             }
@@ -104,7 +104,7 @@ impl Plot<'_> {
 }
 
 impl Axis {
-    /// An axis that holds `values` with some air, and zero where it is near.
+    /// An axis with some margin around `values`; it includes zero if that is near.
     pub fn around(values: impl Iterator<Item = f64>, unit: &'static str) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         let (low, high) = if low < high {
@@ -128,7 +128,7 @@ impl Axis {
         share.clamp(0.0, 1.0)
     }
 
-    /// Round values within the axis, each with its label; about as many as asked for.
+    /// Round values within the axis, with labels; about as many as requested.
     fn ticks(&self, about: usize) -> Vec<(f64, String)> {
         let (low, high) = self.range;
         if self.logarithmic {
@@ -146,7 +146,7 @@ impl Axis {
     }
 }
 
-/// Of several points in one column of pixels, the lowest and the highest.
+/// Lowest and highest of several points that fall into one column of pixels.
 fn thinned(points: &[(f64, f64)], columns: usize, x: &impl Fn(f64) -> i32) -> Vec<(i32, f64)> {
     let mut kept: Vec<(i32, f64)> = vec![];
     if points.len() <= columns {

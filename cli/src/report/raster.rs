@@ -6,15 +6,15 @@ use pyrophone_flame::front::Mesh;
 const SIZE: (usize, usize) = (420, 520);
 /// Samples per pixel along each axis.
 const FINE: usize = 3;
-/// Part of the picture that the flames may fill.
+/// Share of the picture that the flames may fill.
 const FILL: f64 = 0.88;
 /// Camera angles in radians: azimuth about the upward axis, and elevation.
 const CAMERA: (f64, f64) = (0.6, 0.22);
-/// From the front towards the light, in the camera's axes: right, up, towards the camera.
+/// Direction from the front to the light, in camera axes: right, up, towards the camera.
 const LIGHT: [f64; 3] = [-0.46, 0.68, 0.57];
 
 const GROUND: [f64; 3] = [17.0, 12.0, 12.0];
-/// From a surface seen edge-on in the dark to one that faces camera and light.
+/// Colours from a dark, edge-on surface to one that faces camera and light.
 const EMBER: [(f64, [f64; 3]); 6] = [
     (0.0, [52.0, 12.0, 16.0]),
     (0.25, [128.0, 30.0, 22.0]),
@@ -24,7 +24,7 @@ const EMBER: [(f64, [f64; 3]); 6] = [
     (1.0, [255.0, 246.0, 214.0]),
 ];
 
-/// Red, green and blue, row after row from the top.
+/// Red, green and blue, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Width in pixels.
@@ -35,19 +35,19 @@ pub struct Picture {
     pub rgb: Vec<u8>,
 }
 
-/// One view for all pictures of a flame, so that they can be compared.
+/// One view for all pictures of a flame, so that they are comparable.
 #[derive(Debug, Clone)]
 pub struct View {
-    /// Right, up and towards the camera, in the world's axes.
+    /// Right, up and towards the camera, in world axes.
     axes: [[f64; 3]; 3],
-    /// Middle of what is seen, in the camera's axes.
+    /// Centre of the view, in camera axes.
     centre: [f64; 3],
     /// Fine pixels per world unit.
     scale: f64,
 }
 
 impl View {
-    /// A view that holds all of these. The longer of the second and the third axis points upwards.
+    /// A view that holds all meshes. The longer of the second and third axes points upwards.
     pub fn of<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> Self {
         let places = || meshes.clone().flat_map(|mesh| &mesh.vertices);
         let (low, high) = bounds(places().copied());
@@ -83,13 +83,13 @@ impl View {
         canvas.shrunk()
     }
 
-    /// Fine pixels from the left, from the bottom, and towards the camera.
+    /// Position in fine pixels: from the left, from the bottom, and towards the camera.
     fn place(&self, world: [f64; 3]) -> [f64; 3] {
         let middle = [0.5 * (FINE * SIZE.0) as f64, 0.5 * (FINE * SIZE.1) as f64, 0.0];
         std::array::from_fn(|axis| middle[axis] + self.scale * (dot(self.axes[axis], world) - self.centre[axis]))
     }
 
-    /// Normals at the corners in the camera's axes, of length 1: means over the triangles round them.
+    /// Unit normals at the corners in camera axes: means over the adjacent triangles.
     fn normals(&self, mesh: &Mesh, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let mut normals = vec![[0.0; 3]; places.len()];
         for triangle in &mesh.triangles {
@@ -107,8 +107,8 @@ impl View {
     }
 }
 
-/// Brightness 0-1 of a surface with this normal: light from above, and a body that is brighter where it is looked
-/// into.
+/// Brightness 0-1 of a surface with this normal: lit from above, with a body that is brighter where the view passes
+/// into it.
 fn glow(normal: [f64; 3]) -> f64 {
     let lit = dot(normal, LIGHT).max(0.0);
     let facing = normal[2].max(0.0);
@@ -118,12 +118,12 @@ fn glow(normal: [f64; 3]) -> f64 {
 struct Canvas {
     width: usize,
     depth: Vec<f64>,
-    /// Brightness where there is a surface.
+    /// Brightness of the nearest surface, if there is one.
     glow: Vec<f64>,
 }
 
 impl Canvas {
-    /// Fills a triangle: corners in fine pixels, each with its brightness.
+    /// Fills a triangle, given its corners in fine pixels and their brightness.
     fn fill(&mut self, corners: [([f64; 3], f64); 3]) {
         let [(a, _), (b, _), (c, _)] = corners;
         let edge = |p: [f64; 3], q: [f64; 3], x: f64, y: f64| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
@@ -222,7 +222,7 @@ mod tests {
             let seen: f64 = (0..3).map(|axis| faces[axis] * view.axes[2][axis].abs()).sum::<f64>() * pixel * pixel;
             let found = covered(&picture) as f64;
             assert!((found / seen - 1.0).abs() < 0.02, "{found} {seen}");
-            // Its long side stands.
+            // Its long side is vertical.
             let rows = picture.rgb.chunks(3 * SIZE.0).filter(|row| row.chunks(3).any(|p| p != [17, 12, 12])).count();
             assert!(rows as f64 > 0.8 * SIZE.1 as f64, "{rows}");
         }

@@ -13,7 +13,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a whole sound; a short one is followed by silence. Windows (Hann) overlap by half.
+    /// Spectrum of a whole sound; a short one is padded with silence. Windows (Hann) overlap by half.
     pub fn of(samples: &[f32], sample_rate_hz: u32) -> Self {
         let half = (samples.len() / 2).max(1);
         let size = (1 << half.ilog2()).clamp(WINDOWS.1, WINDOWS.0);
@@ -41,8 +41,8 @@ impl Spectrum {
         self.between(low_hz, high_hz).map(|(_, density)| density).sum::<f64>() * self.bin_hz
     }
 
-    /// Frequencies in Hz, each with the density round it in dB per Hz: means over a 24th of an octave, where that holds
-    /// more than one value.
+    /// Frequencies in Hz with their density in dB per Hz, averaged over a 24th of an octave where that covers more than
+    /// one value.
     pub fn levels_db(&self, low_hz: f64, high_hz: f64) -> Vec<(f64, f64)> {
         let part = |hz: f64| (24.0 * hz.log2()).floor() as i64;
         let values: Vec<(f64, f64)> = self.between(low_hz, high_hz).filter(|(hz, _)| *hz > 0.0).collect();
@@ -53,8 +53,8 @@ impl Spectrum {
         means.collect()
     }
 
-    /// The exponent of the power law that fits best between two frequencies, on logarithmic axes; none where there is
-    /// nothing to fit.
+    /// Exponent of the best-fitting power law between two frequencies, on logarithmic axes; none if there is nothing to
+    /// fit.
     pub fn slope(&self, low_hz: f64, high_hz: f64) -> Option<f64> {
         let points: Vec<(f64, f64)> = self
             .between(low_hz, high_hz)

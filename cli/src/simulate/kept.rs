@@ -10,32 +10,32 @@ use pyrophone_recording::write_file;
 use crate::error::Error;
 use crate::progress::note;
 
-/// Longest table that is believed, in bytes: ten million steps.
+/// Longest table accepted, in bytes: ten million steps.
 const MOST_TABLE_BYTES: u64 = 1 << 30;
 
 /// Speeds of sub-volumes, step by step.
 pub type Flow = Vec<Vec<f32>>;
 
-/// A table of flux, speeds, and the gas as it was after the last step in it.
+/// A table of flux, speeds, and the state of the gas after the table's last step.
 pub struct SimulationCheckpoint {
     path: PathBuf,
     settings: String,
-    /// Speeds of a step.
+    /// Speeds per step.
     columns: usize,
     done: usize,
 }
 
 impl SimulationCheckpoint {
-    /// Beside `output`; `settings` say what a run must have in common with one that goes on with it, `columns` how many
-    /// speeds a step has.
+    /// Opens the checkpoint beside `output`. `settings` are those that a resumed run must share with the interrupted
+    /// one; `columns` is the number of speeds per step.
     pub fn open(output: &Path, settings: String, columns: usize) -> Self {
         let mut name = output.file_name().unwrap_or_default().to_os_string();
         name.push(".simulation-progress");
         Self { path: output.with_file_name(name), settings, columns, done: 0 }
     }
 
-    /// Brings `simulation` to where the run before was stopped, if it was one of the same settings; answers what was
-    /// measured until then.
+    /// Brings `simulation` to the point where the previous run stopped, if its settings were the same; returns the
+    /// measurements up to that point.
     pub fn restore(&mut self, simulation: &mut Simulation) -> (Steps, Flow) {
         if !self.path.is_file() {
             return Default::default();
@@ -60,7 +60,7 @@ impl SimulationCheckpoint {
         file.by_ref().take(64).read_line(&mut line).map_err(said)?;
         let mut numbers = line.split_whitespace().map(|number| number.parse::<u64>().ok());
         let mut number = |most: u64| {
-            numbers.next().flatten().filter(|number| *number <= most).ok_or("this program did not write it")
+            numbers.next().flatten().filter(|number| *number <= most).ok_or("it was not written by this program")
         };
         let size = number(MOST_TABLE_BYTES)?;
         let (rows, columns) = (number(MOST_TABLE_BYTES)?, number(1 << 16)?);
@@ -68,11 +68,11 @@ impl SimulationCheckpoint {
         file.by_ref().take(size).read_to_string(&mut table).map_err(said)?;
         let partial = FluxShard::read(&table, &self.path.display().to_string()).map_err(|error| error.to_string())?;
         if partial.settings != self.settings {
-            return Err(format!("it belongs to {}", partial.settings));
+            return Err(format!("it belongs to a run with other settings: {}", partial.settings));
         }
         let mut speeds = vec![];
         let bytes = (4 * rows).checked_mul(columns).filter(|bytes| *bytes <= MOST_TABLE_BYTES);
-        let bytes = bytes.ok_or("this program did not write it")?;
+        let bytes = bytes.ok_or("it was not written by this program")?;
         file.by_ref().take(bytes).read_to_end(&mut speeds).map_err(said)?;
         if speeds.len() as u64 != bytes {
             return Err("it ends early".to_owned());
@@ -85,7 +85,7 @@ impl SimulationCheckpoint {
         Ok((partial.steps, speeds.chunks_exact((columns as usize).max(1)).map(<[f32]>::to_vec).collect()))
     }
 
-    /// Keeps what is done.
+    /// Stores the work done so far.
     pub fn keep(&mut self, simulation: &Simulation, steps: &Steps, flow: &Flow) -> Result<(), Error> {
         let mut table = vec![];
         let partial = FluxShard { settings: self.settings.clone(), steps: steps.clone(), ..FluxShard::default() };
@@ -104,12 +104,12 @@ impl SimulationCheckpoint {
         Ok(())
     }
 
-    /// The work is whole.
+    /// Removes the checkpoint after complete work.
     pub fn remove(self) {
         let _ = std::fs::remove_file(&self.path);
     }
 
-    /// The work ends early: says what is kept, if anything is.
+    /// Wraps the error of interrupted work, with the location of the checkpoint if there is one.
     pub fn unfinished(self, reason: Error) -> Error {
         if !self.path.is_file() {
             return reason;

@@ -1,8 +1,8 @@
-//! Rows that are recorded, kept beside their texture until it is whole.
+//! Recorded rows, stored beside their texture until it is complete.
 //!
-//! A line of settings; then row by row its speed and gain as `f64`, the steps of its period as `u32`, and component by
-//! component the steps as `f32`, all little-endian: exactly what was recorded, so that a texture does not depend on how
-//! often it was interrupted.
+//! Format: a line of settings; then for each row its speed and gain as `f64`, the steps of its period as `u32`, and its
+//! steps, component by component, as `f32`, all little-endian. Rows are stored exactly as recorded, so a texture does
+//! not depend on how often it was interrupted.
 
 use std::io::{BufRead, Write};
 use std::path::{Path, PathBuf};
@@ -13,13 +13,13 @@ use pyrophone_synthesis::vortex::texture::{COMPONENTS, Row};
 use crate::error::Error;
 use crate::progress::note;
 
-/// Largest file that is believed, in bytes.
+/// Largest file accepted, in bytes.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Bytes of a row before its steps.
 const ROW_HEAD: usize = 20;
 
-/// The rows, in the order in which they were done.
+/// The rows, in the order in which they were finished.
 pub struct TextureCheckpoint {
     path: PathBuf,
     settings: String,
@@ -27,14 +27,15 @@ pub struct TextureCheckpoint {
 }
 
 impl TextureCheckpoint {
-    /// Beside `output`; `settings` say what a run must have in common with one that goes on with it.
+    /// Opens the checkpoint beside `output`. `settings` are those that a resumed run must share with the interrupted
+    /// one.
     pub fn open(output: &Path, settings: String) -> Self {
         let mut name = output.file_name().unwrap_or_default().to_os_string();
         name.push(".vortex-progress");
         Self { path: output.with_file_name(name), settings, rows: vec![] }
     }
 
-    /// Reads what the run before has left, if it was one of the same settings.
+    /// Reads what the previous run left, if its settings were the same.
     pub fn restore(&mut self) {
         if !self.path.is_file() {
             return;
@@ -48,16 +49,16 @@ impl TextureCheckpoint {
     fn try_restore(&self) -> Result<Vec<Row>, String> {
         let said = |error: std::io::Error| error.kind().to_string();
         if std::fs::metadata(&self.path).map_err(said)?.len() > MOST_BYTES {
-            return Err("this program did not write it".into());
+            return Err("it was not written by this program".into());
         }
         let bytes = std::fs::read(&self.path).map_err(said)?;
         let mut rest = bytes.as_slice();
         let mut settings = vec![];
         rest.read_until(b'\n', &mut settings).map_err(said)?;
-        let settings = String::from_utf8(settings).map_err(|_| "this program did not write it")?;
+        let settings = String::from_utf8(settings).map_err(|_| "it was not written by this program")?;
         if settings.trim_end() != self.settings {
             let other = settings.trim_end().chars().take(200).collect::<String>().replace('\r', " ");
-            return Err(format!("it belongs to {other}"));
+            return Err(format!("it belongs to a run with other settings: {other}"));
         }
         let mut rows = vec![];
         while !rest.is_empty() {
@@ -66,12 +67,12 @@ impl TextureCheckpoint {
         Ok(rows)
     }
 
-    /// The row of a speed, if it is done.
+    /// The row of a speed, if it is finished.
     pub fn row(&self, speed_m_s: f64) -> Option<Row> {
         self.rows.iter().find(|row| row.speed_m_s == speed_m_s).cloned()
     }
 
-    /// Keeps a row.
+    /// Stores a row.
     pub fn keep(&mut self, row: Row) -> Result<(), Error> {
         self.rows.push(row);
         let mut bytes = vec![];
@@ -83,12 +84,12 @@ impl TextureCheckpoint {
         Ok(())
     }
 
-    /// The work is whole.
+    /// Removes the checkpoint after complete work.
     pub fn remove(self) {
         let _ = std::fs::remove_file(&self.path);
     }
 
-    /// The work ends early: says what is kept, if anything is.
+    /// Wraps the error of interrupted work, with the location of the checkpoint if there is one.
     pub fn unfinished(self, reason: Error) -> Error {
         if self.rows.is_empty() {
             return reason;

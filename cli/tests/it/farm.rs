@@ -84,20 +84,20 @@ fn speed_fields_and_reports_of_parts_are_those_of_one_run() {
 /// Parts with the wrong extras, or none.
 fn refuses_extras(at: &Path) {
     let merge = |parts: &str| format!("flux-merge {parts} --quiet --output x.wav --speed-field x.field");
-    refuses(at, &merge("24_1-17_1.csv 24_1-17_2.csv"), 1, &["24_1-17_1.csv", "frames 1-17", "together are 1-4"]);
+    refuses(at, &merge("24_1-17_1.csv 24_1-17_2.csv"), 1, &["24_1-17_1.csv", "frames 1-17", "together cover 1-4"]);
     let all = "360_1-17_1.csv 360_1-17_9.csv 360_1-17_14.csv";
-    refuses(at, &format!("{} --rate 30", merge(all)), 1, &["--rate is 30", "12. step"]);
+    refuses(at, &format!("{} --rate 30", merge(all)), 1, &["--rate is 30", "stride of 12 steps"]);
     let extra = std::fs::read(at.join("360_1-17_9.csv.extra")).unwrap();
     std::fs::write(at.join("360_1-17_9.csv.extra"), &extra[..extra.len() - 1]).unwrap();
-    refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "cut or changed"]);
+    refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "truncated or modified"]);
     std::fs::copy(at.join("360_1-17_1.csv.extra"), at.join("360_1-17_9.csv.extra")).unwrap();
-    refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "another state"]);
+    refuses(at, &merge(all), 1, &["360_1-17_9.csv.extra", "does not match the present"]);
     for part in all.split(' ') {
         std::fs::remove_file(at.join(format!("{part}.extra"))).unwrap();
     }
     refuses(at, &merge(all), 1, &["360_1-17_1.csv", "no speeds", "--partial-with"]);
     let wrong = "flux --input cache --rate 24 --frames 1-5 --partial x.csv --partial-with report --partial-of 2-9";
-    refuses(at, wrong, 1, &["--partial-of is 2-9", "not frame 1"]);
+    refuses(at, wrong, 1, &["--partial-of is 2-9", "does not contain frame 1"]);
     refuses(at, "flux --input cache --rate 24 --frames 1-5 --partial-with report --output x.wav", 2, &["--partial"]);
 }
 
@@ -144,7 +144,7 @@ fn a_shell_job_makes_what_one_run_makes() {
     let part = at.join("farm.wav.parts/part_6-10.csv");
     let text = std::fs::read_to_string(&part).unwrap();
     std::fs::write(&part, &text[..text.len() / 2]).unwrap();
-    refuses(at, "flux-merge farm.wav.parts --output x.wav", 1, &["part_6-10.csv", "cut or changed"]);
+    refuses(at, "flux-merge farm.wav.parts --output x.wav", 1, &["part_6-10.csv", "truncated or modified"]);
     std::fs::create_dir(at.join("empty")).unwrap();
     refuses(at, "flux-merge empty --output x.wav", 1, &["empty", "no parts"]);
 }

@@ -222,7 +222,7 @@ fn frame_lists_are_clamped_and_stepped() {
     refuses(at, "flux-merge a.csv b.csv --output x.wav", 1, &["a.csv", "b.csv", "different caches"]);
     let text = std::fs::read_to_string(at.join("a.csv")).unwrap();
     std::fs::write(at.join("a.csv"), &text[..text.len() - 10]).unwrap();
-    refuses(at, "flux-merge a.csv --output x.wav", 1, &["a.csv", "cut or changed"]);
+    refuses(at, "flux-merge a.csv --output x.wav", 1, &["a.csv", "truncated or modified"]);
 }
 
 /// A shard in which no frame can be read writes an empty part, and does not stop the farm.
@@ -248,7 +248,7 @@ fn frames_of_film_are_upsampled() {
     let at = folder.path();
     let said = notes(at, "flux --input flame --rate 24 --output auto.wav --flux-csv auto.csv");
     assert!(
-        said.contains("24 frames per second are turned into 360 steps") && said.contains("plausible, not true"),
+        said.contains("24 frames per second are upsampled to 360 steps") && said.contains("plausible, not true"),
         "{said}"
     );
     assert!(!notes(at, "flux --input flame --output x.wav").contains("plausible"), "360 a second are enough");
@@ -422,7 +422,7 @@ fn the_reference_flame() {
     };
     let said = run("a.csv", "");
     assert!(said.contains("velocity is staggered") && said.contains("--placement file"), "{said}");
-    assert!(said.contains("cells per unit of its own time") && said.contains("0.125"), "{said}");
+    assert!(said.contains("cells per unit of Blender's time") && said.contains("0.125"), "{said}");
     assert!(!run("b.csv", "--placement file").contains("staggered"));
     let expected = std::fs::read_to_string(input.join("flux_reference.csv")).unwrap();
     let expected = Flux::read_csv(&expected, "reference").unwrap().rows;

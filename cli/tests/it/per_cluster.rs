@@ -77,7 +77,10 @@ fn drives_of_flames_add_up_to_the_whole_and_know_their_places() {
         let output = pyrophone(at, &flux);
         let notes = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.success(), "{notes}");
-        assert!(notes.contains("4 flames: 1 ignited later, 1 torn off others, 1 went out, 1 joined others"), "{notes}");
+        assert!(
+            notes.contains("4 flames: 1 ignited later, 1 split off others, 1 went out, 1 joined others"),
+            "{notes}"
+        );
         assert_eq!(drives_add_up(at, &format!("{name}.wav"), name), 4);
         let told: Vec<Vec<String>> = rows(&at.join(name).join("clusters.csv"));
         let why: Vec<[&str; 4]> =

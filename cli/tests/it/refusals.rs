@@ -98,7 +98,7 @@ fn options_out_of_range() {
         ("--channels 0", &["--channels", "0", "1"]),
         ("--channels 11", &["--channels", "11", "10"]),
         ("--preset no-such", &["no-such", "factory preset"]),
-        ("--speed-field good.wav", &["good.wav", "no speed field"]),
+        ("--speed-field good.wav", &["good.wav", "not a speed field"]),
         ("--speed-field none.field", &["none.field"]),
         ("--automation none.csv", &["none.csv"]),
         ("--dynamic-range off --learn good.wav", &["--learn", "--dynamic-range"]),
@@ -126,7 +126,7 @@ fn outputs_that_cannot_be() {
             let _ = std::os::unix::fs::symlink("good.wav", folder.path().join("link.wav"));
             refuses(folder.path(), &to("link.wav"), 1, &["link.wav", "overwrite"]);
             let _ = std::os::unix::fs::symlink("nowhere.wav", folder.path().join("dangling.wav"));
-            refuses(folder.path(), &to("dangling.wav"), 1, &["dangling.wav", "link to nothing"]);
+            refuses(folder.path(), &to("dangling.wav"), 1, &["dangling.wav", "broken link"]);
         }
     }
     for (name, text) in [("own.toml", "version = 1\nname = \"own\"\n"), ("own.csv", "time_s,id,value\n0,alpha,3\n")] {

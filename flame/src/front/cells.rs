@@ -1,22 +1,23 @@
-//! The cells that can hold the surface. Cell (i, j, k) lies between voxels (i, j, k) and (i+1, j+1, k+1).
+//! The cells that can contain the surface. Cell (i, j, k) lies between voxels (i, j, k) and (i+1, j+1, k+1).
 
 use super::spline::Patch;
 use crate::error::Error;
 use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, slot};
 
-/// Most blocks of cells that the boundaries of a field's tiles may touch; a real flame's touch some thousands.
+/// Largest number of blocks of cells that the boundaries of a field's tiles may touch; a real flame's touch some
+/// thousands.
 const MAX_TILE_BLOCKS: u128 = 1 << 22;
 
-/// Voxels beyond this index are refused: arithmetic on them would leave the range of an index.
+/// Voxels beyond this index are rejected: arithmetic on them would overflow.
 const MAX_INDEX: i64 = 1 << 30;
 
-/// Voxels that the cells of a block see along each axis: one before, two after.
+/// Voxels along each axis that the cells of a block depend on: one before, two after.
 const REACH: usize = BLOCK as usize + 3;
 
 /// Rounding margin for the bounds of a cell, relative to its largest value.
 const ROUNDING: f64 = 1e-12;
 
-/// Hands over, in ascending order of blocks and of cells in them, every cell of these blocks whose spline can cross
+/// Visits, in ascending order of blocks and of cells in them, every cell of these blocks whose spline can cross
 /// `level`.
 pub(super) fn visit(field: &Grid<1>, keys: &[[i32; 3]], level: f64, mut visit: impl FnMut([i32; 3], &Patch)) {
     let mut seen = Neighbourhood::new();
@@ -27,10 +28,10 @@ pub(super) fn visit(field: &Grid<1>, keys: &[[i32; 3]], level: f64, mut visit: i
     }
 }
 
-/// Keys of the blocks of cells that see more than one value: all that see a block, or a tile and what is not that tile.
+/// Keys of the blocks of cells that depend on more than one value: all that touch a block, or the boundary of a tile.
 ///
 /// # Errors
-/// Fails where tiles have so much surface, or lie so far away, that they cannot be meant.
+/// If the tiles have so much surface, or lie so far away, that they cannot be intended.
 pub(super) fn candidates(field: &Grid<1>) -> Result<Vec<[i32; 3]>, Error> {
     let tile_blocks: u128 = field.tiles().map(|(_, log2, _)| shell_blocks(log2)).sum();
     if tile_blocks > MAX_TILE_BLOCKS {
@@ -62,7 +63,7 @@ fn shell_blocks(log2: u32) -> u128 {
     (edge + 2).pow(3) - edge.saturating_sub(2).pow(3)
 }
 
-/// Keys of the blocks of cells that see a cube of blocks and more than that: its own outermost and those round it.
+/// Keys of the blocks of cells at the surface of a cube of blocks: its own outermost blocks and those around it.
 fn shell([first, last]: [[i64; 3]; 2]) -> impl Iterator<Item = [i32; 3]> {
     let range = move |axis: usize| first[axis] - 1..=last[axis] + 1;
     let is_within = move |axis: usize, key: i64| key > first[axis] && key < last[axis];
@@ -70,18 +71,18 @@ fn shell([first, last]: [[i64; 3]; 2]) -> impl Iterator<Item = [i32; 3]> {
         range(1).flat_map(move |y| {
             let hollow = is_within(0, x) && is_within(1, y) && last[2] - first[2] >= 2;
             let (near, far) = if hollow { (first[2], last[2]) } else { (last[2] + 1, last[2] + 2) };
-            // In range: check_index has seen both ends.
+            // In range: check_index has checked both ends.
             (first[2] - 1..=near).chain(far..=last[2] + 1).map(move |z| [x as i32, y as i32, z as i32])
         })
     })
 }
 
-/// The voxels that the cells of one block see, x slowest.
+/// The voxels that the cells of one block depend on, x slowest.
 struct Neighbourhood {
     values: Vec<f32>,
 }
 
-/// A block, or the one value of whatever is there instead.
+/// A block, or the constant value in its place.
 #[derive(Clone, Copy)]
 enum Source<'a> {
     Block(&'a [[f32; 1]; BLOCK_VOXELS]),
@@ -93,7 +94,7 @@ impl Neighbourhood {
         Self { values: vec![0.0; REACH.pow(3)] }
     }
 
-    /// Fills itself for the block of cells at `key`; answers whether it holds more than one value.
+    /// Fills the neighbourhood of the block of cells at `key`; returns whether it contains more than one value.
     fn gather(&mut self, field: &Grid<1>, key: [i32; 3]) -> bool {
         let sources: [Source<'_>; 27] = std::array::from_fn(|n| {
             let offset = [n / 9, n / 3 % 3, n % 3];
@@ -121,9 +122,9 @@ impl Neighbourhood {
         true
     }
 
-    /// Hands over the cells, counted from the block's first, whose spline can cross `level`.
+    /// Visits the cells, counted from the block's first, whose spline can cross `level`.
     fn crossed(&self, level: f64, mut visit: impl FnMut([i32; 3], &Patch)) {
-        // A bit per voxel of a row along z.
+        // One bit per voxel of a row along z.
         let mut rows = [[0u16; REACH]; REACH];
         for (n, row) in self.values.chunks_exact(REACH).enumerate() {
             let inside = row.iter().enumerate().map(|(z, value)| u16::from(f64::from(*value) > level) << z);
@@ -134,7 +135,7 @@ impl Neighbourhood {
             let seen = || rows[x..x + 4].iter().flat_map(|rows| &rows[y..y + 4]);
             let any = seen().fold(0, |any, row| any | row);
             let all = seen().fold(u16::MAX, |all, row| all & row);
-            // Bit z now tells of the four voxels from z on.
+            // Bit z now covers the four voxels from z on.
             let any = any | any >> 1 | any >> 2 | any >> 3;
             let all = all & all >> 1 & all >> 2 & all >> 3;
             for z in (0..edge).filter(|z| ((any & !all) >> z) & 1 == 1) {

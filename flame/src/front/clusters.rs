@@ -1,4 +1,4 @@
-//! The connected parts of a flame front, each measured by itself.
+//! The connected parts of a flame front, each measured separately.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,11 +8,11 @@ use crate::frame::Frame;
 use crate::grid::{cross, dot, length};
 use crate::velocity::Probe;
 
-/// Edge of the cubes by which parts of successive steps are found to overlap, in voxels: a front is a thin shell, and moves
-/// by more than a voxel from step to step.
+/// Edge in voxels of the cubes that detect overlap between parts of successive steps: a front is a thin shell, and
+/// moves by more than a voxel from step to step.
 const CUBE_VOXELS: f64 = 4.0;
 
-/// What is left of all that passes a part, in and out, where as much goes in as comes out.
+/// Relative rounding error of the net flux through a part, if as much flows in as out.
 const ROUNDING: f64 = 1e-9;
 
 /// A connected part of a front at one step, in world units.
@@ -22,35 +22,35 @@ pub struct Cluster {
     pub flux: f64,
     /// The part's area.
     pub area: f64,
-    /// Mean place of its surface, weighted by area.
+    /// Mean position of its surface, weighted by area.
     pub centroid: [f64; 3],
-    /// Cubes of space that it passes through, and its area in each.
+    /// Cubes of space that it passes through, with its area in each.
     pub(crate) cubes: BTreeMap<[i64; 3], f64>,
 }
 
 impl Cluster {
-    /// Radius of the ball with the part's area.
+    /// Radius of the ball with the same area.
     pub(crate) fn radius(&self) -> f64 {
         (self.area / (4.0 * std::f64::consts::PI)).sqrt()
     }
 }
 
-/// Sums over a closed surface while it is walked.
+/// Sums over a closed surface, collected during the walk.
 struct Sums {
-    /// Its part of the front; the centroid is not divided by the area yet.
+    /// The cluster; its centroid is not divided by the area yet.
     cluster: Cluster,
     passing: f64,
-    /// Volume that it encloses, in voxels: below 0 where it is the wall of a hollow.
+    /// Enclosed volume in voxels; negative for the wall of a hollow.
     volume: f64,
-    /// A corner, from which volume is counted.
+    /// A corner, the origin of the volume's sum.
     origin: [f64; 3],
     /// Lowest and highest index of its corners.
     bounds: [[f64; 3]; 2],
 }
 
 impl Front {
-    /// The front's connected parts, the largest first: triangles that share a corner belong together, and hollows to the
-    /// flame around them. Their fluxes add up to [`measure`](Self::measure)'s, and so do their areas.
+    /// The front's connected parts, largest first. Triangles that share a corner belong together, and hollows belong to
+    /// the flame around them. The sums of fluxes and areas are those of [`measure`](Self::measure).
     ///
     /// # Errors
     /// As [`measure`](Self::measure), and beyond 2^32 corners.
@@ -91,18 +91,18 @@ impl Front {
         if clusters.iter().any(|cluster| !(cluster.flux.is_finite() && cluster.area.is_finite())) {
             return Err(Error::NotFinite { what: "flux" });
         }
-        // Stable: among equals the walk's order decides, which depends on the field alone.
+        // Stable sort: among equals the order of the walk decides, which depends on the field alone.
         clusters.sort_by(|a, b| b.area.total_cmp(&a.area));
         Ok(clusters)
     }
 }
 
-/// Flames with the walls of their hollows: a flame is often a shell around fuel that does not burn yet.
+/// Joins flames with the walls of their hollows: a flame is often a shell around fuel that does not burn yet.
 fn with_hollows(sums: impl Iterator<Item = Sums>) -> Vec<Sums> {
     let (mut outer, hollows): (Vec<Sums>, Vec<Sums>) = sums.partition(|sums| sums.volume >= 0.0);
     let mut homeless = vec![];
     for hollow in hollows {
-        // Of several flames around it, it belongs to the innermost.
+        // Inside several flames, a hollow belongs to the innermost.
         let around = outer.iter_mut().filter(|sums| sums.surrounds(&hollow));
         match around.min_by(|a, b| a.volume.total_cmp(&b.volume)) {
             Some(flame) => flame.add(hollow),
@@ -114,7 +114,7 @@ fn with_hollows(sums: impl Iterator<Item = Sums>) -> Vec<Sums> {
 }
 
 impl Sums {
-    /// Nothing yet, at a corner.
+    /// Empty sums, at a corner.
     fn at(index: [f64; 3]) -> Self {
         Self { cluster: Cluster::default(), passing: 0.0, volume: 0.0, origin: index, bounds: [index; 2] }
     }
@@ -146,7 +146,7 @@ impl Sums {
         }
     }
 
-    /// The part; none without area, which has no place.
+    /// The finished part; none without area, since it has no position.
     fn finished(self) -> Option<Cluster> {
         let Self { mut cluster, passing, .. } = self;
         if cluster.flux.abs() <= ROUNDING * passing {
@@ -157,14 +157,14 @@ impl Sums {
     }
 }
 
-/// Disjoint groups of numbers, each known by one of its members (union-find with path halving).
+/// Disjoint groups of numbers, each represented by one of its members (union-find with path halving).
 #[derive(Default)]
 struct Groups {
     above: Vec<usize>,
 }
 
 impl Groups {
-    /// A new number, in a group of its own.
+    /// Adds a new number in its own group.
     fn add(&mut self) -> usize {
         self.above.push(self.above.len());
         self.above.len() - 1
@@ -178,7 +178,7 @@ impl Groups {
         member
     }
 
-    /// The lower number stands for both, so that the order of groups is that of the walk.
+    /// The lower number represents both, so that groups are ordered as in the walk.
     fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.first_of(a), self.first_of(b));
         self.above[a.max(b)] = a.min(b);

@@ -20,30 +20,31 @@ pub struct Front {
 /// Measurements of a flame front at one step, in world units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measure {
-    /// Velocity flux through the front, volume per second; positive where the flame expands.
+    /// Velocity flux through the front, volume per second; positive if the flame expands.
     pub flux: f64,
     /// The front's area.
     pub area: f64,
-    /// Mean over the area of the mean curvature, per unit of length; positive for a ball of flame. 0 where there is no
-    /// front; none where it was not asked for: it costs as much as all the rest.
+    /// Mean of the mean curvature over the area, per unit of length; positive for a ball of flame. 0 without a front;
+    /// none unless requested, because it costs as much as everything else together.
     pub mean_curvature: Option<f64>,
-    /// Triangles that the front was made of.
+    /// Number of triangles in the front.
     pub triangles: u64,
 }
 
-/// What is left of all that passes the front, in and out, where as much goes in as comes out. It is nothing, and must not
-/// be taken for something small: scaled to a peak it would be heard as noise.
+/// Relative rounding error of the net flux, if as much flows in as out. It counts as zero: scaled to a peak, it would
+/// be audible as noise.
 const ROUNDING: f64 = 1e-9;
 
-/// Blocks of cells that are measured in one go. Every block has sums of its own, which are added in order, whoever made them.
+/// Blocks of cells that are measured in one task. Every block has its own sums, which are added in order, whichever
+/// thread computed them.
 const BLOCKS_PER_PART: usize = 32;
 
 /// A corner of a triangle of the front.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Corner {
-    /// Its place on the lattice: cell times `refine` plus steps, and the edge's direction.
+    /// Position on the lattice: cell times `refine` plus steps, and direction of the edge.
     pub place: ([i64; 3], usize),
-    /// Its index.
+    /// Position in index space.
     pub index: [f64; 3],
 }
 
@@ -69,11 +70,11 @@ impl Sums {
 }
 
 impl Front {
-    /// The surface at `iso` (-1e9 to 1e9), each cell between voxels cut in `refine` (1-16) along each edge. 3 is near
-    /// enough for sound: errors fall with the square of `refine`, work grows with it or faster.
+    /// The surface at `iso` (-1e9 to 1e9), with each cell between voxels divided into `refine` (1-16) along each edge.
+    /// 3 is accurate enough for sound: errors fall with the square of `refine`, and the work grows with it or faster.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] where `iso` or `refine` is outside its range.
+    /// [`Error::OutOfRange`] if `iso` or `refine` is outside its range.
     pub fn new(iso: f64, refine: usize) -> Result<Self, Error> {
         in_range("the iso value", iso, -1e9, 1e9)?;
         in_range("the refinement", refine as f64, 1.0, MAX_REFINE as f64)?;
@@ -85,12 +86,12 @@ impl Front {
         self.iso
     }
 
-    /// Flux and area of one step; zeros where there is no surface. The same frame gives the same numbers, bit
-    /// for bit, on any number of threads; large frames are shared out among those of the caller's pool.
+    /// Flux and area of one step; zeros without a surface. The same frame gives the same numbers, bit for bit, on any
+    /// number of threads; large frames are divided among the threads of the caller's pool.
     ///
     /// # Errors
-    /// Fails where the flame has no bounds (the field's background burns), where a value is not finite, and where the
-    /// field's tiles are too large to be meant.
+    /// If the flame is unbounded (the field's background burns), if a value is not finite, or if the field's tiles are
+    /// too large to be intended.
     pub fn measure(&self, frame: &Frame) -> Result<Measure, Error> {
         if !frame.velocity.is_finite() {
             return Err(Error::NotFinite { what: "velocity" });
@@ -107,7 +108,7 @@ impl Front {
         if is_finite { Ok(Measure { flux, area, mean_curvature: None, triangles }) } else { Err(NOT_FINITE) }
     }
 
-    /// The same with the front's curvature.
+    /// The same measurements with the front's curvature.
     ///
     /// # Errors
     /// As [`measure`](Self::measure).
@@ -136,7 +137,7 @@ impl Front {
         }
     }
 
-    /// Measures the surface in some blocks of cells, each by itself: all in index space but for the length of an area.
+    /// Measures the surface in some blocks of cells, each separately, in index space except for the length of an area.
     fn measure_blocks(&self, frame: &Frame, keys: &[[i32; 3]], level: f64) -> Vec<Sums> {
         let transform = frame.field.transform();
         let sign = if transform.is_mirrored() { -1.0 } else { 1.0 };
@@ -168,20 +169,20 @@ impl Front {
         keys.iter().map(&mut measure).collect()
     }
 
-    /// The level at which the surface of `field` lies.
+    /// The level of the surface of `field`.
     fn level(&self, field: &Grid<1>) -> Result<f64, Error> {
         if !field.is_finite() {
             return Err(Error::NotFinite { what: "field" });
         }
-        // Rounding must not make surface where the field rests on the iso value: such a plateau does not burn. Voxels
-        // are `f32` and cannot lie on the level itself.
+        // Rounding must not create a surface where the field equals the iso value: such a plateau does not burn. Voxels
+        // are `f32` and cannot lie exactly on the shifted level.
         let level = self.iso + self.iso.abs() * maths::powi(2.0, -30);
         let background = f64::from(field.background()[0]);
         if background > level { Err(Error::Unbounded { background, iso: self.iso }) } else { Ok(level) }
     }
 
-    /// Hands over every triangle with its cell and the cell's spline, in an order that depends on the field alone. Triangles
-    /// turn counter-clockwise as seen from outside, in index space.
+    /// Visits every triangle with its cell and the cell's spline, in an order that depends on the field alone.
+    /// Triangles are counter-clockwise as seen from outside, in index space.
     pub(super) fn walk(
         &self,
         field: &Grid<1>,
@@ -209,7 +210,7 @@ impl Front {
 
 const NOT_FINITE: Error = Error::NotFinite { what: "flux" };
 
-/// Half the product of two of a triangle's edges.
+/// Half the vector product of two of a triangle's edges.
 pub(super) fn area_vector([a, b, c]: &[[f64; 3]; 3]) -> [f64; 3] {
     let (ab, ac): ([f64; 3], [f64; 3]) = (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
     cross(ab, ac).map(|part| 0.5 * part)
@@ -228,7 +229,7 @@ fn within_cell(crossing: &Crossing, per_step: f64) -> [f64; 3] {
     })
 }
 
-/// Index at which an edge is crossed; the same, bit for bit, from all cells at the edge.
+/// Index-space position of an edge's crossing; the same, bit for bit, from all cells at the edge.
 fn index(cell: [i32; 3], crossing: &Crossing, refine: f64) -> [f64; 3] {
     std::array::from_fn(|axis| {
         let low = f64::from(cell[axis]) + crossing.low[axis] as f64 / refine;
@@ -236,12 +237,12 @@ fn index(cell: [i32; 3], crossing: &Crossing, refine: f64) -> [f64; 3] {
     })
 }
 
-/// Half the sum of the principal curvatures of a level surface, the normal against the gradient.
+/// Half the sum of the principal curvatures of a level surface, with the normal against the gradient.
 fn mean_curvature(gradient: [f64; 3], hessian: [[f64; 3]; 3]) -> f64 {
     let steepness = length(gradient);
     let trace = hessian[0][0] + hessian[1][1] + hessian[2][2];
     let along = dot(gradient, hessian.map(|row| dot(row, gradient)));
     let bending = -(steepness * steepness * trace - along) / (2.0 * maths::powi(steepness, 3));
-    // At a cusp there is no normal, and no curvature to speak of.
+    // A cusp has no normal, and so no meaningful curvature.
     if bending.is_finite() { bending } else { 0.0 }
 }

@@ -7,17 +7,17 @@ use super::measure::Front;
 use crate::error::Error;
 use crate::grid::Grid;
 
-/// A closed surface in world units; triangles turn counter-clockwise as seen from outside.
+/// A closed surface in world units; triangles are counter-clockwise as seen from outside.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
-    /// Places of the corners.
+    /// Positions of the corners.
     pub vertices: Vec<[f64; 3]>,
-    /// Three corners each, as indices of `vertices`.
+    /// Triples of corners, as indices into `vertices`.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Front {
-    /// The front of a field; empty where there is none.
+    /// The front of a field; empty if there is none.
     ///
     /// # Errors
     /// As [`Front::measure`], and beyond 2^32 corners.
@@ -46,10 +46,10 @@ impl Front {
 }
 
 impl Mesh {
-    /// Writes Wavefront OBJ: text, numbers that read back as the same `f64`.
+    /// Writes Wavefront OBJ as text, with numbers that read back as the same `f64`.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn write_obj(&self, to: &mut impl Write) -> IoResult<()> {
         writeln!(to, "# Flame front, world units")?;
         for [x, y, z] in &self.vertices {
@@ -62,10 +62,10 @@ impl Mesh {
         Ok(())
     }
 
-    /// Writes PLY: binary, little-endian, corners as `f32`.
+    /// Writes little-endian binary PLY, with corners as `f32`.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn write_ply(&self, to: &mut impl Write) -> IoResult<()> {
         write!(
             to,

@@ -19,7 +19,7 @@ fn second_derivative(t: f64) -> [f64; 4] {
     [1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t]
 }
 
-/// From the taps of a cell to the Bézier coefficients of the same cubic.
+/// Conversion from the taps of a cell to the Bézier coefficients of the same cubic.
 const BEZIER: [[f64; 4]; 4] = [
     [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0, 0.0],
     [0.0, 4.0 / 6.0, 2.0 / 6.0, 0.0],
@@ -27,14 +27,14 @@ const BEZIER: [[f64; 4]; 4] = [
     [0.0, 1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0],
 ];
 
-/// The 4×4×4 voxels that make the spline in the cell between voxels 1 and 2 of each axis (x slowest).
+/// The 4×4×4 voxels that define the spline in the cell between voxels 1 and 2 of each axis (x slowest).
 #[derive(Debug, Clone)]
 pub(super) struct Patch {
     pub coefficients: [f64; 64],
 }
 
 impl Patch {
-    /// Bounds of the spline in the cell: those of its Bézier coefficients, whose convex hull it does not leave.
+    /// Bounds of the spline in the cell: those of its Bézier coefficients, whose convex hull contains it.
     pub fn bounds(&self) -> (f64, f64) {
         let mut bezier = [0.0; 64];
         transform(&self.coefficients, &BEZIER, &mut bezier);
@@ -70,7 +70,7 @@ impl Patch {
 /// Most steps along an edge.
 pub(super) const MAX_REFINE: usize = 16;
 
-/// The points at which a cell's spline is sampled: `refine` steps along each edge, both ends included.
+/// The points at which a cell's spline is sampled: `refine` steps along each edge, including both ends.
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
     weights: Vec<[f64; 4]>,
@@ -81,7 +81,7 @@ pub(super) struct Lattice {
 impl Lattice {
     pub fn new(refine: usize) -> Self {
         let mut table: Vec<[f64; 4]> = (0..refine).map(|step| weights(step as f64 / refine as f64)).collect();
-        // The neighbouring cell's first weights: both cells get the same numbers on the face between them.
+        // The neighbouring cell's first weights: both cells then get the same numbers on their common face.
         let [a, b, c, _] = weights(0.0);
         table.push([0.0, a, b, c]);
         let values = vec![0.0; (refine + 1).pow(3)];
@@ -96,7 +96,7 @@ impl Lattice {
 /// Applies one table of weights along all three axes of a cube of 4×4×4.
 fn transform(cube: &[f64; 64], table: &[[f64; 4]], out: &mut [f64]) {
     let size = table.len();
-    // A plane at a time, so that a large table needs no more room than its output.
+    // One plane at a time, so that a large table needs no more memory than its output.
     let mut lines = [0.0; 4 * (MAX_REFINE + 1)];
     let lines = &mut lines[..4 * size];
     for (x, plane_out) in table.iter().zip(out.chunks_exact_mut(size * size)) {

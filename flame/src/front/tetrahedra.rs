@@ -1,11 +1,11 @@
-//! The surface in one cell: marching tetrahedra, which know no ambiguous case and need no table of cubes.
+//! The surface in one cell: marching tetrahedra, which have no ambiguous case and need no table of cubes.
 
-/// Six tetrahedra of a cube round its diagonal 0-7 (Kuhn), all of positive volume. Corner 4x + 2y + z. Neighbouring
-/// cubes meet in the same triangles, so the surface is closed.
+/// Six tetrahedra of a cube around its diagonal 0-7 (Kuhn), all of positive volume. The number of a corner is 4x + 2y +
+/// z. Neighbouring cubes meet in the same triangles, so the surface is closed.
 const KUHN: [[usize; 4]; 6] = [[0, 4, 6, 7], [0, 6, 2, 7], [0, 2, 3, 7], [0, 3, 1, 7], [0, 1, 5, 7], [0, 5, 4, 7]];
 
-/// Per set of corners inside (bit n: corner n of the tetrahedron): the corners inside first, in an even permutation,
-/// which keeps the tetrahedron's orientation.
+/// For each set of corners inside (bit n: corner n of the tetrahedron): the corners with those inside first, in an even
+/// permutation, which preserves the tetrahedron's orientation.
 const INSIDE_FIRST: [[usize; 4]; 16] = [
     [0, 1, 2, 3],
     [0, 1, 2, 3],
@@ -25,10 +25,10 @@ const INSIDE_FIRST: [[usize; 4]; 16] = [
     [0, 1, 2, 3],
 ];
 
-/// Edges of the tetrahedra: of a cube's edges, its faces' diagonals and its own.
+/// Number of tetrahedron edges in a cube: edges of the cube, diagonals of its faces, and the cube's own diagonal.
 const EDGES: usize = 19;
 
-/// Per corner and per other corner of greater number: the number of the edge between them.
+/// Number of the edge between each corner and each higher-numbered corner.
 const EDGE: [[u8; 8]; 8] = {
     let mut numbers = [[0; 8]; 8];
     let (mut from, mut number) = (0, 0);
@@ -53,22 +53,23 @@ const EDGE: [[u8; 8]; 8] = {
 pub(super) struct Crossing {
     /// The edge's lower end: steps of the lattice from the cell's corner.
     pub low: [usize; 3],
-    /// The edge's other end, as a corner of the cube on `low`: 1-7.
+    /// The edge's upper end, as a corner 1-7 of the cube at `low`.
     pub direction: usize,
     /// Position along the edge, 0-1.
     pub share: f64,
 }
 
-/// The bits of [`march`]: for every row along z of `(refine + 1)^3` values, bit z where the value lies above `level`.
+/// Computes the bits for [`march`]: for every row along z of `(refine + 1)^3` values, bit z is set if the value is
+/// above `level`.
 pub(super) fn mark(values: &[f64], refine: usize, level: f64, rows: &mut Vec<u32>) {
     let bits = |row: &[f64]| row.iter().enumerate().fold(0, |bits, (z, value)| bits | u32::from(*value > level) << z);
     rows.clear();
     rows.extend(values.chunks_exact(refine + 1).map(bits));
 }
 
-/// Hands over every triangle of the surface `values = level` in a cell of `refine` steps, whose `(refine + 1)^3` values
-/// have x slowest and are marked in `rows`. Inside is above the level; the triangles turn counter-clockwise as seen from outside.
-/// `point` makes of a crossing what triangles have for corners, once for all triangles of a cube.
+/// Visits every triangle of the surface `values = level` in a cell of `refine` steps, whose `(refine + 1)^3` values
+/// have x slowest and are marked in `rows`. Inside is above the level; the triangles are counter-clockwise as seen from
+/// outside. `point` converts a crossing to a triangle corner, once for all triangles of a cube.
 pub(super) fn march<P: Copy + Default>(
     values: &[f64],
     rows: &[u32],
@@ -106,7 +107,7 @@ fn march_cube<P: Copy + Default>(
     triangle: &mut impl FnMut([P; 3]),
 ) {
     let (mut points, mut known) = ([P::default(); EDGES], 0u32);
-    // Always from the lower end: all cubes at an edge find the same point on it.
+    // Always from the lower end, so that all cubes at an edge find the same point on it.
     let mut crossing = |one: usize, other: usize| {
         let (from, to) = (one.min(other), one.max(other));
         let edge = usize::from(EDGE[from][to]);
@@ -166,7 +167,7 @@ mod tests {
         }
     }
 
-    /// Every one of the 254 ways to cut a cube: triangles face outwards, and hold the volume of what is inside.
+    /// All 254 ways to cut a cube: triangles face outwards and enclose the volume inside.
     #[test]
     fn triangles_face_outwards() {
         for inside in 1..255usize {

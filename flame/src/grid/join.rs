@@ -1,4 +1,4 @@
-//! Two fields as one.
+//! Joining of two fields.
 
 use std::collections::BTreeSet;
 
@@ -7,15 +7,15 @@ use super::{BLOCK, BLOCK_VOXELS, Grid, Transform, filled, slot};
 /// Tolerance of voxel positions relative to their edge, for rounding.
 const SAME_PLACE: f64 = 1e-3;
 
-/// Largest distance of the two fields, in voxels.
+/// Largest distance between two fields, in voxels.
 const MOST_APART: f64 = (1 << 28) as f64;
 
-/// Blocks that the tiles of a field may become where they do not lie as the other's.
+/// Largest number of blocks that a field's tiles may become if they do not align with the other's.
 const MOST_BLOCKS: usize = 1 << 15;
 
 impl<const N: usize> Grid<N> {
-    /// Both fields voxel by voxel, joined by `join`, where this one lies. None where the other's voxels do not lie on this
-    /// one's, or too many of them would have to be written out.
+    /// Both fields combined voxel by voxel with `join`, on this field's voxels. None if the other's voxels do not
+    /// coincide with these, or if too many of them would have to be written out.
     pub fn joined(&self, other: &Self, join: impl Fn(f32, f32) -> f32) -> Option<Self> {
         let offset = self.transform.voxels_to(&other.transform)?;
         let moved;
@@ -37,14 +37,14 @@ impl<const N: usize> Grid<N> {
         Some(joined)
     }
 
-    /// The value round a cube of 2^`log2` voxels, whatever smaller parts of it hold.
+    /// The value around a cube of 2^`log2` voxels, ignoring smaller parts of it.
     fn around(&self, log2: u32, origin: [i32; 3]) -> [f32; N] {
         let mut wide_enough = self.tile_sizes.iter().filter(|size| **size >= log2);
         let tile = wide_enough.find_map(|size| self.tiles.get(&(*size, origin.map(|i| (i >> size) << size))));
         *tile.unwrap_or(&self.background)
     }
 
-    /// The field so many voxels further on, in blocks alone: tiles only lie at multiples of their size.
+    /// The field moved by `offset` voxels, in blocks only: tiles must lie at multiples of their size.
     fn moved(&self, offset: [i32; 3]) -> Option<Self> {
         let blocks = self.blocks.keys().map(|key| (key.map(|i| i * BLOCK), 3));
         let tiles = self.tiles.keys().map(|(log2, origin)| (*origin, *log2));
@@ -56,7 +56,7 @@ impl<const N: usize> Grid<N> {
                 let first = origin[axis].checked_add(offset[axis])?;
                 (low[axis], high[axis]) = (first >> 3, first.checked_add((1 << log2) - 1)? >> 3);
             }
-            // No more than an edge of 2^9 blocks each: no overflow, and the limit ends the loop soon.
+            // At most an edge of 2^9 blocks each: nothing overflows, and the limit ends the loop soon.
             for key in keys_within(low, high) {
                 keys.insert(key);
                 if keys.len() > self.blocks.len() * 8 + MOST_BLOCKS {
@@ -104,7 +104,7 @@ impl Transform {
 mod tests {
     use super::*;
 
-    /// A few voxels and two tiles of numbers of their own.
+    /// A few voxels and two tiles with distinct numbers.
     fn field(translation: [f64; 3], scale: f32) -> Grid<1> {
         let transform = Transform::uniform(0.5, translation).unwrap();
         let values: Vec<[f32; 1]> = (0..1000).map(|n| [scale * n as f32]).collect();

@@ -7,14 +7,14 @@ use super::model::{GridInfo, PlacementChoice, Selected, Source};
 use crate::grid::{Grid, Transform};
 use crate::velocity::{Placement, Velocity};
 
-/// Reads the grids of one frame. Failures name the grid's own file, else `path`.
+/// Reader of the grids of one frame. Errors name the grid's own file, otherwise `path`.
 pub(super) struct Assembly<'a> {
     pub source: &'a mut dyn Source,
     pub path: &'a Path,
 }
 
 impl Assembly<'_> {
-    /// The burning field, larger where it burns.
+    /// The burning field; larger in the flame.
     pub fn field(&mut self, index: usize) -> Result<Grid<1>, Error> {
         let grid = self.scalar(index, |grid, _| Ok(grid))?;
         Ok(if self.info(index).is_level_set() { grid.map(|[distance]| [-distance]) } else { grid })
@@ -43,7 +43,7 @@ impl Assembly<'_> {
         Ok(Velocity::Components(Box::new([component(0, x)?, component(1, y)?, component(2, z)?])))
     }
 
-    /// A grid of numbers, finite after `change`, which is told whether they count voxels.
+    /// A scalar grid, finite after `change`, which receives whether the values count voxels.
     fn scalar(
         &mut self,
         index: usize,
@@ -63,8 +63,8 @@ impl Assembly<'_> {
         grid.and_then(|grid| self.finite(index, grid.is_finite()).map(|()| grid)).map_err(self.failure(index))
     }
 
-    /// A grid and all others of its name: simulators write one for each of their objects, and the flame is all of them.
-    /// Fields and flows are summed, distances joined to the nearer one.
+    /// A grid together with all others of the same name: simulators write one for each of their objects, and the flame
+    /// is all of them. Fields and flows are summed; of distances, the nearer counts.
     fn joined<const N: usize>(
         &mut self,
         index: usize,
@@ -73,7 +73,7 @@ impl Assembly<'_> {
     ) -> Result<Grid<N>, FormatFault> {
         let mut grid = read(self.source, index)?;
         for other in super::names::namesakes(self.source.grids(), index) {
-            let found = format!("grids named {} that do not lie voxel on voxel", shown(&self.info(index).name));
+            let found = format!("grids named {} whose voxels do not coincide", shown(&self.info(index).name));
             let advice = "export them as one, or under different names";
             let other = read(self.source, other)?;
             grid = grid.joined(&other, join).ok_or(FormatFault::Unsupported { found, advice })?;
@@ -99,17 +99,18 @@ fn to_world(grid: Grid<3>) -> Grid<3> {
     grid.map(|voxels| transform.turn(voxels.map(f64::from)).map(|number| number as f32))
 }
 
-/// A component in voxels as one in world units, which it has of its own only where the axes are the world's.
+/// A component in voxels, converted to world units; a single component can be converted only if the axes are the
+/// world's.
 fn scaled(grid: Grid<1>, axis: usize) -> Result<Grid<1>, FormatFault> {
     let step = grid.transform().turn(unit(axis));
     if (0..3).any(|other| other != axis && step[other] != 0.0) {
-        let found = "a velocity in voxels, split into components, on turned axes".into();
+        let found = "a velocity in voxels, split into components, on rotated axes".into();
         return Err(FormatFault::Unsupported { found, advice: "export the velocity as one grid of vectors" });
     }
     Ok(grid.map(|[voxels]| [(f64::from(voxels) * step[axis]) as f32]))
 }
 
-/// The grid of a component on the voxels' lower faces: moved half a voxel down.
+/// The grid of a component on the voxels' lower faces: moved down by half a voxel.
 fn on_lower_face(grid: Grid<1>, axis: usize) -> Result<Grid<1>, FormatFault> {
     let rows = [0, 1, 2].map(|of| grid.transform().turn(unit(of)));
     let half_down = unit(axis).map(|i| -0.5 * i);

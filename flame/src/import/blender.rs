@@ -1,8 +1,8 @@
-//! Blender's adaptive domain: where a frame's box lies in the whole domain, and how large its voxels really are.
+//! Blender's adaptive domain: the position of a frame's box in the whole domain, and the true size of its voxels.
 //!
-//! Mantaflow divides the whole domain's size by the cells of the box that the smoke fills at that frame, and calls the result
-//! the voxel size; where the box lies it does not say at all. Both are in the cache's folder `config`, a gzip stream of numbers
-//! for each frame (Blender's `MANTA::writeConfiguration`).
+//! Mantaflow divides the whole domain's size by the cells of the box that the smoke fills at that frame, and calls the
+//! result the voxel size; it does not state the box's position at all. Both are in the cache's `config` folder, in a
+//! gzip stream of numbers for each frame (Blender's `MANTA::writeConfiguration`).
 
 use std::fs::File;
 use std::io::Read;
@@ -12,15 +12,15 @@ use flate2::read::GzDecoder;
 
 use crate::grid::Transform;
 
-/// Bytes of the numbers up to the last that is read.
+/// Number of bytes up to the last value that is read.
 const BYTES: usize = 172;
 
-/// Offsets of three integers each: cells of the frame's box, cells of the whole domain, the box's lowest cell.
+/// Offsets of three integers each: cells of the frame's box, cells of the whole domain, lowest cell of the box.
 const CELLS: usize = 4;
 const BASE_CELLS: usize = 148;
 const LOWEST_CELL: usize = 160;
 
-/// Most cells along an edge that are taken for true.
+/// Largest plausible number of cells along an edge.
 const MOST_CELLS: i32 = 1 << 16;
 
 /// The part of a domain that a frame holds, in cells.
@@ -35,8 +35,8 @@ pub(super) struct DomainBox {
 }
 
 impl DomainBox {
-    /// The box of the frame in `data/fluid_data_0001.vdb`, from `config/config_0001.uni`; none without such a file, where
-    /// it makes no sense, and where the box is the whole domain.
+    /// The box of the frame in `data/fluid_data_0001.vdb`, from `config/config_0001.uni`; none if that file is missing
+    /// or makes no sense, or if the box is the whole domain.
     pub fn beside(frame: &Path) -> Option<Self> {
         let name = frame.file_stem()?.to_str()?;
         let digits = &name[name.trim_end_matches(|c: char| c.is_ascii_digit()).len()..];
@@ -53,8 +53,8 @@ impl DomainBox {
         (is_part && (0..3).all(fits)).then_some(found)
     }
 
-    /// The transform of a grid of `grid_cells` whose file says that its voxels have `edge`; none where it is not of
-    /// this box. Noise has several voxels to a cell.
+    /// The transform of a grid of `grid_cells` whose file states voxels of `edge`; none if the grid does not belong to
+    /// this box. Noise has several voxels per cell.
     pub fn transform(&self, grid_cells: [i32; 3], edge: f64) -> Option<Transform> {
         let parts = grid_cells[0].checked_div(self.cells[0]).filter(|parts| *parts > 0)?;
         if (0..3).any(|axis| self.cells[axis].checked_mul(parts) != Some(grid_cells[axis])) {

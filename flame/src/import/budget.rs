@@ -2,20 +2,20 @@
 
 use super::error::FormatFault;
 
-/// Bytes a file may unfold to whatever its size: room for fields that compress to almost nothing.
+/// Bytes that a file of any size may unpack to: room for fields that compress to almost nothing.
 pub const BASE_BYTES: u64 = 256 << 20;
 
-/// Bytes a file may unfold to for each of its own. A leaf of vectors takes 6 KiB in memory and at least 129 bytes in
-/// a VDB file, so that no honest tree reaches this.
+/// Further bytes that a file may unpack to per byte of its size. A leaf of vectors takes 6 KiB in memory and at least
+/// 129 bytes in a VDB file, so no genuine tree reaches this.
 pub const BYTES_PER_FILE_BYTE: u64 = 64;
 
-/// Bytes a file may unfold to at most.
+/// Largest number of bytes that any file may unpack to.
 pub const MOST_BYTES: u64 = 32 << 30;
 
-/// Nodes (branches and leaves) of all trees of a file.
+/// Largest number of nodes (branches and leaves) in all trees of a file.
 pub const MOST_NODES: u64 = 1 << 22;
 
-/// Bytes of a file that is read.
+/// Largest file that is read, in bytes.
 pub const MOST_FILE_BYTES: u64 = 4 << 30;
 
 /// Memory left for one file; charged before anything is allocated.
@@ -43,7 +43,7 @@ impl Count {
 }
 
 impl Budget {
-    /// For a file of so many bytes.
+    /// The budget of a file with `file_bytes` bytes.
     pub fn of_file(file_bytes: u64) -> Self {
         let allowed = BASE_BYTES.saturating_add(file_bytes.saturating_mul(BYTES_PER_FILE_BYTE)).min(MOST_BYTES);
         Self {
@@ -52,24 +52,24 @@ impl Budget {
         }
     }
 
-    /// Takes memory that is about to be allocated.
+    /// Charges memory that is about to be allocated.
     ///
     /// # Errors
-    /// [`FormatFault::TooLarge`] where the budget is used up.
+    /// [`FormatFault::TooLarge`] if the budget is used up.
     pub fn keep(&mut self, bytes: usize) -> Result<(), FormatFault> {
         self.bytes.spend(bytes as u64)
     }
 
-    /// Takes one node of a tree.
+    /// Charges one node of a tree.
     ///
     /// # Errors
-    /// [`FormatFault::TooLarge`] where the budget is used up.
+    /// [`FormatFault::TooLarge`] if the budget is used up.
     pub fn node(&mut self) -> Result<(), FormatFault> {
         self.nodes.spend(1)
     }
 }
 
-/// Fails where a file is larger than any that is read.
+/// Rejects a file larger than the limit.
 pub(super) fn check_file_size(found: u64) -> Result<(), FormatFault> {
     if found <= MOST_FILE_BYTES {
         return Ok(());

@@ -7,9 +7,9 @@ use super::names;
 /// The grids of one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
-    /// The file, fit for messages.
+    /// Path of the file, fit for messages.
     pub(super) path: String,
-    /// In the file's order.
+    /// The grids in the file's order.
     pub grids: Vec<GridInfo>,
 }
 
@@ -17,12 +17,12 @@ impl Description {
     /// The grids that match a selection.
     ///
     /// # Errors
-    /// [`Error::File`] with the grids that exist, where none matches.
+    /// [`Error::File`], listing the grids that exist, if none matches.
     pub fn select(&self, selection: &Selection) -> Result<Selected, Error> {
         names::select(&self.grids, selection).map_err(|fault| Error::File { path: self.path.clone(), fault })
     }
 
-    /// The grid of a selection's field alone.
+    /// The grid of a selection's field only.
     ///
     /// # Errors
     /// As [`select`](Self::select).
@@ -30,7 +30,7 @@ impl Description {
         names::select_field(&self.grids, selection).map_err(|fault| Error::File { path: self.path.clone(), fault })
     }
 
-    /// The grid that shows how the gas moved (density, smoke, temperature), if there is one.
+    /// The grid that shows the gas's motion (density, smoke, temperature), if there is one.
     pub fn carried(&self) -> Option<usize> {
         names::carried(&self.grids)
     }

@@ -1,4 +1,4 @@
-//! Errors of simulation files and of folders of them.
+//! Errors of simulation files and folders.
 
 use std::path::Path;
 
@@ -9,15 +9,15 @@ pub enum FormatFault {
     /// The bytes contradict themselves or their format.
     #[error("the file is damaged ({0}); write or copy it again")]
     Damaged(String),
-    /// A known format, but of a kind that is not read.
+    /// A known format, but an unsupported kind of it.
     #[error("{found} cannot be read; {advice}")]
     Unsupported {
-        /// What was found.
+        /// Content found.
         found: String,
         /// Advice on what to use instead.
         advice: &'static str,
     },
-    /// More than memory is given for.
+    /// More data than the memory budget allows.
     #[error("{what}: {found}, but at most {allowed} are allowed; use a smaller or coarser simulation")]
     TooLarge {
         /// The thing counted.
@@ -27,21 +27,21 @@ pub enum FormatFault {
         /// Number allowed.
         allowed: u64,
     },
-    /// No grid answers to the name asked for.
-    #[error("there is no {wanted}; the file holds {there}: name one of them")]
+    /// No grid matches the requested name.
+    #[error("there is no {wanted}; the file contains {there}: name one of those")]
     NoGrid {
-        /// The name and kind asked for.
+        /// The requested name and kind.
         wanted: String,
-        /// Names and types of the grids that are there.
+        /// Names and types of the grids in the file.
         there: String,
     },
-    /// A value that is used is NaN or infinite.
+    /// A required value is NaN or infinite.
     #[error("grid {grid} holds values that are not finite numbers; simulate or export it again")]
     NotFinite {
         /// The grid.
         grid: String,
     },
-    /// A grid's place in the world, or its shape, makes no sense.
+    /// A grid's position in the world, or its shape, makes no sense.
     #[error(transparent)]
     Grid(Box<crate::Error>),
     /// The system failed while the file was read.
@@ -58,7 +58,7 @@ impl From<crate::Error> for FormatFault {
     }
 }
 
-/// Reason for which a simulation could not be read.
+/// Reason why a simulation could not be read.
 ///
 /// Every message is one line: which file, what was found, what is allowed, what to do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -67,7 +67,7 @@ pub enum Error {
     /// There is no such file or folder.
     #[error("{path}: there is no such file or folder; check the path")]
     Missing {
-        /// The path asked for.
+        /// The requested path.
         path: String,
     },
     /// The system refuses access to a file or folder.
@@ -86,7 +86,7 @@ pub enum Error {
         /// The fault found.
         fault: FormatFault,
     },
-    /// A file of no kind that is read.
+    /// An unsupported kind of file.
     #[error("{path}: files of this kind are not supported; use .vdb, .npz or .npy")]
     Kind {
         /// The file.
@@ -100,7 +100,7 @@ pub enum Error {
         /// Contents of the folder.
         found: String,
     },
-    /// A folder with frames of several sorts.
+    /// A folder with frames of several sequences.
     #[error(
         "{path}: frames of several sequences ({found}); move one to a folder of its own, or choose one with --input \"NAME.####.vdb\""
     )]
@@ -138,7 +138,7 @@ pub enum Error {
         /// Number that may be missing.
         allowed: u64,
     },
-    /// Frames whose times are uneven.
+    /// Frames with uneven times.
     #[error("{path}: the frames' own times (time_s) are uneven, but steps must be even; give the rate with --rate")]
     UnevenTimes {
         /// The folder or file.
@@ -149,12 +149,12 @@ pub enum Error {
     NoFrame {
         /// The folder or file.
         path: String,
-        /// The frame asked for.
+        /// The requested frame.
         index: usize,
-        /// Frames there are.
+        /// Number of frames.
         found: usize,
     },
-    /// A row of a series that is no row.
+    /// An invalid row of a series.
     #[error("{path}: line {line}: {reason}")]
     Row {
         /// The file.
@@ -167,13 +167,13 @@ pub enum Error {
 }
 
 impl Error {
-    /// For what is wrong with the content of the file at `path`.
+    /// Converter for a fault in the content of the file at `path`.
     pub fn of_file(path: &Path) -> impl Fn(FormatFault) -> Self + use<> {
         let path = shown_path(path);
         move |fault| Self::File { path: path.clone(), fault }
     }
 
-    /// For what the system says of `path`.
+    /// Converter for a system error about `path`.
     pub(super) fn of_system(path: &Path) -> impl Fn(std::io::Error) -> Self + use<> {
         let path = shown_path(path);
         move |error| match error.kind() {
@@ -183,10 +183,10 @@ impl Error {
     }
 }
 
-/// Names longer than this are cut in messages.
+/// Longest name in messages; longer ones are cut.
 const LONGEST_NAME: usize = 80;
 
-/// A name out of a file, fit for one line of a message.
+/// A name from a file, fit for one line of a message.
 pub(super) fn shown(name: &str) -> String {
     let clean: String = name.chars().take(LONGEST_NAME).map(|c| if c.is_control() { '?' } else { c }).collect();
     if name.chars().nth(LONGEST_NAME).is_some() { clean + "…" } else { clean }

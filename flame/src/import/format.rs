@@ -1,4 +1,4 @@
-//! Formats of frames, by the ends of their files' names.
+//! Formats of frames, by file extension.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ pub(super) enum Format {
 }
 
 impl Format {
-    /// By the end of a file's name.
+    /// The format of a file, by its extension.
     pub fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "vdb" => Some(Self::Vdb),

@@ -1,4 +1,4 @@
-//! The files of a folder that are frames.
+//! The frames among the files of a folder.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,19 +13,19 @@ pub(super) struct FrameFiles {
     /// The step of the file's number, as [`Numbering`] counts them.
     pub number: i64,
     pub format: Format,
-    /// One, or for `.npy` one for each field: the field's name and the file.
+    /// One file, or for `.npy` one for each field: the field's name and the file.
     pub files: Vec<(String, PathBuf)>,
 }
 
-/// The frames of a folder, ascending, and how many numbered files are left out.
+/// The frames of a folder in ascending order, and the number of files left out.
 pub(super) struct Listing {
     pub frames: Vec<FrameFiles>,
     pub left_out: usize,
     pub numbering: Numbering,
 }
 
-/// Files that belong together: of one format and, unless that has a file for each field, of one name (what comes before
-/// and behind the number).
+/// Files that belong together: of the same format and, unless that has a file for each field, of the same name (the
+/// part before and after the number).
 type Sort = (Format, String);
 
 struct Numbered {
@@ -36,9 +36,9 @@ struct Numbered {
 
 /// The frames of a folder.
 ///
-/// Files of one sort are taken; stray files, of which there is one of a sort, are left out. Blender's cache folder is
-/// read for the `data` in it. Fails where there are no frames, where there are several of more than one sort, and where two
-/// files claim one frame.
+/// Files of one sort are used; stray files, the only ones of their sort, are left out. In Blender's cache folder,
+/// `data` is read. Fails without frames, with several sorts of several frames each, and if two files claim the same
+/// frame.
 pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
     let (sorts, others) = sorts(folder, None)?;
     if sorts.is_empty() && folder.join("data").is_dir() {
@@ -48,8 +48,8 @@ pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
     let Some((main, files)) = main else {
         let found = match others {
             0 => "but it is empty".to_owned(),
-            1 => "but it holds one other file or folder".to_owned(),
-            _ => format!("but it holds {others} other files or folders"),
+            1 => "but it contains one other file or folder".to_owned(),
+            _ => format!("but it contains {others} other files or folders"),
         };
         return Err(Error::NoFrames { path: shown_path(folder), found });
     };
@@ -64,7 +64,7 @@ pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
     listing(folder, main.0, files, left_out)
 }
 
-/// The frames whose names fit a pattern; `path` is a folder that exists and a name with a place for the number.
+/// The frames whose names match a pattern; `path` is an existing folder and a name with a placeholder for the number.
 pub(super) fn of_pattern(path: &Path, pattern: &Pattern) -> Result<Listing, Error> {
     let folder = folder_of(path);
     let (sorts, others) = sorts(folder, Some(pattern))?;
@@ -80,7 +80,7 @@ fn listing(folder: &Path, format: Format, files: &[Numbered], left_out: usize) -
     Ok(Listing { frames: frames(folder, format, files, &numbering)?, left_out, numbering })
 }
 
-/// The frame that a file belongs to: itself, or for `.npy` all files beside it with its number.
+/// The frame that a file belongs to: the file itself, or for `.npy` all files beside it with the same number.
 pub(super) fn of_file(path: &Path) -> Result<FrameFiles, Error> {
     let format = Format::of(path).ok_or_else(|| Error::Kind { path: shown_path(path) })?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -109,8 +109,8 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// The numbered files of a folder by sort, and how many other entries there are; only those of a pattern, where there is
-/// one.
+/// The numbered files of a folder by sort, and the number of other entries; with a pattern, only the files that match
+/// it.
 fn sorts(folder: &Path, pattern: Option<&Pattern>) -> Result<(BTreeMap<Sort, Vec<Numbered>>, usize), Error> {
     let mut found: Vec<(Format, Name, PathBuf)> = vec![];
     let mut others = 0;
@@ -129,7 +129,7 @@ fn sorts(folder: &Path, pattern: Option<&Pattern>) -> Result<(BTreeMap<Sort, Vec
             _ => others += 1,
         }
     }
-    // A directory's order is the system's affair.
+    // The order of directory entries depends on the system.
     found.sort_unstable_by(|a, b| a.2.cmp(&b.2));
     let with_fractions = subframes::stems(found.iter().map(|(format, name, _)| (*format, name)));
     let mut sorts: BTreeMap<Sort, Vec<Numbered>> = BTreeMap::new();
@@ -163,12 +163,13 @@ fn frames(folder: &Path, format: Format, files: &[Numbered], numbering: &Numberi
     Ok(frames.into_iter().map(frame).collect())
 }
 
-/// The field that a `.npy` file holds: its name without the separator before the number.
+/// The field in a `.npy` file: its name without the separator before the number.
 fn field(stem: &str) -> String {
     stem.trim_end_matches(['_', '.', '-', ' ']).to_owned()
 }
 
-/// Files whose names begin with a dot are not the user's: systems leave `._name` beside every `name` that they copy.
+/// True for names that begin with a dot; those are not the user's: systems leave `._name` beside every `name` that they
+/// copy.
 fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
 }

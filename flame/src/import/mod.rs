@@ -1,7 +1,7 @@
-//! Reading what fluid simulators leave behind: OpenVDB files, NumPy arrays, and series of numbers.
+//! Readers for the output of fluid simulators: OpenVDB files, NumPy arrays, and series of numbers.
 //!
-//! Whatever a file says is checked before anything is allocated or looped over: [`budget`] bounds what one file may
-//! make of itself, every loop consumes bytes, and no input panics.
+//! Everything that a file states is checked before anything is allocated or looped over: [`budget`] bounds the memory
+//! that a file may use, every loop consumes bytes, and no input panics.
 
 mod assemble;
 mod blender;

@@ -6,31 +6,31 @@ use super::error::{FormatFault, shown};
 use super::vocabulary;
 use crate::grid::Grid;
 
-/// At most so many grids are listed in a message.
+/// Largest number of grids listed in a message.
 const MOST_LISTED: usize = 24;
 
 /// Assumed position of the velocity's components in their voxels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PlacementChoice {
-    /// At the centre, whatever the file says.
+    /// At the centre, regardless of the file.
     #[default]
     Collocated,
-    /// On the lower faces, whatever the file says.
+    /// On the lower faces, regardless of the file.
     Staggered,
-    /// On the lower faces where the file calls the grid staggered, else at the centre.
+    /// On the lower faces if the file calls the grid staggered, otherwise at the centre.
     FromFile,
 }
 
 /// Names of the grids to read from a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
-    /// The burning field. `flame` means any of the usual names; another name only itself.
+    /// Burning field. `flame` matches any of the usual names; another name matches only itself.
     pub field: String,
-    /// The velocity, one grid or three. `velocity` means any of the usual names; another name only itself.
+    /// Velocity, one grid or three. `velocity` matches any of the usual names; another name matches only itself.
     pub velocity: String,
     /// Position of its components.
     pub placement: PlacementChoice,
-    /// Factor that turns the file's numbers into world units per second.
+    /// Factor that converts the file's numbers to world units per second.
     pub velocity_scale: f64,
 }
 
@@ -52,15 +52,15 @@ pub struct GridInfo {
     pub name: String,
     /// The type of its values, as its format names it: `float`, `vec3s`; `<f4 (20, 20, 40)`.
     pub kind: String,
-    /// Numbers per voxel where it can be read (1 or 3), else 0.
+    /// Numbers per voxel if the grid can be read (1 or 3), otherwise 0.
     pub components: usize,
     /// Its declared class: `level set`, `fog volume`, `staggered`, `unknown`; empty if undeclared.
     pub class: String,
-    /// Its vectors count voxels, not world units.
+    /// True if its vectors count voxels instead of world units.
     pub in_voxels: bool,
-    /// Blender (Mantaflow) wrote it: vectors are in cells per unit of its own time.
+    /// True if Blender (Mantaflow) wrote it: vectors are then in cells per unit of Blender's time.
     pub is_blender: bool,
-    /// The voxel's edges in world units, where they make sense.
+    /// Voxel edges in world units, if they make sense.
     pub voxel_edges: Option<[f64; 3]>,
 }
 
@@ -69,34 +69,34 @@ impl GridInfo {
         self.class.trim().eq_ignore_ascii_case(class)
     }
 
-    /// A signed distance, negative inside. Read as a field it is negated, so that it too is larger where it burns; the
-    /// front stands at 0.
+    /// True for a signed distance, negative inside. Read as a field it is negated, so that it too is larger in the
+    /// flame; the front is at 0.
     pub fn is_level_set(&self) -> bool {
         self.has_class("level set") || (vocabulary::is_distance(&self.name) && !self.has_class("fog volume"))
     }
 
-    /// Whether its components are on the voxels' faces.
+    /// True if its components are on the voxels' faces.
     pub fn is_staggered(&self) -> bool {
         self.has_class("staggered")
     }
 
-    /// Whether this is a quantity with a unit (temperature, fuel), whose value at the front only the user knows.
+    /// True for a quantity with a unit (temperature, fuel), whose value at the front only the user knows.
     pub fn is_unit_dependent(&self) -> bool {
         vocabulary::is_unit_dependent(&self.name)
     }
 }
 
-/// The grids that answer to a [`Selection`], as indices.
+/// The grids that match a [`Selection`], as indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Selected {
     /// The burning field.
     pub field: usize,
-    /// The velocity: one grid of vectors three times, or the grids of x, y and z.
+    /// Velocity: one grid of vectors three times, or the grids of x, y and z.
     pub velocity: [usize; 3],
 }
 
 impl Selected {
-    /// Whether the velocity comes as a grid per component.
+    /// True if each component of the velocity has its own grid.
     pub fn is_split(&self) -> bool {
         self.velocity[0] != self.velocity[1]
     }
@@ -113,19 +113,19 @@ pub trait Source {
     /// Reads a grid of vectors. Values are as stored: not checked to be finite.
     fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault>;
 
-    /// When the frame takes place, in seconds, where the file says so.
+    /// Time of the frame in seconds, if the file states it.
     fn time_s(&self) -> Option<f64> {
         None
     }
 
-    /// The file a grid is in, where each has its own.
+    /// File of a grid, if each grid has its own.
     fn path_of(&self, index: usize) -> Option<&Path> {
         let _ = index;
         None
     }
 }
 
-/// Fails where there is no grid `index` of `components` numbers a voxel.
+/// Fails unless there is a grid `index` with `components` numbers per voxel.
 pub(super) fn check_components(grids: &[GridInfo], index: usize, components: usize) -> Result<&GridInfo, FormatFault> {
     let wanted = || format!("grid {index} of {components} numbers per voxel");
     let fault = || FormatFault::NoGrid { wanted: wanted(), there: listed(grids) };

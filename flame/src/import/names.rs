@@ -1,13 +1,13 @@
-//! Choice of grids by name: those that simulators use for the flame and for the velocity.
+//! Choice of grids by name, including the usual names for flame and velocity.
 
 use super::error::{FormatFault, shown};
 use super::model::{GridInfo, Selected, Selection, listed};
 use super::vocabulary::{CARRIED, DIVERGENCES, FIELDS, VELOCITIES};
 
-/// The grids that answer to a selection.
+/// The grids that match a selection.
 ///
-/// A name is matched exactly, else without regard to case. The usual names (`flame`, `velocity`) mean any of their
-/// kind; a velocity may come as three grids named after its components.
+/// A name is matched exactly, otherwise without regard to case. The usual names (`flame`, `velocity`) match any of
+/// their kind; a velocity may consist of three grids named after its components.
 pub(super) fn select(grids: &[GridInfo], selection: &Selection) -> Result<Selected, FormatFault> {
     let field = select_field(grids, selection)?;
     let stems = candidates(&selection.velocity, &VELOCITIES);
@@ -26,12 +26,12 @@ pub(super) fn select_field(grids: &[GridInfo], selection: &Selection) -> Result<
     field.ok_or_else(|| absent(grids, "scalar grid", &selection.field))
 }
 
-/// The field that shows best how the gas moved: not the flame, which does not move with it.
+/// The field that shows the gas's motion best: not the flame, which does not move with it.
 pub(super) fn carried(grids: &[GridInfo]) -> Option<usize> {
     CARRIED.iter().find_map(|name| named(grids, name, 1))
 }
 
-/// The name asked for and, if it is the usual one, all its synonyms.
+/// The requested name and, if it is the usual one, all its synonyms.
 fn candidates<'a>(wanted: &'a str, usual: &[&'a str]) -> Vec<&'a str> {
     if usual[0].eq_ignore_ascii_case(wanted) {
         return [wanted].iter().chain(&usual[1..]).copied().collect();
@@ -39,7 +39,7 @@ fn candidates<'a>(wanted: &'a str, usual: &[&'a str]) -> Vec<&'a str> {
     vec![wanted]
 }
 
-/// The first readable grid of that name: exactly, else without regard to case.
+/// The first readable grid of that name: matched exactly, otherwise without regard to case.
 fn named(grids: &[GridInfo], name: &str, components: usize) -> Option<usize> {
     let find =
         |fits: &dyn Fn(&str) -> bool| grids.iter().position(|grid| grid.components == components && fits(&grid.name));

@@ -1,8 +1,8 @@
 //! NumPy's `.npz`: arrays in a zip file.
 //!
-//! Every member `name.npy` of three axes is a scalar field, every one of four with three components first or last a
-//! vector field. `voxel_size` (one number, else 1) and `origin` (three, else 0) tell where all of them stand, `time_s`
-//! (one number) when.
+//! Every member `name.npy` of three axes is a scalar field, every one of four axes with three components first or last
+//! is a vector field. `voxel_size` (one number, else 1) and `origin` (three, else 0) state their position, `time_s`
+//! (one number) their time.
 
 mod arrays;
 mod write;
@@ -22,7 +22,7 @@ use crate::grid::{Grid, Transform};
 
 pub use self::write::{DenseFrame, write_frame};
 
-/// Members of an archive.
+/// Largest number of members in an archive.
 const MOST_MEMBERS: usize = 4096;
 
 /// An archive of arrays.
@@ -30,7 +30,7 @@ const MOST_MEMBERS: usize = 4096;
 pub struct Npz<R> {
     archive: ZipArchive<R>,
     infos: Vec<GridInfo>,
-    /// Index of each grid in the archive, or the reason for which it cannot be read.
+    /// Index of each grid in the archive, or the reason why it cannot be read.
     members: Vec<Result<usize, FormatFault>>,
     transform: Transform,
     time_s: Option<f64>,
@@ -41,7 +41,7 @@ impl<R: Read + Seek> Npz<R> {
     /// Reads the archive's directory and the headers of its arrays.
     ///
     /// # Errors
-    /// Fails where the archive makes no sense; what is wrong with a single array only shows when that one is read.
+    /// If the archive makes no sense; faults of a single array are reported when that array is read.
     pub fn open(mut reader: R) -> Result<Self, FormatFault> {
         let file_bytes = reader.seek(std::io::SeekFrom::End(0)).map_err(|error| fault_of(&error))?;
         check_file_size(file_bytes)?;
@@ -51,7 +51,7 @@ impl<R: Read + Seek> Npz<R> {
             return Err(FormatFault::TooLarge { what: "arrays in the archive", found, allowed });
         }
         if archive.has_duplicate_names() {
-            return damaged("two members of the archive have one name");
+            return damaged("two members of the archive have the same name");
         }
         if archive.has_overlapping_entries().map_err(|error| fault_of_zip(&error))? {
             return damaged("members of the archive overlap");
@@ -79,7 +79,7 @@ impl<R: Read + Seek> Npz<R> {
             match name.as_str() {
                 VOXEL_SIZE => [voxel_size] = self.numbers(index, VOXEL_SIZE)?,
                 ORIGIN => origin = self.numbers(index, ORIGIN)?,
-                // Nothing is lost with a time that is none: then the user knows the rate.
+                // An invalid time does no harm: the user knows the rate.
                 TIME => {
                     self.time_s =
                         self.numbers(index, TIME).ok().map(|[time_s]| time_s).filter(|time_s| time_s.is_finite())
@@ -89,7 +89,7 @@ impl<R: Read + Seek> Npz<R> {
                     self.infos.push(GridInfo {
                         name,
                         kind: header.as_ref().map_or_else(|_| "unreadable".into(), Header::kind),
-                        // What cannot be read is found by its name, so that the reason is reported.
+                        // An unreadable array is still found by its name, so that the reason is reported.
                         components: header.as_ref().map_or(1, |header| components(&header.shape)),
                         ..GridInfo::default()
                     });
@@ -107,21 +107,21 @@ impl<R: Read + Seek> Npz<R> {
         Ok(())
     }
 
-    /// The name of the array a member holds, without folders.
+    /// The name of a member's array, without folders.
     fn array_name(&self, index: usize) -> Option<String> {
         let name = self.archive.name_for_index(index)?.ok()?;
         let base = name.rsplit(['/', '\\']).next().unwrap_or_default();
         base.strip_suffix(".npy").map(str::to_owned)
     }
 
-    /// An array's header and the reader behind it. Never hands over more than the directory says.
+    /// An array's header and the reader positioned after it. Never yields more bytes than the directory states.
     fn member(&mut self, index: usize) -> Result<(Header, impl Read), FormatFault> {
         let file = self.archive.by_index(index).map_err(|error| fault_of_zip(&error))?;
         if !matches!(file.compression(), zip::CompressionMethod::Stored | zip::CompressionMethod::Deflated) {
             return Err(unsupported(file.compression().to_string()));
         }
         let size = file.size();
-        // One byte more shows a member that is longer than it says.
+        // One more byte reveals a member that is longer than stated.
         let mut reader = file.take(size.saturating_add(1));
         let header = Header::read(&mut reader)?;
         header.check_size(size)?;
@@ -132,7 +132,7 @@ impl<R: Read + Seek> Npz<R> {
     fn numbers<const N: usize>(&mut self, index: usize, name: &str) -> Result<[f64; N], FormatFault> {
         let (header, mut reader) = self.member(index)?;
         if header.count()? != N as u64 {
-            return damaged(format!("{name} is an array of shape {:?}; {N} numbers are due", header.shape));
+            return damaged(format!("{name} is an array of shape {:?}; {N} numbers are expected", header.shape));
         }
         let (mut numbers, mut at) = ([0.0; N], 0);
         header.values(&mut reader, |value| {
@@ -146,7 +146,7 @@ impl<R: Read + Seek> Npz<R> {
 
     fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {
         let name = check_components(&self.infos, index, N)?.name.clone();
-        let missing = || FormatFault::Damaged(format!("array {} is not there", shown(&name)));
+        let missing = || FormatFault::Damaged(format!("array {} is missing", shown(&name)));
         let member = self.members.get(index).cloned().ok_or_else(missing)??;
         let (transform, mut budget) = (self.transform, self.budget.clone());
         let (header, mut reader) = self.member(member)?;

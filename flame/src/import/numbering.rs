@@ -1,33 +1,33 @@
-//! Numbers in the names of frames, and the steps that they mean.
+//! Numbers in the names of frames, and the steps that they represent.
 
 mod pattern;
 pub(super) mod subframes;
 
 pub use pattern::Pattern;
 
-/// Finest sub-frames that are recognised by their digits, per frame.
+/// Largest number of sub-frames per frame that is recognised from digits.
 const MOST_SUBFRAMES: i64 = 64;
 
-/// Number of frames from which a stride is assumed: with two, it could be a gap.
+/// Number of frames from which a stride is assumed: with two frames, it could be a gap.
 const LEAST_STRIDDEN: usize = 3;
 
-/// A frame's number as its file names it.
+/// A frame number in a file name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Number {
     pub whole: i64,
-    /// Digits behind the point of a sub-frame, as written: `25` of `1.25`.
+    /// Digits after the point of a sub-frame, as written: `25` in `1.25`.
     pub fraction: String,
-    /// Whether a minus sign is before it, which the whole part of -0.5 does not show.
+    /// True if a minus sign precedes it; the whole part of -0.5 does not show it.
     pub is_negative: bool,
 }
 
 impl Number {
-    /// The digits behind the point as a part of a frame, 0-1.
+    /// The digits after the point as a fraction of a frame, 0-1.
     fn share(&self) -> f64 {
         format!("0.{}", self.fraction).parse().unwrap_or(0.0)
     }
 
-    /// Whether the digits behind the point, which may be rounded or cut off, can mean a multiple of 1/`parts`.
+    /// True if the digits after the point, which may be rounded or truncated, can represent a multiple of 1/`parts`.
     fn fits(&self, parts: i64) -> bool {
         let share = self.share();
         if share == 0.0 {
@@ -40,7 +40,7 @@ impl Number {
     }
 }
 
-/// A file's name in parts: before its number, the number, and after it.
+/// The parts of a file name: before its number, the number, and after it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Name {
     pub before: String,
@@ -51,8 +51,8 @@ pub(super) struct Name {
 }
 
 impl Name {
-    /// Parts a name (without its extension) from its last number. A minus belongs to the number unless it parts it from
-    /// a name: `fire.-5` is frame -5, `fire-5` frame 5.
+    /// Splits a name (without its extension) at its last number. A minus belongs to the number unless it separates the
+    /// number from a name: `fire.-5` is frame -5, `fire-5` frame 5.
     pub fn of(name: &str) -> Option<Self> {
         let end = name.rfind(|c: char| c.is_ascii_digit())? + 1;
         let (name, behind) = name.split_at(end);
@@ -68,7 +68,7 @@ impl Name {
         })
     }
 
-    /// The same name read as that of a sub-frame (`fire.12.25` as frame 12.25), where it can be one.
+    /// The same name read as that of a sub-frame (`fire.12.25` as frame 12.25), if possible.
     pub fn with_fraction(&self) -> Option<Self> {
         let before = self.before.strip_suffix('.').filter(|before| before.ends_with(|c: char| c.is_ascii_digit()))?;
         let whole = Self::of(before).filter(|_| !self.number.is_negative)?;
@@ -76,7 +76,7 @@ impl Name {
         Some(Self { number, behind: self.behind.clone(), ..whole })
     }
 
-    /// Part of the name that is the same for all frames.
+    /// Part of the name that all frames share.
     pub fn stem(&self) -> String {
         format!("{}{}", self.before, self.behind)
     }
@@ -84,28 +84,27 @@ impl Name {
 
 /// Relation of the numbers in file names to the steps of a simulation.
 ///
-/// Steps are whole numbers that go up by one. They are the frames' numbers where those do so, too; where there are
-/// sub-frames there are several steps to a frame, and where only every second frame was written (on twos) there are fewer
-/// steps than frames.
+/// Steps are consecutive integers. They equal the frame numbers if those are consecutive, too; with sub-frames there
+/// are several steps per frame, and if only every second frame was written (on twos) there are fewer steps than frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Numbering {
     /// Frames from one step to the next.
     stride: i64,
-    /// Steps of one frame; 1 where the stride is not.
+    /// Steps per frame; 1 unless the stride is 1.
     subframes: i64,
     /// Number of step 0.
     rest: i64,
 }
 
 impl Default for Numbering {
-    /// Steps are frames.
+    /// The numbering in which steps are frames.
     fn default() -> Self {
         Self { stride: 1, subframes: 1, rest: 0 }
     }
 }
 
 impl Numbering {
-    /// The coarsest one in which every number is a step.
+    /// The coarsest numbering in which every number is a step.
     pub(super) fn of<'a>(numbers: impl Iterator<Item = &'a Number> + Clone) -> Self {
         let fits = |parts: &i64| numbers.clone().all(|number| number.fits(*parts));
         let subframes = (1..=MOST_SUBFRAMES).find(fits).unwrap_or(MOST_SUBFRAMES);
@@ -122,7 +121,7 @@ impl Numbering {
         }
     }
 
-    /// Frames from one step to the next, steps of one frame, and the number of step 0: what it takes to be written down.
+    /// Frames from one step to the next, steps per frame, and the number of step 0: the values to store.
     pub fn parts(&self) -> [i64; 3] {
         [self.stride, self.subframes, self.rest]
     }
@@ -167,12 +166,12 @@ impl Numbering {
         (step as f64 * self.stride as f64 + self.rest as f64) / self.subframes as f64
     }
 
-    /// Steps of one frame: 4 of quarter frames, 0.5 on twos.
+    /// Steps per frame: 4 for quarter frames, 0.5 on twos.
     pub fn steps_per_frame(&self) -> f64 {
         self.subframes as f64 / self.stride as f64
     }
 
-    /// Whether steps are frames.
+    /// True if steps are frames.
     pub fn is_plain(&self) -> bool {
         self.stride == 1 && self.subframes == 1
     }
@@ -188,12 +187,12 @@ impl Numbering {
 }
 
 impl std::fmt::Display for Numbering {
-    /// Tells what is not plain: `4 sub-frames to a frame`.
+    /// Describes a numbering that is not plain: `4 steps per frame`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match (self.stride, self.subframes) {
-            (1, 1) => write!(f, "a step a frame"),
-            (1, parts) => write!(f, "{parts} steps a frame"),
-            (stride, _) => write!(f, "a step every {stride} frames"),
+            (1, 1) => write!(f, "one step per frame"),
+            (1, parts) => write!(f, "{parts} steps per frame"),
+            (stride, _) => write!(f, "one step every {stride} frames"),
         }
     }
 }

@@ -21,13 +21,13 @@ use crate::frame::Frame;
 use crate::grid::Grid;
 use crate::velocity::Velocity;
 
-/// Numbers that may be missing between the first frame and the last.
+/// Largest number of missing frames between the first and the last.
 const MOST_MISSING: u64 = 1_000_000;
 
 /// Tolerance of a frame's time against an even grid, in steps.
 const MOST_UNEVEN: f64 = 0.02;
 
-/// The frames of a folder, or a single file's. Frames are counted from 0 in the order of their numbers.
+/// The frames of a folder, or of a single file. Frames are counted from 0 in the order of their numbers.
 #[derive(Debug, Clone)]
 pub struct Sequence {
     path: PathBuf,
@@ -37,12 +37,13 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Opens a folder of numbered `.vdb`, `.npz` or `.npy` files (`<field>_<number>.npy`, one for each field), those files
-    /// of a folder whose names fit a pattern such as `fire.####.vdb`, or one file. Files are not read yet.
+    /// Opens a folder of numbered `.vdb`, `.npz` or `.npy` files (`<field>_<number>.npy`, one for each field), the
+    /// files of a folder whose names match a pattern such as `fire.####.vdb`, or one file. File contents are not read
+    /// yet.
     ///
     /// # Errors
-    /// Fails where there are no frames, frames of several sorts, two files for one frame, or more than a million
-    /// numbers missing.
+    /// If there are no frames, frames of several sorts, two files for one frame, or more than a million missing
+    /// numbers.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let listing = match path.metadata() {
             Ok(metadata) if metadata.is_dir() => listing::of_folder(path)?,
@@ -60,7 +61,7 @@ impl Sequence {
         Ok(sequence)
     }
 
-    /// The first number, the last, and how many have no file.
+    /// First number, last number, and count of numbers without a file.
     fn span(&self) -> Option<(i64, i64, u64)> {
         let (first, last) = (self.frames.first()?.number, self.frames.last()?.number);
         Some((first, last, last.abs_diff(first).saturating_sub(self.frames.len() as u64 - 1)))
@@ -71,7 +72,7 @@ impl Sequence {
         &self.numbering
     }
 
-    /// The frames' steps, ascending: their numbers, where those count up by one.
+    /// The frames' steps in ascending order: their numbers, if those are consecutive.
     pub fn numbers(&self) -> impl Iterator<Item = i64> + '_ {
         self.frames.iter().map(|frame| frame.number)
     }
@@ -81,29 +82,29 @@ impl Sequence {
         self.frames.len()
     }
 
-    /// Never: a sequence without frames is not opened.
+    /// Always false: a sequence without frames cannot be opened.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// Steps between the first and the last that have no file.
+    /// Steps without a file, between the first and the last.
     pub fn missing(&self) -> Vec<i64> {
         let pairs = self.frames.windows(2).filter_map(|pair| Some((pair.first()?.number, pair.last()?.number)));
         pairs.flat_map(|(before, after)| before + 1..after).collect()
     }
 
-    /// Numbered files of other sorts in the folder, which are left out.
+    /// Number of numbered files of other sorts in the folder, which are left out.
     pub fn left_out(&self) -> usize {
         self.left_out
     }
 
-    /// The file of a frame; the first where it has several; the sequence's own path where there is no such frame.
+    /// The file of a frame, or the first of several; the sequence's own path if there is no such frame.
     pub fn path_of(&self, index: usize) -> &Path {
         let file = self.frames.get(index).and_then(|frame| frame.files.first());
         file.map_or(&self.path, |(_, path)| path)
     }
 
-    /// When a frame takes place, in seconds, where its file says so: only `.npz` does.
+    /// Time of a frame in seconds, if its file states it: only `.npz` does.
     pub fn time_s(&self, index: usize) -> Option<f64> {
         let is_npz = self.frames.get(index).is_some_and(|frame| frame.format == Format::Npz);
         if !is_npz {
@@ -112,14 +113,14 @@ impl Sequence {
         self.with_source(index, |_, source| Ok(source.time_s())).ok().flatten()
     }
 
-    /// Frames per second, where at least two of `indices` say when they take place.
+    /// Frames per second, if at least two of `indices` state their time.
     ///
     /// # Errors
-    /// Where their times are not proportional to their numbers (to 2 % of a step).
+    /// If their times are not proportional to their numbers (within 2 % of a step).
     pub fn rate_hz(&self, indices: &[usize]) -> Result<Option<f64>, Error> {
         let timed = |index: &usize| Some((self.frames.get(*index)?.number, self.time_s(*index)?));
         let times: Vec<(i64, f64)> = indices.iter().filter_map(timed).collect();
-        // Frames that cannot be read say nothing, but those that can are enough.
+        // Unreadable frames state nothing, but the readable ones are enough.
         let [(first, start_s), .., (last, end_s)] = times.as_slice() else { return Ok(None) };
         let step_s = (end_s - start_s) / last.abs_diff(*first) as f64;
         let expected_s = |number: i64| start_s + number.abs_diff(*first) as f64 * step_s;
@@ -133,7 +134,7 @@ impl Sequence {
     /// Description of a frame, from its headers.
     ///
     /// # Errors
-    /// Where there is no frame `index`, or its file cannot be read.
+    /// If there is no frame `index`, or its file cannot be read.
     pub fn describe(&self, index: usize) -> Result<Description, Error> {
         let path = shown_path(self.path_of(index));
         self.with_source(index, |_, source| Ok(Description { path, grids: source.grids().to_vec() }))
@@ -141,11 +142,11 @@ impl Sequence {
 
     /// Reads the field and the velocity of a frame.
     ///
-    /// The field is larger where it burns (a level set is negated); the velocity is in world units per unit of the
-    /// simulation's time, with the scale and the placement of the selection.
+    /// The field is larger in the flame (a level set is negated); the velocity is in world units per unit of simulation
+    /// time, with the selection's scale and placement.
     ///
     /// # Errors
-    /// With the file and the reason, also where a value in either is not finite.
+    /// Names the file and the reason; also if a value in either is not finite.
     pub fn read(&self, index: usize, selection: &Selection) -> Result<Frame, Error> {
         let path = self.path_of(index);
         self.with_source(index, |number, source| {
@@ -161,7 +162,7 @@ impl Sequence {
         })
     }
 
-    /// Reads the field of a frame alone, larger where it burns.
+    /// Reads only the field of a frame; larger in the flame.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -173,7 +174,7 @@ impl Sequence {
         })
     }
 
-    /// Reads what the gas carries (density, smoke, temperature) and the flow of a frame; none where there is none.
+    /// Reads the flow of a frame and a quantity carried by the gas (density, smoke, temperature), if there is one.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -188,7 +189,7 @@ impl Sequence {
         })
     }
 
-    /// Whether a frame is one before ignition: its file can be read but holds no grids at all, or an empty field.
+    /// True for a frame before ignition: its file can be read but has no grids at all, or an empty field.
     pub fn is_unlit(&self, index: usize, selection: &Selection) -> bool {
         let path = self.path_of(index);
         let is_unlit = self.with_source(index, |_, source| {
@@ -233,10 +234,10 @@ impl Sequence {
     }
 }
 
-/// Relative tolerance within which a rate means a usual one: times are written with few digits.
+/// Relative tolerance for recognising usual rates: times are written with few digits.
 const SAME_RATE: f64 = 1e-6;
 
-/// The whole rate, or the one of television (n · 1000/1001), that a rate equals except for rounding; else the rate itself.
+/// The whole rate, or television rate (n · 1000/1001), that a rate equals up to rounding; otherwise the rate itself.
 pub(super) fn snapped_rate_hz(rate_hz: f64) -> f64 {
     let usual = [1.0, 1000.0 / 1001.0].map(|part| (rate_hz / part).round() * part);
     let is_near = |usual: &f64| (usual / rate_hz - 1.0).abs() < SAME_RATE;
@@ -262,7 +263,7 @@ fn read_whole(path: &Path) -> Result<Vec<u8>, Error> {
     let too_large = |_| Error::of_file(path)(FormatFault::Unreadable("out of memory".into()));
     let mut bytes = vec![];
     bytes.try_reserve_exact(usize::try_from(size).unwrap_or(usize::MAX)).map_err(too_large)?;
-    // What is added meanwhile is not read.
+    // Data appended meanwhile is not read.
     file.take(size).read_to_end(&mut bytes).map_err(Error::of_system(path))?;
     Ok(bytes)
 }

@@ -1,4 +1,4 @@
-//! A flux, or rate of heat release, that was measured elsewhere: one number per step.
+//! A flux, or rate of heat release, measured elsewhere: one number per step.
 
 mod dialect;
 mod table;
@@ -17,16 +17,17 @@ use super::sequence::open;
 pub use self::values::{Series, Timing};
 
 impl Series {
-    /// Reads a `.npy` array of one axis, or else a table: columns `flux` and `frame` or `time_s` under a header in any
-    /// order (others are left out), or one column with or without a header.
+    /// Reads a `.npy` array of one axis, or otherwise a table: columns `flux` and `frame` or `time_s` under a header in
+    /// any order (others are ignored), or one column with or without a header.
     ///
-    /// Columns are parted by commas, tabs, semicolons (numbers may then have a decimal comma) or spaces. Lines that begin
-    /// with `#` are comments, but for one that names the columns. A line of units may stand before or behind the names, as
-    /// in what FDS writes, or units in brackets beside them; times in milliseconds or minutes become seconds.
+    /// Columns are separated by commas, tabs, semicolons (numbers may then have a decimal comma) or spaces. Lines that
+    /// begin with `#` are comments, except for one that names the columns. Units may be given on a line before or after
+    /// the names, as FDS writes them, or in brackets beside them; times in milliseconds or minutes are converted to
+    /// seconds.
     ///
     /// # Errors
-    /// Fails with the line where a row has no finite number in its place, where frames do not count up by one, where
-    /// times do not ascend, and beyond 10 million rows.
+    /// Names the line if a row lacks a finite number, if frames are not consecutive, if times do not ascend, and beyond
+    /// 10 million rows.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let (file, size) = open(path)?;
         let is_array = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("npy"));

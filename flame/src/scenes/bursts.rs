@@ -1,15 +1,15 @@
-//! Bursts at random times: puffs of gas from a bed of fuel, blasts of breath, the snatching of wind.
+//! Bursts at random times: puffs of gas from a bed of fuel, blasts of breath, gusts of wind.
 
 use crate::solver::Random;
 
-/// Parts of the fall time after which nothing of a burst is left.
+/// Number of fall times after which nothing of a burst is left.
 const FALLS: f64 = 8.0;
 
-/// Lowest and highest burst beside a usual one.
+/// Lowest and highest burst, relative to a typical one.
 const HEIGHTS: (f64, f64) = (0.25, 2.5);
 
-/// A random function of time: one burst in each slot of `1 / rate_hz` seconds, some low, a few high, that rises within
-/// `rise_s` and falls over `fall_s`.
+/// A random function of time: one burst in each slot of `1 / rate_hz` seconds, most of them low, a few high, that rises
+/// within `rise_s` and falls over `fall_s`.
 #[derive(Debug, Clone, Copy)]
 pub struct Bursts {
     seed: u64,
@@ -24,7 +24,7 @@ impl Bursts {
         Self { seed, rate_hz, rise_s, fall_s }
     }
 
-    /// Its value at a time: 0 between bursts, about 1 at the peak of a usual one.
+    /// Value at a time: 0 between bursts, about 1 at the peak of a typical one.
     pub fn at(&self, time_s: f64) -> f64 {
         let now = (time_s * self.rate_hz).floor() as i64;
         let before = (FALLS * self.fall_s * self.rate_hz).ceil() as i64;
@@ -34,7 +34,7 @@ impl Bursts {
     fn burst(&self, slot: i64, time_s: f64) -> f64 {
         let mut random = Random::new(self.seed ^ (slot as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15));
         let since_s = time_s - (slot as f64 + random.uniform()) / self.rate_hz;
-        // Heights as those of what happens at random: most are low.
+        // Heights are exponentially distributed, like those of random events: most are low.
         let height = (-maths::ln(1.0 - random.uniform())).clamp(HEIGHTS.0, HEIGHTS.1);
         if since_s <= 0.0 || since_s > FALLS * self.fall_s {
             return 0.0;

@@ -11,19 +11,19 @@ use crate::error::{Error, in_range};
 use crate::frame::Frame;
 use crate::solver::{Forcing, Solver, Step};
 
-/// Steps per second of sound that the paper's simulations take, and ours.
+/// Steps per second of sound, in the paper's simulations and in these.
 pub const STEP_RATE_HZ: f64 = 360.0;
 
-/// What burns.
+/// The kind of fire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Scene {
     /// A small flame blown by a turbulent wind.
     Candle,
-    /// A torch that is swung through the air; a blue core.
+    /// A torch swung through the air; a blue core.
     Torch,
-    /// Fuel let into a closed box in pulses, at high speed.
+    /// Fuel injected into a closed box in pulses, at high speed.
     FlameJet,
-    /// A small burning block that moves rapidly.
+    /// A small, rapidly moving burning block.
     BurningBrick,
     /// A fire-breathing dragon's modulated breath.
     Dragon,
@@ -48,7 +48,7 @@ impl Scene {
         Self::Explosion,
     ];
 
-    /// Its name in commands and files.
+    /// Name in commands and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Candle => "candle",
@@ -66,9 +66,9 @@ impl Scene {
     pub fn summary(self) -> &'static str {
         match self {
             Self::Candle => "A small flame blown by a turbulent wind",
-            Self::Torch => "A torch that is swung through the air",
-            Self::FlameJet => "Fuel let into a closed box in pulses",
-            Self::BurningBrick => "A small burning block that moves rapidly",
+            Self::Torch => "A torch swung through the air",
+            Self::FlameJet => "Fuel injected into a closed box in pulses",
+            Self::BurningBrick => "A small, rapidly moving burning block",
             Self::Dragon => "A fire-breathing dragon",
             Self::Campfire => "A wide, randomly perturbed fire",
             Self::Flamethrower => "A long jet",
@@ -76,7 +76,7 @@ impl Scene {
         }
     }
 
-    /// Seconds after which what burns does the same again, where it does.
+    /// Seconds after which the scene repeats, if it does.
     pub fn period_s(self) -> Option<f64> {
         match self {
             Self::FlameJet => Some(setups::JET_PERIOD_S),
@@ -85,13 +85,13 @@ impl Scene {
         }
     }
 
-    /// The scene of a name.
+    /// The scene with a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|scene| scene.name() == name)
     }
 
-    /// Seconds that are simulated before the first that is kept, by default: a flame that is always there
-    /// should not begin with its lighting.
+    /// Default number of seconds simulated before the first recorded one: a flame that always burns should not begin
+    /// with its ignition.
     pub fn default_pre_roll_s(self) -> f64 {
         match self {
             Self::FlameJet | Self::Explosion => 0.0,
@@ -103,21 +103,21 @@ impl Scene {
 /// Options of a simulated scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Cells along the longest side of the box: 8-512, taken to the next multiple of 8 (below 32, of 2), in which the
+    /// Cells along the longest side of the box: 8-512, rounded up to a multiple of 8 (below 32, of 2), for which the
     /// pressure solve is fast.
     pub resolution: usize,
     /// Random seed.
     pub seed: u64,
-    /// Fuel and its speed, 0-4; 1 as designed.
+    /// Amount and speed of the fuel, 0-4; 1 as designed.
     pub intensity: f64,
-    /// Wind and motion of what burns, 0-4; 1 as designed.
+    /// Wind and motion of the burning object, 0-4; 1 as designed.
     pub wind: f64,
     /// Turbulence and vorticity confinement, 0-4; 1 as designed.
     pub turbulence: f64,
 }
 
 impl Default for Options {
-    /// As designed; 64 cells.
+    /// The scene as designed, with 64 cells.
     fn default() -> Self {
         Self { resolution: 64, seed: 1, intensity: 1.0, wind: 1.0, turbulence: 1.0 }
     }
@@ -146,7 +146,7 @@ impl Simulation {
     /// The scene before its first step.
     ///
     /// # Errors
-    /// Fails where an option is out of range.
+    /// If an option is out of range.
     pub fn new(scene: Scene, options: Options) -> Result<Self, Error> {
         options.validate()?;
         let setup = setups::setup(scene, &options)?;
@@ -154,7 +154,7 @@ impl Simulation {
         Ok(Self { scene, options, script: setup.script, solver, steps: 0 })
     }
 
-    /// What burns.
+    /// The kind of fire.
     pub fn scene(&self) -> Scene {
         self.scene
     }
@@ -164,18 +164,18 @@ impl Simulation {
         &self.options
     }
 
-    /// Back to before the first step.
+    /// Returns to the state before the first step.
     pub fn reset(&mut self) {
         self.solver.reset();
         self.steps = 0;
     }
 
-    /// Steps taken.
+    /// Number of steps taken.
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// One step of 1/360 s.
+    /// Takes one step of 1/360 s.
     pub fn step(&mut self) -> Step {
         let surroundings = self.surroundings();
         self.steps += 1;
@@ -187,7 +187,7 @@ impl Simulation {
         self.script.at(self.steps as f64 / STEP_RATE_HZ, &self.options)
     }
 
-    /// Front and flow after the last step; its number is that of the steps taken.
+    /// Front and flow after the last step, numbered by the steps taken.
     ///
     /// # Errors
     /// As [`Solver::frame`].
@@ -195,7 +195,7 @@ impl Simulation {
         self.solver.frame(i64::try_from(self.steps).unwrap_or(i64::MAX))
     }
 
-    /// As [`frame`](Self::frame), with the flow near the front alone: all that its flux needs, and sooner at hand.
+    /// As [`frame`](Self::frame), but with the flow near the front only: all that its flux needs, in less time.
     ///
     /// # Errors
     /// As [`Solver::frame`].
@@ -208,19 +208,19 @@ impl Simulation {
         &self.solver
     }
 
-    /// Writes all that the next step depends on.
+    /// Writes everything that the next step depends on.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn save(&self, mut to: impl std::io::Write) -> std::io::Result<()> {
         to.write_all(&self.steps.to_le_bytes())?;
         self.solver.save(to)
     }
 
-    /// Takes over what the same scene, with the same options, has saved.
+    /// Restores a state saved by the same scene with the same options.
     ///
     /// # Errors
-    /// Fails where the bytes end early or are of another run; then the scene is before its first step.
+    /// If the bytes end early or belong to another run; the scene is then before its first step.
     pub fn load(&mut self, mut from: impl std::io::Read) -> Result<(), Error> {
         let mut word = [0; 8];
         let steps = from.read_exact(&mut word).map_err(|_| Error::Checkpoint { reason: "it ends early" });

@@ -1,7 +1,7 @@
-//! Set-up of each scene: box, gas, emitters, and how they move.
+//! Set-up of each scene: box, gas, emitters, and their motion.
 //!
-//! Lengths are those of the papers where they tell them (a dragon 1.2 m high, a box 1.5 m wide); the rest was chosen so
-//! that the pressure is fire's: bursts, with energy from 30 to 180 Hz.
+//! Lengths are those of the papers where stated (a dragon 1.2 m high, a box 1.5 m wide); the others were chosen so that
+//! the pressure resembles fire's: bursts, with energy from 30 to 180 Hz.
 
 use std::f64::consts::TAU;
 
@@ -16,23 +16,24 @@ pub(super) struct Setup {
     pub script: Script,
 }
 
-/// Course of a scene over time.
+/// A scene's motion over time.
 #[derive(Debug)]
 pub(super) struct Script {
     scene: Scene,
     /// Slow and fast random motion.
     slow: [Wander; 3],
     fast: Wander,
-    /// When it flares up, and how much faster than usual it burns between bursts and at the peak of a usual one.
+    /// Times of the flare-ups, and the burn rates between bursts and at the peak of a typical one, relative to the
+    /// usual.
     bursts: Bursts,
     burning: [f64; 2],
 }
 
-/// A box's sides: open all round.
+/// Sides of a box that is open all round.
 const OPEN: [[Side; 2]; 3] = [[Side::Open; 2]; 3];
-/// Open, but with a floor.
+/// Sides of a box that is open except for a floor.
 const FLOOR: [[Side; 2]; 3] = [[Side::Open; 2], [Side::Open; 2], [Side::Wall, Side::Open]];
-/// No way out.
+/// Sides of a closed box.
 const CLOSED: [[Side; 2]; 3] = [[Side::Wall; 2]; 3];
 
 /// Seconds from pulse to pulse of the flame jet.
@@ -40,12 +41,13 @@ pub(super) const JET_PERIOD_S: f64 = 1.5;
 /// Seconds from burst to burst of the explosion.
 pub(super) const BURST_PERIOD_S: f64 = 2.5;
 
-/// Fuel as most scenes burn it.
+/// Combustion of fuel in most scenes.
 const FUEL: Combustion = Combustion::Fuel { ignition: 0.2, rate_hz: 8.0, heat: 1.5, expansion: 2.0 };
 
 /// Spread of the burn rate's logarithm by mixing: a few times faster or slower from eddy to eddy.
 const SPREAD: f64 = 1.0;
-/// Frequencies in Hz at which mixing changes: those that the resolved flow does not reach, up to what 360 steps a second hold.
+/// Frequencies in Hz at which mixing changes: those that the resolved flow does not reach, up to the limit of 360 steps
+/// per second.
 const MIXING_HZ: (f64, f64) = (12.0, 170.0);
 
 pub(super) fn setup(scene: Scene, options: &Options) -> Result<Setup, Error> {
@@ -54,7 +56,7 @@ pub(super) fn setup(scene: Scene, options: &Options) -> Result<Setup, Error> {
         cooling: Cooling { radiation_hz: 2.0, dissipation_hz: 0.5 },
         buoyancy_m_s2: 25.0,
         confinement: 0.35 * options.turbulence,
-        // The air's is far below what the grid adds.
+        // The viscosity of air is far below that of the grid.
         viscosity_m2_s: 0.0,
         turbulence_m_s2: 30.0 * options.turbulence,
         turbulence_scale_m: 0.3,
@@ -109,16 +111,16 @@ pub(super) fn setup(scene: Scene, options: &Options) -> Result<Setup, Error> {
     };
     let (shape, voxel_size_m) = cells(size_m, options.resolution);
     let domain = Domain::new(shape, voxel_size_m, sides)?;
-    // Eddies belong to the world, whatever the cells are.
+    // Eddies belong to the world, regardless of the cells.
     let parameters = Parameters { turbulence_origin_m: domain.origin_m(), ..parameters };
     Ok(Setup { domain, parameters, script: script(scene, options.seed) })
 }
 
 fn script(scene: Scene, seed: u64) -> Script {
     let number = |which: u64| seed.wrapping_mul(4).wrapping_add(which);
-    // Bursts per second, their fall in seconds, and how fast it burns between them and at their peak.
+    // Bursts per second, their fall in seconds, and the burn rate between them and at their peak.
     let (rate_hz, fall_s, burning) = match scene {
-        // Snatched by the wind.
+        // Gusts of wind.
         Scene::Candle => (2.5, 0.06, [0.45, 2.8]),
         Scene::Torch => (2.0, 0.07, [0.45, 2.6]),
         Scene::BurningBrick => (2.0, 0.07, [0.5, 2.1]),
@@ -139,8 +141,8 @@ fn script(scene: Scene, seed: u64) -> Script {
     }
 }
 
-/// A box of about `size_m`, with `resolution` cells along its longest side: multiples of 8, below 32 of 2. The others have
-/// multiples of 4 or 2, so that the box is nearly the same for all.
+/// A box of about `size_m`, with `resolution` cells along its longest side: multiples of 8, or below 32 of 2. The other
+/// sides have multiples of 4 or 2, so that the box is nearly the same for all.
 fn cells(size_m: [f64; 3], resolution: usize) -> ([usize; 3], f64) {
     let longest = size_m.iter().copied().fold(0.0, f64::max);
     let unit = if resolution >= 32 { 8 } else { 2 };
@@ -174,7 +176,7 @@ impl Script {
                 (blown, wind * (0.4 * slow(0) + 0.25 * fast), 0.35 * wind)
             }
             Scene::Torch => {
-                // A swing back and forth, faster in the middle, and not always alike.
+                // A swing back and forth, faster in the middle, and slightly irregular.
                 let angle = TAU * 0.8 * wind * time_s + 0.5 * slow(0);
                 let centre_m = [0.38 * maths::sin(angle), 0.08 * slow(1), 0.3 + 0.1 * maths::cos(2.0 * angle)];
                 let head = burner(EmitterShape::Ball { radius_m: 0.07 }, centre_m);
@@ -247,7 +249,7 @@ impl Script {
                 (jet, 0.0, 0.0)
             }
             Scene::Explosion => {
-                // The first after a tenth of a second.
+                // The first burst comes after a tenth of a second.
                 let since = (time_s - 0.1).rem_euclid(BURST_PERIOD_S);
                 let bursting = time_s >= 0.1 && since < 0.25;
                 let ball = burner(EmitterShape::Ball { radius_m: 0.35 }, [0.1 * slow(0), 0.1 * slow(1), 0.6]);

@@ -1,11 +1,11 @@
-//! Slow random motion: gusts of wind, breath, a hand that is not still.
+//! Slow random motion: gusts of wind, breath, an unsteady hand.
 
 use crate::solver::Random;
 
-/// Waves that one motion is made of.
+/// Number of waves in one motion.
 const WAVES: usize = 12;
 
-/// A random function of time, of mean 0 and 1 rms, with frequencies in one band.
+/// A random function of time with mean 0, rms 1, and frequencies in one band.
 #[derive(Debug, Clone)]
 pub struct Wander {
     /// Angular frequency in 1/s and phase.
@@ -13,7 +13,7 @@ pub struct Wander {
 }
 
 impl Wander {
-    /// Motion number `seed` between two frequencies.
+    /// Motion number `seed`, between two frequencies.
     pub fn new(seed: u64, low_hz: f64, high_hz: f64) -> Self {
         let mut random = Random::new(seed);
         let waves = std::array::from_fn(|wave| {
@@ -25,7 +25,7 @@ impl Wander {
         Self { waves }
     }
 
-    /// Its value at a time.
+    /// Value at a time.
     pub fn at(&self, time_s: f64) -> f64 {
         let sum: f64 = self.waves.iter().map(|(rate, phase)| maths::sin(rate * time_s + phase)).sum();
         sum * (2.0 / WAVES as f64).sqrt()

@@ -8,7 +8,7 @@ use super::parallel::planes;
 /// Cells of a segment, along z.
 pub(crate) const SEGMENT: usize = 8;
 
-/// Segments of a box that hold anything but ambient air, or may do so within a step.
+/// Segments of a box that contain anything but ambient air, or may do so within a step.
 #[derive(Debug, Default)]
 pub(crate) struct Activity {
     rows: usize,
@@ -18,7 +18,7 @@ pub(crate) struct Activity {
 }
 
 impl Activity {
-    /// Looks for whatever is not `ambient`, and whatever lies within `reach` cells of it.
+    /// Finds everything that is not `ambient`, and everything within `reach` cells of it.
     pub fn update(&mut self, domain: &Domain, scalars: &[[f32; 4]], ambient: [f32; 4], reach: usize) {
         let [nx, ny, nz] = domain.shape();
         (self.rows, self.segments) = (ny, nz.div_ceil(SEGMENT));
@@ -34,7 +34,7 @@ impl Activity {
         self.widen([nx, ny, self.segments], [reach, reach, reach.div_ceil(SEGMENT)], domain);
     }
 
-    /// Everything within `reach` of what is busy becomes busy too, axis by axis.
+    /// Extends the busy region by `reach`, axis by axis.
     fn widen(&mut self, shape: [usize; 3], reach: [usize; 3], domain: &Domain) {
         let strides = [shape[1] * shape[2], shape[2], 1];
         for axis in 0..3 {
@@ -55,7 +55,7 @@ impl Activity {
         }
     }
 
-    /// Whether each segment of row (i, j) is busy.
+    /// True for each busy segment of row (i, j).
     #[inline(always)]
     pub fn row(&self, i: usize, j: usize) -> &[bool] {
         let start = (i * self.rows + j) * self.segments;
@@ -76,7 +76,7 @@ mod tests {
         let mut scalars = vec![AIR; domain.cells()];
         scalars[at(shape, place[0], place[1], place[2])] = [0.0, 0.5, 0.0, 0.0];
         let mut activity = Activity::default();
-        // What was there before is forgotten.
+        // The previous state is forgotten.
         activity.update(&domain, &vec![[1.0; 4]; domain.cells()], AIR, reach);
         activity.update(&domain, &scalars, AIR, reach);
         let rows = (0..12).flat_map(|i| (0..10).map(move |j| (i, j)));

@@ -1,4 +1,5 @@
-//! Advection: what the flow carries along (MacCormack's scheme, limited; Selle, Fedkiw, Kim, Liu & Rossignac 2008).
+//! Advection: transport of quantities by the flow (MacCormack's scheme, limited; Selle, Fedkiw, Kim, Liu & Rossignac
+//! 2008).
 
 use rayon::prelude::*;
 
@@ -7,7 +8,7 @@ use super::domain::{Domain, FaceRow, Side, at};
 use super::lattice::{LANES, Lattice, Positions};
 use super::parallel::{largest, planes, wide};
 
-/// Displacement of the gas at every centre, backwards and forwards, in one step; in cells.
+/// Displacement of the gas at every centre in one step, backwards and forwards, in cells.
 #[derive(Debug, Default)]
 pub(crate) struct Trajectories {
     velocity: Vec<[f32; 4]>,
@@ -15,23 +16,23 @@ pub(crate) struct Trajectories {
     goes: Vec<[f32; 4]>,
 }
 
-/// Regions that need no accurate advection, or none.
+/// Regions that need little or no accuracy in advection.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Neglect<'a> {
-    /// Where it is told, all the rest holds what comes in from outside and keeps it.
+    /// If present, everything outside it keeps the value of the outside air.
     pub activity: Option<&'a Activity>,
-    /// Differences between neighbouring samples below which their mean will do.
+    /// Differences between neighbouring samples below which their mean is accurate enough.
     pub difference: f32,
 }
 
 impl Trajectories {
-    /// The longest way along any axis in cells, at least 0.
+    /// Longest path along any axis in cells, at least 0.
     pub fn longest(&self) -> f32 {
         largest(self.came.as_flattened()).max(largest(self.goes.as_flattened()))
     }
 
-    /// Traces `velocity` (at the centres) over a step in which a speed of 1 crosses `cells_per_speed` cells: midpoint rule,
-    /// in both directions.
+    /// Traces `velocity` (at the centres) over a step in which a speed of 1 crosses `cells_per_speed` cells: midpoint
+    /// rule, in both directions.
     pub fn trace(&mut self, domain: &Domain, velocity: &[[f32; 4]], cells_per_speed: f32) {
         let lattice = Lattice::centres(domain);
         let [_, ny, nz] = domain.shape();
@@ -56,7 +57,7 @@ impl Trajectories {
                         let found = lattice.sample_lanes(scaled, &half);
                         for (((came, goes), here), found) in came.iter_mut().zip(goes).zip(here).zip(found) {
                             *came = found;
-                            // The midpoint rule the other way, to the same order: the flow half a step on is as much
+                            // The midpoint rule the other way, to the same order: half a step on, the flow is as much
                             // faster than here as it was slower half a step back.
                             *goes = std::array::from_fn(|axis| 2.0 * here[axis] - found[axis]);
                         }
@@ -67,7 +68,7 @@ impl Trajectories {
     }
 }
 
-/// Positions of up to [`LANES`] samples; lanes that are left over repeat the last one.
+/// Positions of up to [`LANES`] samples; unused lanes repeat the last one.
 #[inline(always)]
 fn positions(count: usize, of: impl Fn(usize) -> [f32; 3]) -> Positions {
     let mut lanes = [[0.0; LANES]; 3];
@@ -88,7 +89,7 @@ pub(crate) enum SampleSite {
     Faces(usize),
 }
 
-/// Room for one advection.
+/// Working memory of one advection.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch<const N: usize> {
     carried: Vec<[f32; N]>,
@@ -96,8 +97,8 @@ pub(crate) struct Scratch<const N: usize> {
     before: Vec<[f32; N]>,
 }
 
-/// Carries `field` along its paths. Where something comes from beyond an end that `entering` gives a value for, it has
-/// that value; else that of the end.
+/// Carries `field` along its paths. A value from beyond an end of the box is the one given in `entering`, if any;
+/// otherwise that at the end.
 pub(crate) fn advect<const N: usize>(
     field: &mut [[f32; N]],
     domain: &Domain,
@@ -173,7 +174,7 @@ pub(crate) fn advect<const N: usize>(
                     let back = lattice.sample_lanes(carried, &arrivals);
                     for (lane, (value, first)) in values.iter_mut().zip(firsts).enumerate() {
                         let [low, high] = &ranges[lane];
-                        // Half of what a step there and back would lose, but nothing that was not there.
+                        // Half of the error of a step forwards and back, limited so that no new extremes arise.
                         *value = if is_even(&ranges[lane]) {
                             *first
                         } else {
@@ -188,10 +189,10 @@ pub(crate) fn advect<const N: usize>(
     });
 }
 
-/// Segments are what is looked at at once.
+/// Segments are processed as a whole.
 const _: () = assert!(SEGMENT == LANES);
 
-/// The paths of a row of samples: each its cell's, or the mean of those of the cells on both sides.
+/// Paths of a row of samples: each that of its cell, or the mean of those of the cells on both sides.
 enum PathRow {
     Centres(usize),
     Faces(FaceRow),
@@ -225,14 +226,14 @@ impl PathRow {
 /// Inflow at the ends of the box.
 #[derive(Debug, Clone)]
 pub(crate) struct InflowBoundary<const N: usize> {
-    /// Positions in cells beyond which it comes from outside.
+    /// Positions in cells beyond which samples come from outside.
     low: [f32; 3],
     high: [f32; 3],
     value: [f32; N],
 }
 
 impl<const N: usize> InflowBoundary<N> {
-    /// `value`, from beyond those sides that let it in; nothing from the others.
+    /// The boundary at which `value` enters through those sides that let it in, and nothing through the others.
     pub fn from_sides(domain: &Domain, value: [f32; N], lets_in: impl Fn(Side) -> bool) -> Self {
         let sides = domain.sides();
         Self {
@@ -244,7 +245,7 @@ impl<const N: usize> InflowBoundary<N> {
         }
     }
 
-    /// Positions outside the box from which gas flows in.
+    /// True for positions outside the box from which gas flows in.
     #[inline(always)]
     fn comes_in(&self, positions: &Positions) -> [bool; LANES] {
         let mut outside = [false; LANES];

@@ -1,18 +1,18 @@
-//! Checkpoints: a run that was interrupted resumes as if it had not been.
+//! Checkpoints, from which an interrupted run resumes as if it had not been interrupted.
 
 use std::io::{Read, Write};
 
 use super::Solver;
 use crate::error::Error;
 
-/// First bytes of a saved run; the number changes with the layout.
+/// First bytes of a saved run; the number changes with the format.
 const MAGIC: &[u8; 8] = b"PYROSIM2";
 
 impl Solver {
-    /// Writes all that the next step depends on: some 40 bytes per cell.
+    /// Writes everything that the next step depends on: some 40 bytes per cell.
     ///
     /// # Errors
-    /// Where `to` cannot be written.
+    /// If writing to `to` fails.
     pub fn save(&self, mut to: impl Write) -> std::io::Result<()> {
         to.write_all(MAGIC)?;
         for number in self.fingerprint() {
@@ -27,10 +27,10 @@ impl Solver {
         Ok(())
     }
 
-    /// Takes over a run that a solver of the same box and seed has saved.
+    /// Restores a run saved by a solver with the same box and seed.
     ///
     /// # Errors
-    /// Fails where the bytes end early or are of another run; then the gas is at rest.
+    /// If the bytes end early or belong to another run; the gas is then at rest.
     pub fn load(&mut self, mut from: impl Read) -> Result<(), Error> {
         let result = self.try_load(&mut from);
         if result.is_err() {
@@ -44,19 +44,19 @@ impl Solver {
         let mut magic = [0; 8];
         from.read_exact(&mut magic).map_err(broken)?;
         if &magic != MAGIC {
-            return Err(Error::Checkpoint { reason: "it is of another kind or version" });
+            return Err(Error::Checkpoint { reason: "it is of a different kind or version" });
         }
         let mut word = [0; 8];
         for expected in self.fingerprint() {
             from.read_exact(&mut word).map_err(broken)?;
             if u64::from_le_bytes(word) != expected {
-                return Err(Error::Checkpoint { reason: "it belongs to another box, gas or seed" });
+                return Err(Error::Checkpoint { reason: "it was made with a different box, gas or seed" });
             }
         }
         from.read_exact(&mut word).map_err(broken)?;
         self.time_s = f64::from_le_bytes(word);
         if !self.time_s.is_finite() {
-            return Err(Error::Checkpoint { reason: "it holds a number that is not finite" });
+            return Err(Error::Checkpoint { reason: "it contains a number that is not finite" });
         }
         for values in self.state_mut() {
             let mut bytes = vec![0; 4 * values.len()];
@@ -66,7 +66,7 @@ impl Solver {
             }
         }
         if !self.is_finite() {
-            return Err(Error::Checkpoint { reason: "it holds a number that is not finite" });
+            return Err(Error::Checkpoint { reason: "it contains a number that is not finite" });
         }
         Ok(())
     }

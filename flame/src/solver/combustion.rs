@@ -1,4 +1,4 @@
-//! Burning: what it does to the gas, and the field whose iso-surface is the flame front.
+//! Combustion: its effect on the gas, and the field whose iso-surface is the flame front.
 
 use rayon::prelude::*;
 
@@ -14,14 +14,15 @@ pub(crate) const TEMPERATURE: usize = 1;
 /// Smoke, 0-1.
 pub(crate) const SMOKE: usize = 2;
 
-/// Temperatures above the ignition's over which burning sets in. A threshold would switch whole cells on and off, which
-/// is heard as noise of the grid.
+/// Temperature range above ignition over which burning sets in. A threshold would switch whole cells on and off, which
+/// is audible as grid noise.
 const KINDLING: f32 = 0.2;
 
-/// Fuel below which burning slows down with what is left.
+/// Amount of fuel below which burning slows down in proportion.
 const LEAN: f32 = 0.25;
 
-/// Fuel on the front, where it is hot, and temperatures over which it becomes so: the front encloses nearly all that burns.
+/// Amount of fuel at the front, where it is hot, and the temperature range over which it becomes so: the front encloses
+/// nearly everything that burns.
 const FUEL_ON_FRONT: f32 = 0.05;
 /// See [`FUEL_ON_FRONT`].
 const KINDLING_ON_FRONT: f32 = 0.1;
@@ -29,16 +30,16 @@ const KINDLING_ON_FRONT: f32 = 0.1;
 /// Least number of cells over which a blue core's gas expands.
 const FEWEST_EXPANDING_CELLS: f64 = 2.0;
 
-/// Fuel, temperature or smoke below which there is none.
+/// Amount of fuel, temperature or smoke that is treated as none.
 const TRACE: f32 = 1e-4;
 
-/// Hottest that gas can get.
+/// Highest temperature of gas.
 const HOTTEST: f32 = 2.0;
 
 /// Combustion model (Chadwick & James 2011, §2.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Combustion {
-    /// Fuel above its ignition temperature burns at a constant rate, slower where little is left.
+    /// Fuel above its ignition temperature burns at a constant rate, more slowly where little is left.
     Fuel {
         /// Temperature above which it burns, 0-1.
         ignition: f64,
@@ -49,15 +50,15 @@ pub enum Combustion {
         /// Volume gained by burning all of a cell's fuel, in volumes.
         expansion: f64,
     },
-    /// A premixed flame's blue core: a front that eats into unburnt gas (Nguyen, Fedkiw & Jensen 2002).
+    /// The blue core of a premixed flame: a front that advances into unburnt gas (Nguyen, Fedkiw & Jensen 2002).
     BlueCore {
         /// Speed of the front relative to the unburnt gas, in m/s.
         flame_speed_m_s: f64,
         /// Volume gained by burning, in volumes.
         expansion: f64,
-        /// Depth behind the front within which gas burns, gets hot and expands, in m; two cells at least.
+        /// Depth behind the front within which gas burns, heats up and expands, in m; at least two cells.
         depth_m: f64,
-        /// Seconds in which it then cools to a third.
+        /// Time in seconds in which it then cools to a third.
         fall_s: f64,
     },
 }
@@ -71,7 +72,7 @@ pub struct Cooling {
     pub dissipation_hz: f64,
 }
 
-/// Place and time at which gas burns.
+/// Position and time at which gas burns.
 pub(crate) struct Fire<'a> {
     pub domain: &'a Domain,
     pub origin_m: [f64; 3],
@@ -80,8 +81,8 @@ pub(crate) struct Fire<'a> {
     pub dt_s: f64,
 }
 
-/// One step of burning, cell by cell: `source` is the divergence in 1/s, `front` is large where it burns and 0 elsewhere,
-/// one half on the front. Both change continuously as gas moves through the cells.
+/// Takes one step of burning, cell by cell: `source` is the divergence in 1/s; `front` is large in the flame, one half
+/// at the front and 0 elsewhere. Both change continuously as gas moves through the cells.
 pub(crate) fn burn(
     combustion: &Combustion,
     cooling: &Cooling,
@@ -112,7 +113,7 @@ pub(crate) fn burn(
     }
 }
 
-/// [`Combustion::Fuel`] as cells burn it.
+/// [`Combustion::Fuel`], prepared for the cells.
 struct Fuel {
     ignition: f32,
     rate_hz: f32,
@@ -120,12 +121,12 @@ struct Fuel {
     expansion: f32,
 }
 
-/// [`Combustion::BlueCore`] as cells burn it.
+/// [`Combustion::BlueCore`], prepared for the cells.
 struct Core {
-    /// Speed at which burning makes gas recede from the front.
+    /// Speed at which expansion makes gas recede from the front.
     expanding_m_s: f32,
     depth_m: f32,
-    /// Part of the temperature that is left after a step.
+    /// Share of the temperature that remains after a step.
     kept: f32,
 }
 
@@ -157,7 +158,7 @@ fn burn_cells(
             let cube = maths::powi(scalar[TEMPERATURE], 3);
             scalar[TEMPERATURE] /= 1.0 + radiation * cube;
             scalar[SMOKE] /= 1.0 + dissipation;
-            // What is too thin to matter becomes air, of which nothing need be carried.
+            // Traces become air, which then need not be advected.
             for thinned in &mut scalar[first_thinned..] {
                 *thinned = if *thinned < TRACE { 0.0 } else { *thinned };
             }
@@ -173,7 +174,7 @@ impl Fire<'_> {
     }
 }
 
-/// Burns a cell's fuel; answers source and front.
+/// Burns a cell's fuel; returns source and front.
 #[inline(always)]
 fn burn_fuel(fuel: &Fuel, scalar: &mut [f32; 4], dt_s: f32, mixing: impl Fn() -> f32) -> (f32, f32) {
     let left = scalar[FUEL].clamp(0.0, 1.0);
@@ -184,17 +185,17 @@ fn burn_fuel(fuel: &Fuel, scalar: &mut [f32; 4], dt_s: f32, mixing: impl Fn() ->
         scalar[SMOKE] = scalar[SMOKE].clamp(0.0, 1.0);
         return (0.0, 0.0);
     }
-    // Exact for lean gas, so that it does not depend on how a step is cut.
+    // Exact for lean gas, so that it does not depend on the division into steps.
     let burnt = left * (1.0 - maths::exp(-fuel.rate_hz * kindled * mixing() * dt_s / left.max(LEAN)));
     scalar[FUEL] = left - burnt;
     scalar[TEMPERATURE] = (scalar[TEMPERATURE] + fuel.heat * burnt).clamp(0.0, HOTTEST);
     scalar[SMOKE] = (scalar[SMOKE] + burnt).clamp(0.0, 1.0);
-    // Not cut off where there is more of it: what lies between the cells is smooth, and a thin flame is not lost.
+    // Not cut off at larger amounts: interpolation between cells stays smooth, and a thin flame is not lost.
     let kindled = smooth_step((scalar[TEMPERATURE] - fuel.ignition) / KINDLING_ON_FRONT);
     (fuel.expansion * burnt / dt_s, kindled * scalar[FUEL] * (0.5 / FUEL_ON_FRONT))
 }
 
-/// Lets the gas behind a blue core's front expand, and cool further away; answers source and front.
+/// Expands the gas behind a blue core's front, and cools it farther away; returns source and front.
 #[inline(always)]
 fn burn_core(core: &Core, scalar: &mut [f32; 4], mixing: impl Fn() -> f32) -> (f32, f32) {
     let depths = scalar[FUEL] / core.depth_m;
@@ -210,14 +211,14 @@ fn burn_core(core: &Core, scalar: &mut [f32; 4], mixing: impl Fn() -> f32) -> (f
     if depths < 1.0 {
         scalar[TEMPERATURE] = scalar[TEMPERATURE].max(depths);
     }
-    // All of the expansion lies on the burnt side, or it would blow up the core itself; the front that is listened to
-    // encloses it, and the hot gas with it.
+    // All of the expansion lies on the burnt side; otherwise it would inflate the core itself. The front that makes the
+    // sound encloses it, together with the hot gas.
     let peak = delta(scalar[FUEL] - 0.5 * core.depth_m, 0.5 * core.depth_m);
     let source = if peak > 0.0 { core.expanding_m_s * mixing() * peak } else { 0.0 };
     (source, scalar[TEMPERATURE].max(1.0 - 0.5 * depths))
 }
 
-/// 0 below 0, 1 above 1, without kinks.
+/// A smooth step from 0 (below 0) to 1 (above 1).
 fn smooth_step(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)

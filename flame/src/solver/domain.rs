@@ -1,28 +1,28 @@
-//! The box that is simulated: its cells, and what happens at its six sides.
+//! The simulated box: its cells, and the boundary conditions at its six sides.
 
 use crate::error::{Error, in_range};
 use crate::grid::Transform;
 
-/// Cells along an axis: fewest and most.
+/// Fewest and most cells along an axis.
 const CELLS: std::ops::RangeInclusive<usize> = 4..=1024;
 
-/// Most cells in all: what a few gigabytes of fields hold.
+/// Largest number of cells: the limit of a few gigabytes of fields.
 const MOST_CELLS: usize = 1 << 26;
 
 /// Boundary condition at one side of the box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Side {
-    /// Ambient pressure: gas leaves and enters as it likes.
+    /// Ambient pressure: gas leaves and enters freely.
     Open,
     /// A wall without friction.
     Wall,
     /// Gas enters (positive: along the axis) at this mean speed in m/s.
     Inflow(f64),
-    /// Periodic: gas that leaves here re-enters at the opposite side, which must be periodic too.
+    /// Periodic: gas that leaves here enters at the opposite side, which must be periodic too.
     Periodic,
 }
 
-/// A box of cubic cells. Cell (i, j, k) has its centre at (i, j, k) in index units; z is up, and varies fastest in
+/// A box of cubic cells. Cell (i, j, k) has its centre at (i, j, k) in index units; z points up, and varies fastest in
 /// memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Domain {
@@ -35,7 +35,7 @@ impl Domain {
     /// A box of `shape` cells (4-1024 along each axis), with the lower and upper side of each axis.
     ///
     /// # Errors
-    /// Fails where a number is out of range, or where one side alone of an axis is periodic.
+    /// If a number is out of range, or if only one side of an axis is periodic.
     pub fn new(shape: [usize; 3], voxel_size_m: f64, sides: [[Side; 2]; 3]) -> Result<Self, Error> {
         for size in shape {
             in_range("number of cells along an axis", size as f64, *CELLS.start() as f64, *CELLS.end() as f64)?;
@@ -88,12 +88,12 @@ impl Domain {
         self.shape.iter().product()
     }
 
-    /// Whether an axis has no ends.
+    /// True if an axis is periodic.
     pub fn is_periodic(&self, axis: usize) -> bool {
         self.sides[axis][0] == Side::Periodic
     }
 
-    /// Whether gas can leave anywhere.
+    /// True if gas cannot leave anywhere.
     pub fn is_closed(&self) -> bool {
         !self.sides.iter().flatten().any(|side| *side == Side::Open)
     }
@@ -118,7 +118,7 @@ impl Domain {
         }
     }
 
-    /// The cells before and after a face across `axis`; at an end of the box both are the last one there.
+    /// The cells before and after a face across `axis`; at an end of the box, both are the last cell there.
     fn beside(&self, axis: usize, face: usize) -> (usize, usize) {
         beside(face, self.shape[axis], self.is_periodic(axis))
     }
@@ -129,7 +129,7 @@ impl Domain {
 pub(crate) struct FaceRow {
     before: usize,
     after: usize,
-    /// Faces across the row itself: number of cells, and whether the row is closed.
+    /// Faces across the row itself: number of cells, and true for a periodic row.
     along: Option<(usize, bool)>,
 }
 

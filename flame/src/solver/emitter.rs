@@ -23,7 +23,7 @@ pub enum EmitterShape {
 }
 
 impl EmitterShape {
-    /// Distance from the surface in m, negative inside, of a place relative to the centre.
+    /// Distance in m from the surface, negative inside, of a position relative to the centre.
     pub fn distance_m(&self, place_m: [f64; 3]) -> f64 {
         match *self {
             Self::Ball { radius_m } => length(&place_m) - radius_m,
@@ -38,7 +38,7 @@ impl EmitterShape {
         }
     }
 
-    /// Half the edges of a box around it, in m.
+    /// Half the edges of the bounding box, in m.
     pub fn reach_m(&self) -> [f64; 3] {
         match *self {
             Self::Ball { radius_m } => [radius_m; 3],
@@ -48,7 +48,7 @@ impl EmitterShape {
     }
 }
 
-/// Something that burns, or lets gas out, at one moment.
+/// A source of gas, fuel or heat at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Emitter {
     /// Its shape.
@@ -59,18 +59,18 @@ pub struct Emitter {
     pub velocity_m_s: [f64; 3],
     /// Rate at which gas inside it approaches that velocity, in 1/s.
     pub drag_hz: f64,
-    /// Fuel within it, 0-1; in a blue core, gas flows out while this is above a half.
+    /// Fuel within it, 0-1; in a blue core, gas flows out while this is above one half.
     pub fuel: f64,
     /// Variation of the fuel in space and time, 0-1.
     pub flicker: f64,
     /// Least temperature within it, 0-1.
     pub temperature: f64,
-    /// Volume that comes out of every volume within it, per second: a burst.
+    /// Volume added per volume within it and per second: a burst.
     pub outflow_hz: f64,
 }
 
 impl Emitter {
-    /// Covered share of the cell at a place, 0-1.
+    /// Covered share of the cell at a position, 0-1.
     pub fn cover(&self, place_m: [f64; 3], voxel_size_m: f64) -> f64 {
         let relative = std::array::from_fn(|axis| place_m[axis] - self.centre_m[axis]);
         (0.5 - self.shape.distance_m(relative) / voxel_size_m).clamp(0.0, 1.0)

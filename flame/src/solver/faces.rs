@@ -1,4 +1,4 @@
-//! Velocities on the faces of the cells (a MAC grid), which is where their divergence is exact.
+//! Velocities on the faces of the cells (a MAC grid), where their divergence is exact.
 
 use rayon::prelude::*;
 
@@ -18,8 +18,8 @@ impl Faces {
         Self { components: [zeros(0), zeros(1), zeros(2)] }
     }
 
-    /// Sets what walls and inflows prescribe, and makes the ends of periodic axes equal. `profile` gives an inflow's
-    /// speed beyond its mean, in m/s, at a face's cell.
+    /// Sets the velocities that walls and inflows prescribe, and makes the ends of periodic axes equal. `profile` gives
+    /// an inflow's speed beyond its mean, in m/s, at the cell of a face.
     pub fn apply_sides(&mut self, domain: &Domain, profile: impl Fn(usize, usize, [usize; 3]) -> f32 + Sync) {
         for axis in 0..3 {
             let shape = domain.face_shape(axis);
@@ -43,7 +43,7 @@ impl Faces {
         }
     }
 
-    /// Velocities at the centres, for tracing and for what needs all components at one place.
+    /// Velocities at the centres, for tracing and for everything that needs all components in one place.
     pub fn to_centres(&self, domain: &Domain, centres: &mut [[f32; 4]]) {
         let [_, ny, nz] = domain.shape();
         let shapes = [0, 1, 2].map(|axis| domain.face_shape(axis));
@@ -67,7 +67,7 @@ impl Faces {
         });
     }
 
-    /// Velocities at the centres of the cells from `cell` on along z.
+    /// Velocities at the centres of the cells from `cell` onwards along z.
     pub fn row_to_centres(&self, domain: &Domain, [i, j, k]: [usize; 3], centres: &mut [[f32; 3]]) {
         let [u, v, w] = &self.components;
         let shapes = [0, 1, 2].map(|axis| domain.face_shape(axis));
@@ -101,7 +101,7 @@ impl Faces {
         }
     }
 
-    /// Divergence of the flow less `source`, in 1/s per cell.
+    /// Divergence of the flow minus `source`, in 1/s per cell.
     pub fn divergence(&self, domain: &Domain, source: &[f32], divergence: &mut [f32]) {
         let [_, ny, nz] = domain.shape();
         let shapes = [0, 1, 2].map(|axis| domain.face_shape(axis));
@@ -123,7 +123,7 @@ impl Faces {
         });
     }
 
-    /// Takes the gradient of a potential out of the flow; walls and inflows keep what they prescribe.
+    /// Subtracts the gradient of a potential from the flow; walls and inflows keep their prescribed velocities.
     pub fn subtract_gradient(&mut self, domain: &Domain, potential: &[f32]) {
         let scale = (1.0 / domain.voxel_size_m()) as f32;
         for (axis, component) in self.components.iter_mut().enumerate() {
@@ -157,12 +157,12 @@ impl Faces {
         }
     }
 
-    /// Largest speed of any component in m/s; infinite where a value is not a number.
+    /// Largest speed of any component in m/s; infinite if a value is not a number.
     pub fn fastest(&self) -> f32 {
         self.components.iter().map(|values| largest(values)).fold(0.0, f32::max)
     }
 
-    /// Holds every component within ±`most` m/s.
+    /// Limits every component to ±`most` m/s.
     pub fn limit(&mut self, most: f32) {
         for values in &mut self.components {
             elements(values).for_each(|value| *value = if value.is_nan() { 0.0 } else { value.clamp(-most, most) });

@@ -11,18 +11,18 @@ use super::lattice::Lattice;
 use super::parameters::Parameters;
 use super::turbulence::Turbulence;
 
-/// Room for the vorticity.
+/// Working memory for the vorticity.
 #[derive(Debug, Default)]
 pub(crate) struct Forces {
     /// Vorticity in 1/s, and its magnitude.
     vorticity: Vec<[f32; 4]>,
 }
 
-/// Fields that the forces depend on, at the cells' centres.
+/// Fields at the cells' centres that the forces depend on.
 pub(crate) struct Gas<'a> {
     pub velocity: &'a [[f32; 4]],
     pub scalars: &'a [[f32; 4]],
-    /// Where it is told, nothing acts on the rest.
+    /// If present, no force acts outside it.
     pub activity: Option<&'a Activity>,
     pub turbulence: &'a Turbulence,
     pub time_s: f64,
@@ -47,7 +47,7 @@ impl Forces {
             self.curl(domain, gas);
         }
         let buoyancy = parameters.buoyancy_m_s2 as f32;
-        // A blue core is wrinkled from within, where it is cold yet.
+        // A blue core is wrinkled from within, where it is still cold.
         let stirred_by = match parameters.combustion {
             Some(Combustion::BlueCore { .. }) => SMOKE,
             _ => TEMPERATURE,
@@ -74,7 +74,7 @@ impl Forces {
                     let mut sum = [0.0, 0.0, buoyancy * temperature, 0.0];
                     if confinement != 0.0 {
                         let force = confine(vorticity, &around, k);
-                        // A flame's own eddies are kept alive, not whatever turns in the air around it.
+                        // Only a flame's own eddies are sustained, not every rotation in the air around it.
                         let share =
                             if burns { gas.scalars[at(shape, i, j, k)][stirred_by].clamp(0.0, 1.0) } else { 1.0 };
                         for axis in 0..3 {
@@ -127,7 +127,7 @@ impl Forces {
     }
 }
 
-/// N × w, N the direction in which vorticity w grows (Fedkiw, Stam & Jensen 2001, eq. 10-11).
+/// N × w, with N the direction in which vorticity w grows (Fedkiw, Stam & Jensen 2001, eq. 10-11).
 fn confine(vorticity: &[[f32; 4]], around: &Around, k: usize) -> [f32; 3] {
     let slope: [f32; 3] = std::array::from_fn(|axis| {
         let (before, after) = around.neighbours(axis, k);
@@ -135,7 +135,7 @@ fn confine(vorticity: &[[f32; 4]], around: &Around, k: usize) -> [f32; 3] {
     });
     let steepness = (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]).sqrt();
     let w = vorticity[around.row + k];
-    // Where nothing turns there is no direction to divide by.
+    // Without rotation there is no direction to divide by.
     if steepness < 1e-6 {
         return [0.0; 3];
     }
@@ -143,11 +143,11 @@ fn confine(vorticity: &[[f32; 4]], around: &Around, k: usize) -> [f32; 3] {
     [n[1] * w[2] - n[2] * w[1], n[2] * w[0] - n[0] * w[2], n[0] * w[1] - n[1] * w[0]]
 }
 
-/// The rows of cells around a row: looked up once for all of its cells.
+/// The rows of cells around a row, looked up once for all its cells.
 struct Around<'a> {
     lattice: &'a Lattice,
     row: usize,
-    /// Where the rows before and after it start, along x and y.
+    /// Starts of the rows before and after it, along x and y.
     beside: [[usize; 2]; 2],
 }
 
@@ -162,7 +162,7 @@ impl<'a> Around<'a> {
         Self { lattice, row: start(i, j), beside }
     }
 
-    /// Indices of the cells before and after cell k; at an end of the box its own stands for what is missing.
+    /// Indices of the cells before and after cell k; at an end of the box, the cell itself replaces a missing one.
     #[inline(always)]
     fn neighbours(&self, axis: usize, k: usize) -> (usize, usize) {
         match self.beside.get(axis) {

@@ -1,4 +1,4 @@
-//! Arrays of samples on a regular lattice, and values between the samples.
+//! Arrays of samples on a regular lattice, with interpolation between the samples.
 
 use super::domain::{Domain, at};
 
@@ -8,28 +8,28 @@ pub(crate) struct Lattice {
     pub shape: [usize; 3],
     /// Position of sample (0, 0, 0) in cells.
     origin: [f32; 3],
-    /// Samples after which an axis repeats; 0 where it ends, and keeps its last value.
+    /// Samples after which an axis repeats; 0 if it ends, and keeps its last value.
     period: [usize; 3],
 }
 
-/// The samples around a place along one axis.
+/// The samples around a position along one axis.
 type Bracket = (usize, usize, f32);
 
 impl Lattice {
-    /// The centres of a box's cells.
+    /// Lattice of the centres of a box's cells.
     pub fn centres(domain: &Domain) -> Self {
         let period = std::array::from_fn(|axis| if domain.is_periodic(axis) { domain.shape()[axis] } else { 0 });
         Self { shape: domain.shape(), origin: [0.0; 3], period }
     }
 
-    /// The faces of a box's cells across `axis`.
+    /// Lattice of the faces of a box's cells across `axis`.
     pub fn faces(domain: &Domain, axis: usize) -> Self {
         let mut lattice = Self { shape: domain.face_shape(axis), ..Self::centres(domain) };
         lattice.origin[axis] = -0.5;
         lattice
     }
 
-    /// A cube that repeats in all directions.
+    /// Lattice of a cube that repeats in all directions.
     pub fn repeating(size: usize) -> Self {
         Self { shape: [size; 3], origin: [0.0; 3], period: [size; 3] }
     }
@@ -40,7 +40,8 @@ impl Lattice {
         [self.origin[0] + i as f32, self.origin[1] + j as f32, self.origin[2] + k as f32]
     }
 
-    /// The sample before (or after, `upper`) one along an axis; at an end that does not repeat, itself.
+    /// The sample before (or after, if `upper`) another along an axis; at an end that does not repeat, the sample
+    /// itself.
     #[inline(always)]
     pub fn beside(&self, axis: usize, sample: usize, upper: bool) -> usize {
         let (size, period) = (self.shape[axis], self.period[axis]);
@@ -53,7 +54,7 @@ impl Lattice {
         }
     }
 
-    /// The value at a position in cells, trilinear.
+    /// The value at a position in cells, by trilinear interpolation.
     #[inline(always)]
     pub fn sample<const N: usize>(&self, field: &[[f32; N]], position: [f32; 3]) -> [f32; N] {
         let [x, y, z] = self.brackets(position);
@@ -72,7 +73,7 @@ impl Lattice {
         mix_corners(&self.corners(field, &brackets), &brackets)
     }
 
-    /// As [`Self::sample_lanes`], with the smallest and the largest of the eight values that each lies between.
+    /// As [`Self::sample_lanes`], with the smallest and the largest of the eight values around each position.
     #[inline(always)]
     pub fn sample_lanes_with_range<const N: usize>(
         &self,
@@ -137,7 +138,7 @@ impl Lattice {
     #[inline(always)]
     fn pair<'a, const N: usize>(&self, field: &'a [[f32; N]], i: usize, j: usize, z: Bracket) -> [&'a [f32; N]; 2] {
         let row = at(self.shape, i, j, 0);
-        // Mostly they lie side by side, and their bounds need one look.
+        // Usually they are adjacent, and one bounds check is enough.
         match field.get(row + z.0..row + z.0 + 2) {
             Some([a, b]) if z.1 == z.0 + 1 => [a, b],
             _ => [&field[row + z.0], &field[row + z.1]],
@@ -150,7 +151,7 @@ impl Lattice {
     }
 }
 
-/// Positions that are looked at at once.
+/// Number of positions that are processed together.
 pub(crate) const LANES: usize = 8;
 
 /// Positions in cells: an array of lanes for each axis.
@@ -159,7 +160,7 @@ pub(crate) type Positions = [[f32; LANES]; 3];
 /// A value per lane.
 pub(crate) type Samples<const N: usize> = [[f32; N]; LANES];
 
-/// The samples before and after several places along one axis, and how far between them each lies.
+/// The samples before and after several positions along one axis, and the fraction between them.
 struct LaneBracket {
     samples: [[u32; LANES]; 2],
     shares: [f32; LANES],
@@ -177,7 +178,7 @@ fn mix_lanes<const N: usize>(a: &Samples<N>, b: &Samples<N>, shares: &[f32; LANE
     std::array::from_fn(|lane| mix(&a[lane], &b[lane], shares[lane]))
 }
 
-/// The samples before and after `x`, and how far between them it lies. Whatever `x` is, NaN included, both exist.
+/// The samples before and after `x`, and the fraction between them. Both exist for any `x`, NaN included.
 #[inline(always)]
 fn bracket(x: f32, size: usize, period: usize) -> Bracket {
     if period > 0 {
@@ -223,11 +224,11 @@ mod tests {
                     let (again, [low, high]) = lattice.sample_lanes_with_range(&field, &positions);
                     for lane in 0..LANES {
                         let expected = lattice.sample(&field, positions.map(|axis| axis[lane]));
-                        // No number is equal to itself; that there is none must be the same, its bits need not.
+                        // NaN is not equal to itself; both must be NaN, with any bits.
                         let is_same = |x: &f32, y: &f32| x == y || x.is_nan() && y.is_nan();
                         let are_same = |found: [f32; 2]| found.iter().zip(&expected).all(|(x, y)| is_same(x, y));
                         assert!(are_same(found[lane]) && are_same(again[lane]), "{positions:?}");
-                        // Where an axis repeats, a place that is no number has a value that is none.
+                        // On a repeating axis, a NaN position has a NaN value.
                         for n in (0..2).filter(|n| !expected[*n].is_nan()) {
                             assert!(low[lane][n] <= expected[n] + 1e-6 && expected[n] <= high[lane][n] + 1e-6);
                         }

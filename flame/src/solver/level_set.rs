@@ -1,4 +1,4 @@
-//! The front of a blue core: a level set that moves against the unburnt gas and stays a distance.
+//! The front of a blue core: a level set that moves into the unburnt gas and remains a distance.
 
 use rayon::prelude::*;
 
@@ -11,10 +11,11 @@ use super::lattice::Lattice;
 /// Cells from the front beyond which distances are cut off.
 pub(crate) const BAND_CELLS: f32 = 6.0;
 
-/// Steps towards a distance field after each step of time; half a cell each, so they keep the front's surroundings right.
+/// Steps towards a distance field after each time step; half a cell each, enough to keep the front's surroundings
+/// correct.
 const REDISTANCING_STEPS: usize = 3;
 
-/// Room to work.
+/// Working memory.
 #[derive(Debug, Default)]
 pub(crate) struct LevelSet {
     before: Vec<f32>,
@@ -22,8 +23,9 @@ pub(crate) struct LevelSet {
 }
 
 impl LevelSet {
-    /// The front eats `flame_speed_m_s` times a step, and times how well it is mixed, into the unburnt gas (Nguyen, Fedkiw & Jensen 2002, eq. 4; the flow's
-    /// part is advection), then distances are mended (Sussman, Smereka & Osher 1994).
+    /// Moves the front into the unburnt gas by `flame_speed_m_s` times the step and the local mixing rate (Nguyen,
+    /// Fedkiw & Jensen 2002, eq. 4; the flow's part is advection), then restores the distances (Sussman, Smereka &
+    /// Osher 1994).
     pub fn advance(&mut self, fire: &Fire, flame_speed_m_s: f64, scalars: &mut [[f32; 4]]) {
         let domain = fire.domain;
         let voxel_size = domain.voxel_size_m() as f32;
@@ -34,8 +36,8 @@ impl LevelSet {
         let before = self.before.as_slice();
         each(domain, scalars, |place, index| {
             let distance = before[index];
-            // Within the gas the steeper side counts: at the middle of what is left of it one of them is flat, and a wisp
-            // would burn for ever.
+            // Within the gas the steeper side counts: at the centre of a remnant one side is flat, and a wisp would
+            // burn for ever.
             let outer = slope(before, &lattice, voxel_size, place, 1.0);
             let steepness =
                 if distance < 0.0 { outer.max(slope(before, &lattice, voxel_size, place, -1.0)) } else { outer };
@@ -53,7 +55,7 @@ impl LevelSet {
             self.store(scalars);
             let (before, sign) = (self.before.as_slice(), self.sign.as_slice());
             each(domain, scalars, |place, index| {
-                // Beside the front it would shift the front itself.
+                // Next to the front, this would shift the front itself.
                 if is_beside_front(before, &lattice, place) {
                     return before[index];
                 }
@@ -81,7 +83,7 @@ fn each(domain: &Domain, scalars: &mut [[f32; 4]], value: impl Fn([usize; 3], us
     });
 }
 
-/// Whether the front lies between a cell and one of its neighbours.
+/// True if the front lies between a cell and one of its neighbours.
 fn is_beside_front(distance: &[f32], lattice: &Lattice, place: [usize; 3]) -> bool {
     let is_unburnt = |[i, j, k]: [usize; 3]| distance[at(lattice.shape, i, j, k)] < 0.0;
     let here = is_unburnt(place);
@@ -94,7 +96,7 @@ fn is_beside_front(distance: &[f32], lattice: &Lattice, place: [usize; 3]) -> bo
     })
 }
 
-/// Magnitude of the gradient, taken from the side that the front comes from (Godunov) where it moves towards growing
+/// Magnitude of the gradient, taken from the upwind side (Godunov) of a front that moves towards growing distance
 /// (`direction` positive) or falling distance.
 #[inline(always)]
 fn slope(distance: &[f32], lattice: &Lattice, voxel_size: f32, place: [usize; 3], direction: f32) -> f32 {

@@ -1,25 +1,25 @@
-//! Mixing by eddies that are too small for the grid: how much faster or slower than on average gas burns where and when.
+//! Mixing by eddies too small for the grid: local variation of the burn rate around its average.
 //!
-//! Fuel and air burn as fast as eddies bring them together, which is the rate at which eddies die (Magnussen & Hjertager
-//! 1977, eddy dissipation). That rate comes in bursts: its logarithm is normally distributed (Kolmogorov 1962), and what
-//! drifts with the gas sees it change with the spectrum f^-2 of the inertial range (Tennekes & Lumley 1972, §8.5). All of
-//! it is a function of place, time and seed, in metres and seconds: finer cells see the same eddies.
+//! Fuel and air burn as fast as eddies mix them, which is the rate at which eddies dissipate (Magnussen & Hjertager
+//! 1977, eddy dissipation). That rate is intermittent: its logarithm is normally distributed (Kolmogorov 1962), and
+//! along a path of the gas it changes with the spectrum f^-2 of the inertial range (Tennekes & Lumley 1972, §8.5). All
+//! of it is a function of position, time and seed, in metres and seconds: finer cells see the same eddies.
 
 use super::parallel::wide;
 use super::random::Random;
 
-/// Waves that the mixing at one node is made of.
+/// Number of waves that make up the mixing at one node.
 const WAVES: usize = 24;
 
-/// Most nodes along an axis; a wider box has coarser ones.
+/// Most nodes along an axis; a wider box has coarser nodes.
 const MOST_NODES: usize = 40;
 
 /// Fluctuation of the mixing rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mixing {
-    /// Standard deviation of the burn rate's logarithm, 0-3; 0: mixed evenly.
+    /// Standard deviation of the burn rate's logarithm, 0-3; 0 is even mixing.
     pub spread: f64,
-    /// Size of the regions that are mixed alike, in m, 1e-3 to 1e4.
+    /// Size of the regions with equal mixing, in m, 1e-3 to 1e4.
     pub scale_m: f64,
     /// Slowest and fastest changes in Hz, 0.01 to 1000: above the slowest the spectrum falls as f^-2.
     pub slowest_hz: f64,
@@ -28,7 +28,7 @@ pub struct Mixing {
 }
 
 impl Mixing {
-    /// Everywhere and always alike.
+    /// Even and constant mixing.
     pub const EVEN: Self = Self { spread: 0.0, scale_m: 1.0, slowest_hz: 1.0, fastest_hz: 2.0 };
 }
 
@@ -36,9 +36,9 @@ impl Mixing {
 #[derive(Debug)]
 pub(crate) struct MixingField {
     mixing: Mixing,
-    /// Nodes' distance in m.
+    /// Distance between nodes in m.
     scale_m: f64,
-    /// Number of the first node along each axis: its place over the scale.
+    /// Number of the first node along each axis: its position divided by the scale.
     first: [i64; 3],
     counts: [usize; 3],
     waves: Vec<Waves>,
@@ -75,7 +75,7 @@ impl MixingField {
         Self { mixing, scale_m, first, counts, values: vec![0.0; waves.len()], waves, offset: 0.0 }
     }
 
-    /// Moves on to a time; everything burns `boost` times as fast as usual then.
+    /// Moves to a time at which everything burns `boost` times as fast as usual.
     pub fn advance(&mut self, time_s: f64, boost: f64) {
         let spread = self.mixing.spread;
         wide(|| {
@@ -86,7 +86,7 @@ impl MixingField {
         self.offset = (maths::ln(boost.clamp(1e-3, 1e3)) - 0.5 * spread * spread) as f32;
     }
 
-    /// Burn rate at a place in m, relative to the average.
+    /// Burn rate at a position in m, relative to the average.
     #[inline(always)]
     pub fn factor(&self, place_m: [f64; 3]) -> f32 {
         if self.values.is_empty() {
@@ -120,9 +120,9 @@ impl MixingField {
 }
 
 impl Waves {
-    /// Those of a node, of 1 rms together: one in each equal part of the band's logarithm.
+    /// The waves of a node, of rms 1 together: one in each equal part of the band's logarithm.
     fn new(mixing: &Mixing, node: [i64; 3], seed: u64) -> Self {
-        // Each coordinate is stirred in by itself, so that no two nodes share their draws.
+        // Each coordinate is mixed in separately, so that no two nodes share their draws.
         let number = node.iter().fold(seed, |number, at| Random::new(number ^ (*at as u64)).bits());
         let mut random = Random::new(number);
         let band = mixing.fastest_hz / mixing.slowest_hz;
@@ -147,7 +147,7 @@ impl Waves {
     }
 }
 
-/// Cosine of -0.5 to 0.5 turns, to 1e-4: Taylor's polynomial, which has no jump where the turns wrap round.
+/// Cosine of -0.5 to 0.5 turns, to within 1e-4: Taylor's polynomial, which is continuous where the turns wrap round.
 #[inline(always)]
 fn cosine(turns: f32) -> f32 {
     let square = maths::square(std::f32::consts::TAU * turns);
@@ -182,7 +182,7 @@ mod tests {
         assert!((rate - 1.0).abs() < 0.05 && (spread - 0.8).abs() < 0.05, "rate {rate}, spread {spread}");
     }
 
-    /// Another box, as another resolution has it, sees the same eddies.
+    /// Another box, as for another resolution, contains the same eddies.
     #[test]
     fn mixing_belongs_to_the_world() {
         let (mut one, mut other) = (field([-1.0, -1.0, 0.0], 1), field([-0.93, -1.31, 0.02], 1));

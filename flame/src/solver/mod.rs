@@ -1,4 +1,4 @@
-//! A flame of our own: flow, fire and heat in a box.
+//! Flame solver: flow, fire and heat in a box.
 //!
 //! Three-dimensional incompressible flow with a source of volume where it burns (Chadwick & James 2011, eq. 1) on a
 //! staggered grid; one [`Solver::step`] is
@@ -9,7 +9,7 @@
 //!                        level_set)
 //! ```
 //!
-//! The result is the same for any number of threads, and for any cutting of a run by [`Solver::save`] and
+//! The result is the same for any number of threads, and however a run is divided by [`Solver::save`] and
 //! [`Solver::load`].
 
 mod activity;
@@ -61,17 +61,17 @@ use crate::velocity::{Placement, Velocity};
 /// Cells that gas may cross in one substep; more would lose detail.
 const CELLS_PER_SUBSTEP: f32 = 2.5;
 
-/// Substeps of a step at most.
+/// Largest number of substeps in a step.
 const MOST_SUBSTEPS: f32 = 4.0;
 
-/// Cells that gas may cross in one step: faster gas is slowed down to it. No flame of sense gets there.
+/// Cells that gas may cross in one step: faster gas is slowed down to this. No realistic flame reaches it.
 const FASTEST_CELLS: f32 = 16.0;
 
-/// Divergence left over, as a part of the largest speed per voxel.
+/// Remaining divergence, relative to the largest speed per voxel.
 const TOLERANCE: f64 = 4e-5;
 
-/// Differences of velocity between neighbouring cells of a flame's box, as a part of the largest speed, that are too small
-/// to be carried with second order: those of air far from the flame.
+/// Velocity differences between neighbouring cells of a flame's box, relative to the largest speed, that do not need
+/// second-order advection: those of air far from the flame.
 const NEGLIGIBLE: f32 = 2e-3;
 
 /// Forcing of the box from outside during one step.
@@ -79,7 +79,7 @@ const NEGLIGIBLE: f32 = 2e-3;
 pub struct Forcing {
     /// The emitters.
     pub emitters: Vec<Emitter>,
-    /// Speed that all inflows have beyond their mean, in m/s.
+    /// Speed of all inflows beyond their mean, in m/s.
     pub gust_m_s: f64,
     /// Random part of the inflows, rms in m/s.
     pub unrest_m_s: f64,
@@ -92,9 +92,9 @@ pub struct Forcing {
 pub struct Step {
     /// Largest speed of any component in m/s.
     pub fastest_m_s: f64,
-    /// Largest divergence left over, source subtracted, in 1/s.
+    /// Largest remaining divergence, with the source subtracted, in 1/s.
     pub divergence_hz: f64,
-    /// Parts that the step was cut into.
+    /// Number of substeps in the step.
     pub substeps: usize,
 }
 
@@ -107,7 +107,7 @@ pub struct Solver {
     velocity: Faces,
     /// Fuel (or level set), temperature, smoke, age at the cells' centres.
     scalars: Vec<[f32; 4]>,
-    /// Pressure over density, times the time step: where the next solve starts.
+    /// Pressure over density, times the time step: the starting point of the next solve.
     pressure: Vec<f32>,
     source: Vec<f32>,
     front: Vec<f32>,
@@ -121,7 +121,7 @@ pub struct Solver {
     scratch: Scratch,
 }
 
-/// Room for a step; nothing in it outlives one.
+/// Working memory of a step; nothing in it outlives the step.
 #[derive(Debug, Default)]
 struct Scratch {
     centres: Vec<[f32; 4]>,
@@ -133,10 +133,10 @@ struct Scratch {
 }
 
 impl Solver {
-    /// Gas at rest, nothing burning. `seed` numbers all that is random.
+    /// Gas at rest, with nothing burning. `seed` is the seed of all randomness.
     ///
     /// # Errors
-    /// Fails where a parameter is out of range.
+    /// If a parameter is out of range.
     pub fn new(domain: Domain, parameters: Parameters, seed: u64) -> Result<Self, Error> {
         parameters.validate()?;
         let cells = domain.cells();
@@ -163,7 +163,7 @@ impl Solver {
         Ok(solver)
     }
 
-    /// Back to gas at rest.
+    /// Returns to gas at rest.
     pub fn reset(&mut self) {
         let ambient = self.ambient();
         self.velocity = Faces::new(&self.domain);
@@ -184,13 +184,13 @@ impl Solver {
         self.time_s
     }
 
-    /// Velocity components in m/s on the faces across their axes, shaped as [`Domain::face_shape`] says, z fastest.
+    /// Velocity components in m/s on the faces across their axes, with the shape of [`Domain::face_shape`], z fastest.
     pub fn face_velocities(&self) -> [&[f32]; 3] {
         self.velocity.components.each_ref().map(Vec::as_slice)
     }
 
-    /// Sets the flow. `velocity` gives the component along an axis, in m/s, at a place in m (the box's lower corner is
-    /// at 0).
+    /// Sets the flow. `velocity` gives the component along an axis, in m/s, at a position in m (the box's lower corner
+    /// is at 0).
     pub fn set_velocity(&mut self, velocity: impl Fn(usize, [f64; 3]) -> f64) {
         let h = self.domain.voxel_size_m();
         for axis in 0..3 {
@@ -206,7 +206,7 @@ impl Solver {
         }
     }
 
-    /// Fuel at the cells' centres, 0-1; in a blue core the distance from its front in m, negative in unburnt gas.
+    /// Fuel at the cells' centres, 0-1; in a blue core, the distance from its front in m, negative in unburnt gas.
     pub fn fuels(&self) -> impl Iterator<Item = f32> + '_ {
         self.scalars.iter().map(|scalar| scalar[FUEL])
     }
@@ -221,16 +221,16 @@ impl Solver {
         self.scalars.iter().map(|scalar| scalar[TEMPERATURE])
     }
 
-    /// Whether every number in the box is finite.
+    /// True if every number in the box is finite.
     pub fn is_finite(&self) -> bool {
         let faces = self.velocity.components.iter().flatten();
         let cells = self.scalars.iter().flatten().chain(&self.front).chain(&self.pressure);
         faces.chain(cells).all(|value| value.is_finite())
     }
 
-    /// Lets `dt_s` (1e-6 to 1 s) pass.
+    /// Advances by `dt_s` (1e-6 to 1 s).
     pub fn step(&mut self, dt_s: f64, surroundings: &Forcing) -> Step {
-        // From within the pool, so that a part of the work does not wait for a thread to wake up.
+        // Runs inside the pool, so that parts of the work do not wait for a thread to wake up.
         rayon::scope(|_| self.step_in_pool(dt_s, surroundings))
     }
 
@@ -248,7 +248,7 @@ impl Solver {
         result
     }
 
-    /// Answers the largest divergence left over, in 1/s.
+    /// Takes a substep and returns the largest remaining divergence, in 1/s.
     fn substep(&mut self, dt_s: f64, surroundings: &Forcing) -> f64 {
         self.emit(dt_s, surroundings);
         self.advect(dt_s);
@@ -261,10 +261,10 @@ impl Solver {
         self.project()
     }
 
-    /// The front and the flow, as files and the flux have them: at the cells' centres.
+    /// The front and the flow at the cells' centres, as in files and for the flux.
     ///
     /// # Errors
-    /// Where the cells' transform is unusable.
+    /// If the cells' transform is unusable.
     pub fn frame(&self, number: i64) -> Result<Frame, Error> {
         let (front, velocity) = self.centred();
         let transform = self.domain.transform()?;
@@ -276,7 +276,7 @@ impl Solver {
         })
     }
 
-    /// As [`frame`](Self::frame), with the flow near the front alone: all that its flux needs, and sooner at hand.
+    /// As [`frame`](Self::frame), but with the flow near the front only: all that its flux needs, in less time.
     ///
     /// # Errors
     /// As [`frame`](Self::frame).
@@ -300,27 +300,27 @@ impl Solver {
     /// State of the gas around the box.
     fn ambient(&self) -> [f32; 4] {
         match self.parameters.combustion {
-            // Far from the front.
+            // The level set's value far from the front.
             Some(Combustion::BlueCore { .. }) => [BAND_CELLS * self.domain.voxel_size_m() as f32, 0.0, 0.0, 0.0],
             _ => [0.0; 4],
         }
     }
 
-    /// Advection of everything by the flow.
+    /// Advects everything with the flow.
     fn advect(&mut self, dt_s: f64) {
         let ambient = self.ambient();
         let Scratch { centres, paths, scalars, faces, .. } = &mut self.scratch;
         centres.resize(self.domain.cells(), [0.0; 4]);
         self.velocity.to_centres(&self.domain, centres);
         paths.trace(&self.domain, centres, (dt_s / self.domain.voxel_size_m()) as f32);
-        // One cell more for what is interpolated, and one for forces that look at their neighbours.
+        // One cell more for interpolation, and one for forces that use their neighbours.
         let reach = paths.longest().ceil() as usize + 2;
         self.activity.update(&self.domain, &self.scalars, ambient, reach);
         let entering =
             InflowBoundary::from_sides(&self.domain, ambient, |side| matches!(side, Side::Open | Side::Inflow(_)));
         let neglect = Neglect { activity: Some(&self.activity), difference: 0.0 };
         advect(&mut self.scalars, &self.domain, SampleSite::Centres, paths, &entering, neglect, scalars);
-        // The air outside is at rest; what an inflow brings is prescribed.
+        // The air outside is at rest; inflows have prescribed values.
         let still = InflowBoundary::from_sides(&self.domain, [0.0], |side| side == Side::Open);
         let burns = self.parameters.combustion.is_some();
         let difference = if burns { NEGLIGIBLE * self.velocity.fastest() } else { 0.0 };
@@ -351,7 +351,7 @@ impl Solver {
         combustion::burn(&combustion, cooling, &fire, &mut self.scalars, &mut self.source, &mut self.front);
     }
 
-    /// Forces, from the flow as it is now.
+    /// Applies forces, computed from the present flow.
     fn apply_forces(&mut self, dt_s: f64) {
         let Scratch { centres, acceleration, .. } = &mut self.scratch;
         acceleration.resize(self.domain.cells(), [0.0; 4]);
@@ -359,7 +359,7 @@ impl Solver {
         let gas = Gas {
             velocity: centres,
             scalars: &self.scalars,
-            // What flows only may be turned and stirred anywhere; a flame's air is left alone.
+            // Without combustion, the gas may be stirred anywhere; a flame's surrounding air is left alone.
             activity: self.parameters.combustion.map(|_| &self.activity),
             turbulence: &self.turbulence,
             time_s: self.time_s,
@@ -368,7 +368,7 @@ impl Solver {
         self.velocity.accelerate(&self.domain, acceleration, dt_s as f32);
     }
 
-    /// Viscosity, in as many explicit parts as it needs to be stable, up to 32; there it is held.
+    /// Applies viscosity, in as many explicit parts as stability requires, up to 32; beyond that it is limited.
     fn diffuse(&mut self, dt_s: f64) {
         let h = self.domain.voxel_size_m();
         let spread = self.parameters.viscosity_m2_s * dt_s / (h * h);
@@ -384,7 +384,7 @@ impl Solver {
         }
     }
 
-    /// Velocities prescribed by walls and inflows.
+    /// Applies the velocities prescribed by walls and inflows.
     fn apply_boundary_conditions(&mut self, surroundings: &Forcing) {
         let h = self.domain.voxel_size_m();
         let eddies = self.parameters.turbulence_scale_m;
@@ -403,7 +403,7 @@ impl Solver {
         });
     }
 
-    /// Makes the flow's divergence what burning asks for; answers by how much it is off at most, in 1/s.
+    /// Makes the flow's divergence match the burning; returns the largest deviation, in 1/s.
     fn project(&mut self) -> f64 {
         let fastest = f64::from(self.velocity.fastest());
         let divergence = &mut self.scratch.component;
@@ -416,14 +416,14 @@ impl Solver {
     }
 }
 
-/// Mixing in a box, a cell beyond its sides included.
+/// Mixing in a box, including one cell beyond its sides.
 fn mixing_field(domain: &Domain, parameters: &Parameters, seed: u64) -> MixingField {
     let (h, low) = (domain.voxel_size_m(), domain.origin_m());
     let high = std::array::from_fn(|axis| low[axis] + h * domain.shape()[axis] as f64);
     MixingField::new(parameters.mixing, low.map(|low| low - h), high, seed)
 }
 
-/// One explicit step of diffusion; ends have no gradient.
+/// One explicit step of diffusion; there is no gradient at the ends.
 fn diffuse(lattice: &Lattice, before: &[f32], after: &mut [f32], share: f32) {
     let [_, ny, nz] = lattice.shape;
     planes(after, ny * nz).enumerate().for_each(|(i, plane)| {

@@ -1,4 +1,4 @@
-//! The front, and the flow around it: the part of a box that a flux is measured in.
+//! The front and the flow around it: the part of a box in which flux is measured.
 
 use std::collections::BTreeSet;
 
@@ -12,8 +12,8 @@ use crate::velocity::{Placement, Velocity};
 /// Cells along an edge of a block.
 const EDGE: usize = BLOCK as usize;
 
-/// The blocks in which `front` is not zero, and the flow in them and in those beside them. Every surface between the two
-/// lies there, and so does all that its velocity is interpolated from.
+/// The blocks in which `front` is not zero, with the flow in them and in the blocks next to them. They contain every
+/// surface between the two, and everything that its velocity is interpolated from.
 pub(crate) fn frame(domain: &Domain, velocity: &Faces, front: &[f32], number: i64) -> Result<Frame, Error> {
     let shape = domain.shape();
     let mut field = Grid::new([0.0], domain.transform()?);
@@ -47,7 +47,7 @@ pub(crate) fn frame(domain: &Domain, velocity: &Faces, front: &[f32], number: i6
     Ok(Frame { number, field, velocity: Velocity::Vectors(flow, Placement::Collocated) })
 }
 
-/// The runs along z of a block's cells that lie in the box: first cell, and how many.
+/// The runs along z of a block's cells that lie in the box: first cell and number of cells.
 fn runs(shape: [usize; 3], key: [usize; 3]) -> impl Iterator<Item = ([usize; 3], usize)> {
     let range = move |axis: usize| key[axis] * EDGE..(key[axis] * EDGE + EDGE).min(shape[axis]);
     let size = range(2).len();

@@ -1,5 +1,5 @@
-//! Work on arrays, shared out in portions that are worth a thread's while: waking one costs as much as some thousand
-//! cells. How many threads there are changes no result.
+//! Parallel work on arrays, in portions large enough to be worth a thread: waking one costs as much as some thousand
+//! cells. The number of threads does not affect any result.
 
 use rayon::iter::MinLen;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ pub(crate) fn planes<T: Send>(values: &mut [T], plane: usize) -> MinLen<ChunksMu
     values.par_chunks_mut(plane).with_min_len((PORTION / plane).max(1))
 }
 
-/// Runs `work` with the widest arithmetic that the machine has. Operations stay what they are and where they are, so no
+/// Runs `work` with the widest arithmetic that the machine has. The operations and their order do not change, so no
 /// result depends on it.
 #[inline(always)]
 pub(crate) fn wide<R>(work: impl FnOnce() -> R) -> R {
@@ -25,16 +25,16 @@ pub(crate) fn elements<T: Send>(values: &mut [T]) -> MinLen<rayon::slice::IterMu
     values.par_iter_mut().with_min_len(PORTION)
 }
 
-/// The elements of a plane with their places in it, row after row of `length`.
+/// The elements of a plane with their positions in it, in rows of `length`.
 pub(crate) fn rows<T>(plane: &mut [T], length: usize) -> impl Iterator<Item = ([usize; 2], &mut T)> {
     let rows = plane.chunks_exact_mut(length).enumerate();
     rows.flat_map(|(j, row)| row.iter_mut().enumerate().map(move |(k, element)| ([j, k], element)))
 }
 
-/// Lanes in which a largest value is looked for; taken together they are the same in any order.
+/// Number of lanes in a search for the largest value; the maximum is the same in any order.
 const LANES: usize = 16;
 
-/// Largest magnitude; infinite where a value is not a number, 0 where there is none.
+/// Largest magnitude; infinite if a value is not a number, 0 if there is none.
 pub(crate) fn largest(values: &[f32]) -> f32 {
     let part = |part: &[f32]| {
         wide(|| {

@@ -13,24 +13,24 @@ pub struct Parameters {
     pub cooling: Cooling,
     /// Upward acceleration at temperature 1, in m/s²; 0-1000.
     pub buoyancy_m_s2: f64,
-    /// Vorticity confinement, 0-100: speeds of eddies of a voxel's size that are given back per second.
+    /// Vorticity confinement, 0-100: speeds of voxel-sized eddies restored per second.
     pub confinement: f64,
-    /// Kinematic viscosity in m²/s, 0-1; what the grid itself adds is not in it.
+    /// Kinematic viscosity in m²/s, 0-1; numerical viscosity of the grid is not included.
     pub viscosity_m2_s: f64,
-    /// Stirring where it is hot: rms acceleration per component in m/s², 0-10,000.
+    /// Stirring of hot gas: rms acceleration per component in m/s², 0-10,000.
     pub turbulence_m_s2: f64,
-    /// Size of the largest eddies that are stirred in, in m.
+    /// Size in m of the largest added eddies.
     pub turbulence_scale_m: f64,
     /// Rate of change, in 1/s.
     pub turbulence_rate_hz: f64,
-    /// Place in m of the box's first cell among the eddies that are stirred in; -1e6 to 1e6.
+    /// Position in m of the box's first cell within the added eddies; -1e6 to 1e6.
     pub turbulence_origin_m: [f64; 3],
     /// Fluctuation of mixing, and so of the burn rate.
     pub mixing: Mixing,
 }
 
 impl Parameters {
-    /// Gas that neither burns, rises nor rubs.
+    /// Gas without combustion, buoyancy or friction.
     pub fn still() -> Self {
         Self {
             combustion: None,
@@ -49,7 +49,7 @@ impl Parameters {
     /// Checks all values.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the first value outside its range.
+    /// [`Error::OutOfRange`], naming the first value outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         in_range("buoyancy in m/s²", self.buoyancy_m_s2, 0.0, 1000.0)?;
         in_range("vorticity confinement", self.confinement, 0.0, 100.0)?;

@@ -1,4 +1,4 @@
-//! Numbers drawn by seed (SplitMix64, Steele, Lea & Flood 2014): the same on every machine.
+//! Seeded random numbers (SplitMix64, Steele, Lea & Flood 2014), the same on every machine.
 
 /// A sequence of draws.
 #[derive(Debug, Clone)]
@@ -21,12 +21,12 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Even between 0 (included) and 1 (excluded).
+    /// Uniform between 0 (included) and 1 (excluded).
     pub fn uniform(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// A whole number below `end`.
+    /// An integer below `end`.
     pub fn below(&mut self, end: u64) -> u64 {
         ((u128::from(self.bits()) * u128::from(end)) >> 64) as u64
     }

@@ -8,18 +8,18 @@ use super::{Forcing, Solver};
 
 use rayon::prelude::*;
 
-/// Volumes that a cell may gain in a substep.
+/// Largest number of volumes that a cell may gain in a substep.
 const MOST_EXPANSION: f32 = 0.5;
 
 impl Solver {
-    /// Cells that an emitter may cover, and where their centres lie in m.
+    /// Cells that an emitter may cover, with their centres in m.
     fn covered(&self, emitter: &Emitter) -> impl Iterator<Item = ([usize; 3], [f64; 3])> + use<> {
         let (h, shape, origin) = (self.domain.voxel_size_m(), self.domain.shape(), self.origin_m());
         let reach = emitter.shape.reach_m();
         let [xs, ys, zs]: [std::ops::Range<usize>; 3] = std::array::from_fn(|axis| {
             let first = (emitter.centre_m[axis] - reach[axis] - origin[axis]) / h - 1.0;
             let last = (emitter.centre_m[axis] + reach[axis] - origin[axis]) / h + 2.0;
-            // Casting saturates, and makes NaN zero.
+            // Casting saturates, and turns NaN into zero.
             (first.max(0.0) as usize)..(last.max(0.0) as usize).min(shape[axis])
         });
         let columns = xs.flat_map(move |i| ys.clone().map(move |j| [i, j]));
@@ -27,7 +27,7 @@ impl Solver {
         cells.map(move |cell| (cell, std::array::from_fn(|axis| origin[axis] + cell[axis] as f64 * h)))
     }
 
-    /// Fuel, heat and gas from the emitters.
+    /// Adds fuel, heat and gas from the emitters.
     pub(super) fn emit(&mut self, dt_s: f64, surroundings: &Forcing) {
         let (h, shape) = (self.domain.voxel_size_m(), self.domain.shape());
         let is_core = matches!(self.parameters.combustion, Some(Combustion::BlueCore { .. }));
@@ -54,7 +54,7 @@ impl Solver {
                     scalar[TEMPERATURE] = scalar[TEMPERATURE].max(cover * emitter.temperature as f32);
                 }
                 if cover > 0.0 && hold > 0.0 {
-                    // A face between two covered cells is pulled by both.
+                    // A face between two covered cells is affected by both.
                     let share = 1.0 - (1.0 - cover * hold as f32).max(0.0).sqrt();
                     for axis in 0..3 {
                         let mut face = [i, j, k];
@@ -70,7 +70,7 @@ impl Solver {
         }
     }
 
-    /// Volume that the emitters add; no cell gains more than the grid can transport.
+    /// Adds the emitters' volume; no cell gains more than the grid can transport.
     pub(super) fn add_expansion(&mut self, dt_s: f64, surroundings: &Forcing) {
         for emitter in surroundings.emitters.iter().filter(|emitter| emitter.outflow_hz != 0.0) {
             for ([i, j, k], place) in self.covered(emitter) {

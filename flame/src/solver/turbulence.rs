@@ -1,4 +1,4 @@
-//! Eddies that are too small, or come from too far away, to be simulated: a field of noise that is put in.
+//! Eddies too small, or from too far away, to be simulated: an added noise field.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -8,7 +8,7 @@ use super::random::Random;
 /// Samples along an edge of the tile.
 const SIZE: usize = 32;
 
-/// Waves that the tile is made of.
+/// Number of waves in the tile.
 const WAVES: usize = 64;
 
 /// Highest wave number, in waves per tile.
@@ -17,15 +17,15 @@ const HIGHEST: i32 = 7;
 /// Drift of the two copies of the tile per turnover of the largest eddies, in tiles.
 const DRIFTS: [[f32; 3]; 2] = [[0.37, 0.23, 0.71], [-0.29, 0.31, -0.53]];
 
-/// Velocities without divergence whose spectrum falls as Kolmogorov's (Bridson et al. 2007 and Kim et al. 2008 put the
-/// like into flames), repeating in space, never in time.
+/// Velocities without divergence whose spectrum falls as Kolmogorov's (similar to those that Bridson et al. 2007 and
+/// Kim et al. 2008 add to flames), periodic in space but not in time.
 #[derive(Debug, Clone)]
 pub struct Turbulence {
     tile: Arc<[[f32; 4]]>,
 }
 
-/// The noise made last, with its number. It takes tens of milliseconds, and solvers come in pairs and are made again and
-/// again with the same number.
+/// The most recent noise, with its seed. It takes tens of milliseconds to make, and solvers come in pairs and are often
+/// created with the same seed.
 #[derive(Debug)]
 struct Latest(Mutex<Option<(u64, Turbulence)>>);
 
@@ -33,7 +33,7 @@ static LATEST: Latest = Latest(Mutex::new(None));
 
 impl Latest {
     fn get(&self, seed: u64) -> Turbulence {
-        // Held while noise is made: whoever asks meanwhile wants the same, mostly.
+        // Held while noise is made: a concurrent caller usually wants the same noise.
         let mut latest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((number, turbulence)) = &*latest
             && *number == seed
@@ -47,7 +47,7 @@ impl Latest {
 }
 
 impl Turbulence {
-    /// Noise number `seed`, of 1 rms per component.
+    /// Noise with seed `seed`, of rms 1 per component.
     pub fn new(seed: u64) -> Self {
         LATEST.get(seed)
     }
@@ -66,11 +66,11 @@ impl Turbulence {
             let axis: [f64; 3] = std::array::from_fn(|_| random.normal());
             let direction = crate::grid::cross(wave.map(f64::from), axis);
             let norm = crate::grid::length(direction).max(1e-9);
-            // Energy per wave number falls as k^(-5/3); a shell holds k² waves, so a wave's amplitude as k^(-11/6). Waves
-            // are drawn evenly over the ball.
+            // Energy per wave number falls as k^(-5/3); a shell holds k² waves, so a wave's amplitude falls as
+            // k^(-11/6). Waves are drawn uniformly from the ball.
             let amplitude = maths::pow(magnitude, -11.0 / 6.0) / norm;
             let phase = std::f64::consts::TAU * random.uniform();
-            // Few phases occur: they are whole parts of a turn.
+            // Only a few phases occur: integer fractions of a turn.
             let last = SIZE as i32 - 1;
             let lowest: i32 = wave.iter().map(|k| k.min(&0) * last).sum();
             let highest: i32 = wave.iter().map(|k| k.max(&0) * last).sum();
@@ -96,7 +96,7 @@ impl Turbulence {
         Self { tile: tile.into() }
     }
 
-    /// The noise at a place, in units of the largest eddies' size, and a time, in units of their turnover.
+    /// The noise at a position, in units of the largest eddies' size, and a time, in units of their turnover.
     #[inline(always)]
     pub fn at(&self, place: [f32; 3], time: f32) -> [f32; 3] {
         let lattice = Lattice::repeating(SIZE);

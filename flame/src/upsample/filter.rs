@@ -1,4 +1,4 @@
-//! High-pass without a phase.
+//! Zero-phase high-pass.
 
 /// A biquad's coefficients (Bristow-Johnson's cookbook).
 struct HighPass {
@@ -7,7 +7,7 @@ struct HighPass {
 }
 
 impl HighPass {
-    /// Second order Butterworth at `corner` (cycles per sample, below 0.5).
+    /// Second-order Butterworth at `corner` (cycles per sample, below 0.5).
     fn new(corner: f64) -> Self {
         let turn = std::f64::consts::TAU * corner;
         let alpha = maths::sin(turn) * std::f64::consts::FRAC_1_SQRT_2;
@@ -27,11 +27,11 @@ impl HighPass {
     }
 }
 
-/// Passes what lies above `corner` (cycles per sample) forwards and backwards, so that nothing moves in time. Silence
+/// Filters the samples forwards and backwards at `corner` (cycles per sample), so that nothing moves in time. Silence
 /// surrounds the samples.
 pub fn high_passed(samples: &[f64], corner: f64) -> Vec<f64> {
     let filter = HighPass::new(corner.clamp(1e-6, 0.49));
-    // Long enough for what rings on behind the end.
+    // Long enough for the ringing after the end.
     let tail = (4.0 / corner.max(1e-4)) as usize;
     let mut passed = samples.to_vec();
     passed.resize(samples.len() + tail, 0.0);
@@ -56,7 +56,7 @@ mod tests {
         let high = wave(0.2);
         assert!(far(&high_passed(&high, 0.02), &high) < 0.01);
         assert!(far(&high_passed(&wave(0.002), 0.02), &[0.0; 2000]) < 2e-4);
-        // Half the power once each way.
+        // Half the power in each direction.
         let corner = high_passed(&wave(0.02), 0.02);
         assert!((corner[500..1500].iter().fold(0.0f64, |peak, x| peak.max(x.abs())) - 0.5).abs() < 0.01);
     }

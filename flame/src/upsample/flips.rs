@@ -1,45 +1,45 @@
-//! Parts of the flame that change at random times.
+//! Flips: parts of the flame that change at random times.
 //!
-//! Between two frames every voxel of the flame gives what it gave before until a moment of its own, and from then on what it
-//! gives after. Its neighbours change at nearly the same moment, so that what changes together is about as large as a flame's
-//! smallest parts. The mean over all such moments is the straight line from one frame to the next, which is taken off:
-//! what is left is zero at the frames, and as loud as the flame changed in many parts or in few.
+//! Between two frames, every voxel of the flame keeps its old value up to its own random moment, and has its new value
+//! from then on. Its neighbours change at nearly the same moment, so that the parts that change together are about as
+//! large as a flame's smallest parts. The mean over all such moments is the straight line from one frame to the next,
+//! which is subtracted: the remainder is zero at the frames, and its loudness depends on how many parts changed.
 
 use super::source::{Source, unpacked};
 use super::{Upsampler, filter};
 use crate::solver::Random;
 
-/// How far from each other, in voxels, two moments are hardly alike any more: the spacing of a lattice of random numbers
-/// between which a cubic B-spline runs. Its kernel is as wide as a Gaussian of one voxel: with 0.7 to 1.5 the levels of our
-/// scenes at 24 frames a second stay within 3 dB.
+/// Distance in voxels at which two moments are hardly correlated any more: the spacing of a lattice of random numbers
+/// that a cubic B-spline interpolates. Its kernel is as wide as a Gaussian of one voxel: from 0.7 to 1.5, the levels of
+/// the scenes at 24 frames per second stay within 3 dB.
 const SPACING: f64 = 1.73;
 
-/// Where the steps that are added begin to count, as a part of the frames' rate: below it the curve through the frames tells.
+/// Lowest frequency of the added steps, as a share of the frame rate; below it, the curve through the frames is used.
 const CORNER: f64 = 0.45;
 
-/// Draws from which it is told how far the middle of three frames would lie from a curve through its neighbours.
+/// Number of draws that estimate the distance of the middle of three frames from a curve through its neighbours.
 const DRAWS: u64 = 2;
 
-/// The numbers of a change before its steps.
+/// Number of values in a change before its steps.
 pub const HEAD: usize = 5;
 
-/// Decibels by which flips move the middle of three frames less than a flame does, although they are loud enough above: large
-/// parts of it move together, and slowly.
+/// Decibels by which flips move the middle of three frames less than a flame does, although they are loud enough above:
+/// large parts of a flame move together, and slowly.
 const TOGETHER_DB: f64 = 3.5;
 
-/// Decibels by which they may move it more before they are taken to be too loud.
+/// Decibels by which they may move it more before they count as too loud.
 const APART_DB: f64 = 3.0;
 
-/// Most decibels that are added or taken off.
+/// Largest correction in decibels.
 const MOST_DB: f64 = 12.0;
 
-/// Frames from which half of what they tell is believed: a few may be those of a start from rest, which tell nothing of
-/// what follows.
+/// Number of frames at which half of the estimated correction is applied: a few may belong to a start from rest, which
+/// says nothing about what follows.
 const HALF_BELIEVED: f64 = 16.0;
 
-/// What frames have to tell: sums of the sources before and after, of what changes without its sign, of its squares; the
-/// mean square of where flips over two frames would put the one in the middle (below 0 where there is none); then the steps
-/// between the first two.
+/// The values of a change: sums of the sources before and after, of the absolute changes, and of their squares; the
+/// mean square of the position at which flips over two frames would put the frame in the middle (negative if there is
+/// none); then the steps between the first two.
 pub fn change(
     number: i64,
     [before, after]: [&Source; 2],
@@ -60,7 +60,7 @@ pub fn change(
             return;
         }
         let moment = normal_share(lattice(unpacked(place), seed)) * substeps as f64;
-        // Half a step to either side: a change between two steps is shared by them.
+        // Half a step to either side: two steps share a change between them.
         let step = (moment - 0.5).ceil().clamp(0.0, substeps as f64);
         let share = (step - moment + 0.5).clamp(0.0, 1.0);
         jumps[step as usize] += share * change;
@@ -75,12 +75,12 @@ pub fn change(
     head.into_iter().chain(steps).collect()
 }
 
-/// A draw that depends on all bits of a key.
+/// A random number that depends on all bits of a key.
 fn mixed(key: u64) -> u64 {
     Random::new(key).bits()
 }
 
-/// The mean square of how far from the middle of two frames flips would stand half way between them.
+/// Mean square of the distance that flips would have, half-way between two frames, from the middle of the two.
 fn middle(before: &Source, after: &Source, seed: u64) -> f64 {
     let mut sums = [0.0; DRAWS as usize];
     before.join(after, |place, before, after| {
@@ -92,7 +92,7 @@ fn middle(before: &Source, after: &Source, seed: u64) -> f64 {
     sums.iter().map(|sum| sum * sum).sum::<f64>() / DRAWS as f64
 }
 
-/// Random numbers of deviation 1 that vary with the place.
+/// Random numbers of deviation 1 that depend on position.
 fn lattice(index: [i64; 3], seed: u64) -> f64 {
     let at = index.map(|i| i as f64 / SPACING);
     let base = at.map(f64::floor);
@@ -121,7 +121,7 @@ fn weights(t: f64) -> [f64; 4] {
     [outer(s), inner(t), inner(s), outer(t)]
 }
 
-/// A number of deviation 1 whose sums are normal soon enough: the sum of four even ones.
+/// A number of deviation 1 that is close to normal: the sum of four uniform ones.
 fn normal(bits: u64) -> f64 {
     let even = |shift: u32| f64::from((bits >> shift) as u16) / 65536.0;
     (even(0) + even(16) + even(32) + even(48) - 2.0) * 3f64.sqrt()
@@ -151,13 +151,13 @@ pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) ->
     filter::high_passed(&steps, CORNER / substeps as f64)
 }
 
-/// What flips lack, told by the frames themselves: every one of them lies between two others, from which it differs as it
-/// does, while flips over both would make it differ by so much.
+/// The level that flips lack, estimated from the frames themselves: each frame's actual distance from a curve through
+/// its neighbours is compared with the distance that flips over both would give it.
 fn gain_db(values: &[f64], pairs: &[Option<&[f64]>], unit: f64) -> f64 {
     let (mut true_power, mut flipped_power, mut count) = (0.0, 0.0, 0.0);
     for (window, change) in values.windows(7).zip(pairs.iter().skip(2)) {
         let Some(middle) = change.and_then(|change| change.get(4)).filter(|middle| **middle >= 0.0) else { continue };
-        // Halfway between the third and the fifth by a cubic through every second one.
+        // Half-way between the third and the fifth, by a cubic through every second one.
         let between = (9.0 * (window[2] + window[4]) - (window[0] + window[6])) / 16.0;
         true_power += maths::square(window[3] - between);
         flipped_power += middle * unit * unit;
@@ -171,7 +171,7 @@ fn gain_db(values: &[f64], pairs: &[Option<&[f64]>], unit: f64) -> f64 {
     gain_db.clamp(-MOST_DB, MOST_DB) * count / (count + HALF_BELIEVED)
 }
 
-/// The flux that belongs to a unit of the sources, by their sums.
+/// The flux per unit of the sources, from their sums.
 fn flux_per_source(values: &[f64], pairs: &[Option<&[f64]>]) -> f64 {
     let both =
         values.iter().zip(pairs).filter_map(|(flux, change)| Some((flux.abs(), change.as_ref()?.first()?.abs())));

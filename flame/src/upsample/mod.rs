@@ -1,13 +1,13 @@
-//! Steps between the frames of a simulation that has too few of them for sound.
+//! Steps between the frames of a simulation that has too few for sound.
 //!
 //! ```text
 //! frames ─ flux ─────────────────── natural cubic spline ─┬─ steps
 //!   └─ source ─ change of a pair ─ flips or noise ─ gain ─┘
 //! ```
 //!
-//! Frames at 24 a second say nothing certain above 12 Hz, but how much of the flame changed between two of them, and in how
-//! many parts, says how loud it is there. A pair's change is a function of its two frames, their number and a seed, so that
-//! shards of a farm tell what one run tells.
+//! Frames at 24 per second contain nothing certain above 12 Hz, but the amount of the flame that changed between two of
+//! them, and in how many parts, indicates the loudness there. A pair's change is a function of its two frames, their
+//! number and a seed, so the shards of a farm give the same result as a single run.
 
 mod filter;
 mod flips;
@@ -20,7 +20,7 @@ pub use source::Source;
 use crate::error::{Error, in_range};
 use crate::flux::Changes;
 
-/// Most steps that are made of one.
+/// Largest number of steps made from one.
 const MOST_SUBSTEPS: usize = 512;
 
 /// Method of making steps between two frames.
@@ -28,18 +28,18 @@ const MOST_SUBSTEPS: usize = 512;
 pub enum Method {
     /// Every part of the flame changes from one frame to the next at a random time.
     Flips,
-    /// As flips, by what the burning field alone releases.
+    /// As flips, but from the burning field alone.
     Release,
-    /// Noise whose power falls with frequency, as loud as the frames change.
+    /// Noise whose power falls with frequency, with the loudness of the changes between frames.
     Noise,
-    /// A smooth curve through the frames and no more.
+    /// Only a smooth curve through the frames.
     Cubic,
 }
 
 impl Method {
     const ALL: [Self; 4] = [Self::Flips, Self::Release, Self::Noise, Self::Cubic];
 
-    /// Its name in options and tables.
+    /// Name in options and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Flips => "flips",
@@ -50,7 +50,7 @@ impl Method {
     }
 }
 
-/// Makes several steps of one.
+/// Converter from one step to several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Upsampler {
     method: Method,
@@ -59,16 +59,16 @@ pub struct Upsampler {
 }
 
 impl Upsampler {
-    /// `substeps` (1-512) steps of every one.
+    /// An upsampler that makes `substeps` (1-512) steps from each.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] where `substeps` is out of range.
+    /// [`Error::OutOfRange`] if `substeps` is out of range.
     pub fn new(method: Method, substeps: usize, seed: u64) -> Result<Self, Error> {
         in_range("the number of steps made of one", substeps as f64, 1.0, MOST_SUBSTEPS as f64)?;
         Ok(Self { method, substeps, seed })
     }
 
-    /// The upsampler that a part's settings name at their end, as its text does.
+    /// The upsampler named at the end of a part's settings, in the form of its text.
     pub fn of_settings(settings: &str) -> Option<Self> {
         let (_, text) = settings.rsplit_once("upsample ")?;
         let mut words = text.split(' ').map(|word| word.trim_end_matches(','));
@@ -84,29 +84,29 @@ impl Upsampler {
         self.substeps
     }
 
-    /// Number of all that is random.
+    /// Seed of all randomness.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// Whether it needs to know how each frame changes to the next.
+    /// True if it needs the change from each frame to the next.
     pub fn needs_changes(&self) -> bool {
         self.method != Method::Cubic
     }
 
-    /// Whether it looks at the burning field alone, not at the flow.
+    /// True if it uses the burning field alone, without the flow.
     pub fn takes_field_alone(&self) -> bool {
         self.method == Method::Release
     }
 
-    /// What [`series`](Self::series) needs to know of the change from step `number` to the next; `beyond` is the step behind
-    /// that, where there is one.
+    /// The data about the change from step `number` to the next that [`series`](Self::series) needs; `beyond` is the
+    /// step after that, if there is one.
     pub fn change(&self, number: i64, before: &Source, after: &Source, beyond: Option<&Source>) -> Vec<f64> {
         flips::change(number, [before, after], beyond, self.substeps, self.seed)
     }
 
-    /// `substeps` times as many steps as `values`, of which the first is step `first`. Where a pair's change is not known,
-    /// nothing is added to the curve through the steps.
+    /// A series with `substeps` times as many steps as `values`, of which the first is step `first`. If a pair's change
+    /// is unknown, nothing is added to the curve through the steps.
     pub fn series(&self, values: &[f64], first: i64, changes: &Changes) -> Vec<f64> {
         let smooth = spline::natural_cubic(values, self.substeps);
         if self.substeps == 1 || self.method == Method::Cubic {

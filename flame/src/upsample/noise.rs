@@ -1,19 +1,19 @@
-//! Noise in place of what changed.
+//! Noise in place of the changes.
 
 use super::{Upsampler, filter, flips};
 use crate::solver::Random;
 
-/// The power of the noise's pressure falls by so many dB a decade.
+/// Slope of the power of the noise's pressure, in dB per decade.
 const SLOPE_DB: f64 = -7.0;
 
 /// Lowest frequency of the noise, relative to the frames' rate.
 const CORNER: f64 = 0.45;
 
-/// Poles and zeros of the filter that makes white noise fall so: an octave apart each.
+/// Number of poles and zeros, an octave apart, in the filter that gives white noise this slope.
 const STAGES: usize = 8;
 
-/// What is added to the curve through the frames: noise whose size is that of what changes between them, as loud in all
-/// as flips of as many parts would be.
+/// Signal to add to the curve through the frames: noise whose envelope is the change between them, with the overall
+/// loudness of flips of as many parts.
 pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) -> Vec<f64> {
     let substeps = upsampler.substeps();
     let flipped = flips::added(values, pairs, upsampler);
@@ -21,7 +21,7 @@ pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) ->
     let mut random = Random::new(upsampler.seed());
     let pressure: Vec<f64> = (0..flipped.len()).map(|_| random.normal()).collect();
     let pressure = fallen(&pressure, SLOPE_DB);
-    // Summed up, pressure is flux.
+    // The running sum of pressure is flux.
     let mut flux = 0.0;
     let noise: Vec<f64> = pressure
         .iter()
@@ -31,7 +31,7 @@ pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) ->
         })
         .collect();
     let noise = filter::high_passed(&noise, CORNER / substeps as f64);
-    // A change belongs to the middle between its frames.
+    // A change belongs to the mid-point between its frames.
     let size = |step: usize| {
         let at = (step as f64 / substeps as f64 - 0.5).max(0.0);
         let (before, share) = (at as usize, at.fract());
@@ -44,10 +44,11 @@ pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) ->
     noise.iter().map(|noise| scale * noise).collect()
 }
 
-/// The samples with their power falling by `slope_db` a decade over the eight octaves below half their rate.
+/// The samples, filtered so that their power falls by `slope_db` per decade over the eight octaves below half their
+/// rate.
 fn fallen(samples: &[f64], slope_db: f64) -> Vec<f64> {
     let mut out = samples.to_vec();
-    // A pole at f and a zero at f times this fall so far together that, an octave apart, they make the slope.
+    // With a pole at f and a zero at f times this, an octave apart each, the stages together have the slope.
     let apart = maths::pow(2.0, -slope_db / 20.0);
     for stage in 0..STAGES {
         let pole = 0.5 * maths::powi(2.0, -(stage as i32) - 1);

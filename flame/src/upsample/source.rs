@@ -1,41 +1,41 @@
 //! Volume sources of a flame, voxel by voxel.
 //!
-//! By Gauss's theorem the flux through a closed front is the divergence of the flow summed over all that burns (Chadwick &
-//! James 2011, §3, eq. 6-8, read backwards). So a frame's flux is a sum over voxels, each with a share of its own, and what
-//! changes from one frame to the next is told voxel by voxel.
+//! By Gauss's theorem the flux through a closed front is the divergence of the flow summed over everything that burns
+//! (Chadwick & James 2011, §3, eq. 6-8, in reverse). A frame's flux is therefore a sum over voxels, each with its own
+//! share, and the change from one frame to the next is known voxel by voxel.
 
 use crate::error::Error;
 use crate::frame::Frame;
 use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Transform, cross, dot};
 
-/// Voxels along the edge of a block and of those round it that its smoothed values need.
+/// Voxels along the edge of a block, including the neighbours that its smoothed values need.
 const REACH: usize = BLOCK as usize + 2;
 
-/// Bits of an index along one axis in a voxel's place.
+/// Bits of an index along one axis in a packed voxel position.
 const BITS: u32 = 21;
 
-/// Binary logarithm of the edge of the largest tile that is taken apart.
+/// Binary logarithm of the edge of the largest tile that is unpacked.
 const LARGEST_TILE: u32 = 7;
 
 /// The slope per voxel below which a field is a plateau.
 const FLAT: f64 = 1e-6;
 
-/// The volume that every burning voxel of a frame gives off per second.
+/// The volume that every burning voxel of a frame emits per second.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Source {
     /// The voxels' edges in world units.
     edges: [f64; 3],
-    /// Places in ascending order, and what comes from there.
+    /// Positions in ascending order, with their sources.
     voxels: Vec<(u64, f32)>,
     /// Volume that burns, in world units.
     pub burning: f64,
 }
 
 impl Source {
-    /// A field's values as volumes per second: of a rate of heat release, or of the divergence that a solver was given.
+    /// The values of a field as volumes per second: of a rate of heat release, or of a solver's divergence input.
     ///
     /// # Errors
-    /// Fails where the field is not finite everywhere, or fills all space.
+    /// If the field is not finite everywhere, or fills all space.
     pub fn of_field(field: &Grid<1>) -> Result<Self, Error> {
         let background = f64::from(field.background()[0]);
         if background != 0.0 {
@@ -73,7 +73,7 @@ impl Source {
     /// The sources inside the front at `iso`.
     ///
     /// # Errors
-    /// Fails where the field or the flow is not finite everywhere.
+    /// If the field or the flow is not finite everywhere.
     pub fn of_front(frame: &Frame, iso: f64) -> Result<Self, Error> {
         if !frame.field.is_finite() {
             return Err(Error::NotFinite { what: "field" });
@@ -117,8 +117,8 @@ impl Source {
         sum
     }
 
-    /// Hands over every place in either of two frames, in ascending order, with what comes from there in both. Nothing
-    /// where their voxels are not of one size.
+    /// Visits every position in either of two frames, in ascending order, with its source in both. Visits nothing if
+    /// their voxels differ in size.
     pub fn join(&self, next: &Self, mut visit: impl FnMut(u64, f64, f64)) {
         let is_same = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-4;
         if !self.voxels.is_empty() && !next.voxels.is_empty() && !self.edges.iter().zip(&next.edges).all(is_same) {
@@ -136,7 +136,7 @@ impl Source {
     }
 }
 
-/// The index of a voxel from its place.
+/// The index of a voxel from its packed position.
 pub fn unpacked(place: u64) -> [i64; 3] {
     let mask = (1u64 << BITS) - 1;
     std::array::from_fn(|axis| ((place >> (BITS * (2 - axis as u32))) & mask) as i64 - (1 << (BITS - 1)))
@@ -149,8 +149,8 @@ fn packed(index: [i32; 3], shift: [i64; 3]) -> u64 {
     })
 }
 
-/// How far index 0 lies from the voxel nearest the world's origin: boxes that move with the flame by whole voxels keep
-/// the places of what burns.
+/// Offset of index 0 from the voxel nearest the world's origin. With it, boxes that move with the flame by whole voxels
+/// keep the positions of burning voxels.
 fn lattice_shift(transform: &Transform) -> [i64; 3] {
     transform.to_index([0.0; 3]).map(|index| -(index.clamp(-1e6, 1e6).round() as i64))
 }
@@ -160,7 +160,7 @@ fn voxel_volume(transform: &Transform) -> f64 {
     dot(a, cross(b, c)).abs()
 }
 
-/// Keys of the blocks, and of those round them, in which something may burn.
+/// Keys of the blocks in which something may burn, and of the blocks around them.
 fn burning_blocks(field: &Grid<1>, iso: f64) -> Vec<[i32; 3]> {
     let mut keys = vec![];
     for (key, block) in field.blocks() {
@@ -179,7 +179,7 @@ fn burning_blocks(field: &Grid<1>, iso: f64) -> Vec<[i32; 3]> {
     keys
 }
 
-/// Keys of the places for blocks within tiles of some values; larger tiles than any flame's are left out.
+/// Keys of the blocks within tiles of certain values; tiles larger than any flame's are left out.
 fn tiled_blocks(field: &Grid<1>, is_wanted: impl Fn(f32) -> bool) -> Vec<[i32; 3]> {
     let mut keys = vec![];
     for (origin, log2, _) in field.tiles().filter(|(_, log2, [value])| *log2 <= LARGEST_TILE && is_wanted(*value)) {
@@ -195,7 +195,8 @@ fn tiled_blocks(field: &Grid<1>, is_wanted: impl Fn(f32) -> bool) -> Vec<[i32; 3
     keys
 }
 
-/// The part of every voxel of a block that lies inside the front of the smoothed field, as if it were flat there.
+/// The share of every voxel of a block that lies inside the front of the smoothed field, taking the front as flat
+/// there.
 fn fill(field: &Grid<1>, key: [i32; 3], iso: f64) -> Vec<f64> {
     let values = around(key, |index| f64::from(field.value(index)[0]));
     if values.iter().all(|value| *value <= iso) {
@@ -222,9 +223,9 @@ fn fill(field: &Grid<1>, key: [i32; 3], iso: f64) -> Vec<f64> {
     fill
 }
 
-/// The flow's divergence at every voxel of a block that burns: the mean over the voxel of that of the trilinear flow, which
-/// is what its flux through any surface adds up to. Differences alone, without the neighbours to the sides, would be some
-/// 4 dB too loud above 30 Hz.
+/// The flow's divergence at every burning voxel of a block: the mean over the voxel of the trilinear flow's divergence,
+/// which is consistent with its flux through any surface. Differences alone, without the neighbours to the sides, would
+/// be some 4 dB too loud above 30 Hz.
 fn divergence(frame: &Frame, transform: &Transform, key: [i32; 3], fill: &[f64]) -> Vec<f64> {
     /// Weights of the neighbours to the sides.
     const SIDES: [f64; 3] = [0.125, 0.75, 0.125];
@@ -252,7 +253,7 @@ fn divergence(frame: &Frame, transform: &Transform, key: [i32; 3], fill: &[f64])
     fill.iter().enumerate().map(|(place, fill)| if *fill > 0.0 { of(place) } else { 0.0 }).collect()
 }
 
-/// Values of a block and of the voxels round it, x slowest.
+/// Values of a block and of the voxels around it, x slowest.
 fn around<T>(key: [i32; 3], value: impl Fn([i32; 3]) -> T) -> Vec<T> {
     (0..REACH.pow(3))
         .map(|n| {

@@ -1,7 +1,7 @@
-//! A smooth curve through values at even distances.
+//! A smooth curve through evenly spaced values.
 
-/// The natural cubic spline through `values`, `parts` samples from each value to the next; its last value stands for what
-/// follows, so that there are `parts` times as many.
+/// The natural cubic spline through `values`, with `parts` samples from each value to the next. The last value is
+/// repeated to the end, so that there are `parts` times as many.
 pub fn natural_cubic(values: &[f64], parts: usize) -> Vec<f64> {
     let bends = second_derivatives(values);
     let last = values.len().saturating_sub(1);
@@ -18,7 +18,7 @@ pub fn natural_cubic(values: &[f64], parts: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Second derivatives per step squared, none at both ends (Press et al., Numerical Recipes, 3.3.2).
+/// Second derivatives per step squared, zero at both ends (Press et al., Numerical Recipes, 3.3.2).
 fn second_derivatives(values: &[f64]) -> Vec<f64> {
     let count = values.len();
     let mut bends = vec![0.0; count];

@@ -1,25 +1,25 @@
-//! The textures that are shipped, `presets/vortex`.
+//! The built-in textures, `presets/vortex`.
 
 use super::recipe::{Kind, Recipe};
 
 /// Recipe of a built-in texture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shipped {
-    /// Its file's name, without `.vtx`.
+    /// File name without `.vtx`.
     pub name: &'static str,
     /// Its rows' recipe.
     pub recipe: Recipe,
-    /// Its lowest and highest speed in m/s, and how many there are: what [`speeds`](super::speeds) takes.
+    /// Lowest speed, highest speed in m/s, and number of speeds: the arguments of [`speeds`](super::speeds).
     pub speeds: (f64, f64, usize),
 }
 
-/// Voxels of 5 mm: eddies of two pass at 50 to 800 Hz in the fire's rows, and at 100 to 1600 in the jet's.
+/// Voxels of 5 mm: eddies of two voxels pass at 50 to 800 Hz in the fire's rows, and at 100 to 1600 Hz in the jet's.
 const SMALL: Recipe = Recipe { voxel_size_m: 0.005, ..Recipe::STANDARD };
 
 impl Shipped {
-    /// All of them.
+    /// All built-in textures.
     pub const ALL: [Self; 2] = [
-        // Seeds with which no row ends amid a burst.
+        // Seeds with which no row ends during a burst.
         Self { name: "fire", recipe: Recipe { seed: 2, ..SMALL }, speeds: (0.5, 8.0, 8) },
         Self { name: "jet", recipe: Recipe { kind: Kind::Jet, ..SMALL }, speeds: (1.0, 16.0, 9) },
     ];

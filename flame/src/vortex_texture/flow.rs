@@ -1,44 +1,44 @@
-//! The box that is listened to: what flows into it, and how it moves on.
+//! The flow in the recorded box: its inflow and its motion.
 
 use super::recipe::{Kind, Recipe};
 use crate::error::Error;
 use crate::scenes::Wander;
 use crate::solver::{Domain, Emitter, EmitterShape, Forcing, Parameters, Side, Solver, Step};
 
-/// Vorticity confinement, as a part of the mean speed over a voxel: it makes the smallest eddies grow by so much in each
-/// voxel that they pass, and to no end in a box that they hardly leave. And the most that the solver takes.
+/// Vorticity confinement, as a share of the mean speed over a voxel: it makes the smallest eddies grow by this much in
+/// each voxel that they pass, and without limit in a box that they hardly leave. The second is the solver's maximum.
 const CONFINEMENT: f64 = 0.02;
 const MOST_CONFINEMENT: f64 = 100.0;
 
-/// Rms acceleration by which hot gas and a jet's are stirred, in squares of the speed over the box's width: the turbulence
-/// that they have got before they enter. They are stirred all the way: more would make eddies that are faster than the
-/// flow, and drown its own.
+/// Rms acceleration that stirs hot gas and the gas of a jet, in squares of the speed over the box's width: the
+/// turbulence that they had before entering. Stirring acts all the way; more of it would make eddies faster than the
+/// flow, and drown the flow's own.
 const STIRRING: f64 = 1.5;
-/// The most stirring in m/s² that the solver takes.
+/// Largest stirring in m/s² that the solver accepts.
 const MOST_STIRRING_M_S2: f64 = 10_000.0;
 
-/// Speed over √(2 × buoyancy × height) in a fire, the same from the flames to far above them (McCaffrey 1979).
+/// Ratio of speed to √(2 × buoyancy × height) in a fire, the same from the flames to far above them (McCaffrey 1979).
 const RISE: f64 = 0.9;
-/// The most buoyancy in m/s² that the solver takes.
+/// Largest buoyancy in m/s² that the solver accepts.
 const MOST_BUOYANCY_M_S2: f64 = 1000.0;
 
-/// Hot patches, and their radius as a part of the box's width.
+/// Number of hot patches, and their radius as a share of the box's width.
 const PATCHES: u64 = 4;
 const PATCH_RADIUS: f64 = 0.14;
 
-/// A jet's radius as a part of the box's width.
+/// Radius of a jet as a share of the box's width.
 const JET_RADIUS: f64 = 0.15;
-/// Mean speed of a jet's box, as a part of the jet's: what the jet brings, and what it draws along.
+/// Mean speed of a jet's box, as a share of the jet's: the gas of the jet, and the gas that it draws along.
 const JET_MEAN: f64 = 0.35;
-/// Part of its speed by which a jet sways.
+/// Share of its speed by which a jet sways.
 const JET_SWAY: f64 = 0.1;
 
-/// How firmly gas in the lowest voxels is brought to the mean flow, in speeds over a voxel. The inflow's sideways motion is
-/// that of the gas above it: else a wind through the periodic sides, once there, would stay and grow.
+/// Rate at which gas in the lowest voxels approaches the mean flow, in speeds over a voxel. The inflow's sideways
+/// motion follows the gas above it; otherwise a wind through the periodic sides, once present, would persist and grow.
 const STEADYING: f64 = 0.2;
 
-/// Frequencies at which patches and jets move, in speeds over the box's width. Slower motion would make of a slow row
-/// what happens to be there in its few passages.
+/// Frequencies at which patches and jets move, in speeds over the box's width. With slower motion, a slow row would
+/// depend on chance during its few passages.
 const PACES: std::ops::Range<f64> = 0.5..4.0;
 
 /// Gas in motion.
@@ -52,7 +52,7 @@ pub(super) struct Flow {
     mean_m_s: f64,
 }
 
-/// Something at the bottom, and what moves it: three motions.
+/// A source at the bottom, and the three motions that move it.
 #[derive(Debug)]
 struct Source {
     emitter: Emitter,
@@ -62,10 +62,10 @@ struct Source {
 }
 
 impl Flow {
-    /// Gas at `speed_m_s` all over the box, to be moved on by `step_s` at a time.
+    /// Gas at `speed_m_s` throughout the box, with steps of `step_s`.
     ///
     /// # Errors
-    /// Where the recipe, the speed or the step is out of range.
+    /// If the recipe, the speed or the step is out of range.
     pub fn new(recipe: &Recipe, speed_m_s: f64, step_s: f64) -> Result<Self, Error> {
         let voxel_size_m = recipe.voxel_size_m;
         let [nx, ny, nz] = recipe.voxels;
@@ -73,19 +73,19 @@ impl Flow {
         let mean_m_s = if recipe.kind == Kind::Jet { JET_MEAN * speed_m_s } else { speed_m_s };
         let sides = [[Side::Periodic; 2], [Side::Periodic; 2], [Side::Inflow(mean_m_s), Side::Open]];
         let domain = Domain::new(recipe.voxels, voxel_size_m, sides)?;
-        // Gas of this speed has been brought to it by its buoyancy, here within the box. Fast gas comes from further below
-        // and is as unsteady: the box has its part of that all the same.
+        // Buoyancy accelerates gas to this speed, here within the box. Fast gas comes from further below and is just as
+        // unsteady; the box provides its share all the same.
         let buoyancy_m_s2 = maths::square(speed_m_s / RISE) / (2.0 * nz as f64 * voxel_size_m);
         let parameters = Parameters {
             buoyancy_m_s2: if recipe.kind == Kind::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
             confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
-            // The disturbance fits into the periodic sides, and passes as the gas does.
+            // The disturbance fits the periodic sides, and moves with the gas.
             turbulence_m_s2: (STIRRING * maths::square(speed_m_s) / width_m).min(MOST_STIRRING_M_S2),
             turbulence_scale_m: width_m,
             turbulence_rate_hz: speed_m_s / width_m,
             ..Parameters::still()
         };
-        // Rows that were alike but for their pace would beat where they are mixed.
+        // Rows identical except for their pace would beat when mixed.
         let seed = recipe.seed.wrapping_mul(0x1_0000_0001).wrapping_add(u64::from((speed_m_s as f32).to_bits()));
         let mut solver = Solver::new(domain, parameters, seed)?;
         solver.set_velocity(|axis, _| if axis == 2 { mean_m_s } else { 0.0 });
@@ -136,7 +136,7 @@ impl Flow {
         Ok(Self { solver, step_s, sources, steady, unrest_m_s: recipe.perturbation * speed_m_s, mean_m_s })
     }
 
-    /// Moves on by one step.
+    /// Takes one step.
     pub fn step(&mut self) -> Step {
         let time_s = self.solver.time_s();
         let surroundings = Forcing {
@@ -152,14 +152,14 @@ impl Flow {
         &self.solver
     }
 
-    /// Steps in which the mean flow passes through the box.
+    /// Number of steps in which the mean flow passes through the box.
     pub fn passage_steps(&self) -> usize {
         let domain = self.solver.domain();
         let height_m = domain.shape()[2] as f64 * domain.voxel_size_m();
         (height_m / (self.mean_m_s * self.step_s)).ceil() as usize
     }
 
-    /// Mean square of what the flow has beyond its mean, in m²/s².
+    /// Variance of the flow's velocity about its mean, in m²/s².
     pub fn unrest_m2_s2(&self) -> f64 {
         let power = |axis: usize, values: &[f32]| {
             let mean = if axis == 2 { self.mean_m_s } else { 0.0 };

@@ -1,7 +1,7 @@
 //! The source of vortex sound: T = ∫ y (y × w) dy (Dobashi et al. 2004, eq. 1-2, after Powell and Howe).
 //!
-//! A listener in direction x hears x·T‴x, so only T's symmetric part counts; and y·(y × w) = 0, so it has no trace: five
-//! numbers say all.
+//! A listener in direction x hears x·T‴x, so only T's symmetric part counts; and y·(y × w) = 0, so it has no trace:
+//! five numbers are enough.
 
 use super::series::COMPONENTS;
 use super::vorticity::{Vorticity, from_centre, places};
@@ -15,28 +15,28 @@ const TAPER: f64 = 0.25;
 /// Origin of y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Origin {
-    /// The box's centre; the mean vorticity does not count, and the integral fades out towards the sides. Without that
-    /// an eddy that crosses a side, where y is largest, would be loudest of all: it would be gone (or come back at the
-    /// opposite one) at once.
+    /// The box's centre, with the mean vorticity removed and the integral fading out towards the sides. Otherwise an
+    /// eddy that crosses a side, where y is largest, would be the loudest of all: it would vanish (or reappear at the
+    /// opposite side) at once.
     Centre,
-    /// As printed (eq. 3-4): for every voxel an integral over its 27 neighbours with the origin in its own centre. In the
-    /// interior they cancel: what is left is what happens at the box's sides.
+    /// As printed (eq. 3-4): for every voxel, an integral over its 27 neighbours with the origin at its own centre. In
+    /// the interior these cancel, which leaves only the box's sides.
     Cells,
 }
 
-/// The integral over a box, ready to be taken of many fields.
+/// The integral over a box, prepared for many fields.
 #[derive(Debug, Clone)]
 pub struct Integral {
     shape: [usize; 3],
-    /// Per voxel the second moments of its places relative to the origins it is counted from, xx yy zz xy yz zx, in m⁵:
-    /// weight, squared distance and volume in one.
+    /// For each voxel the second moments of its positions relative to the origins that it is counted from, xx yy zz xy
+    /// yz zx, in m⁵: weight, squared distance and volume in one.
     moments: Vec<[f64; 6]>,
-    /// Per voxel its share in the mean vorticity that is taken out; none where nothing is.
+    /// Share of each voxel in the mean vorticity to subtract; none if nothing is subtracted.
     shares: Option<Vec<f64>>,
 }
 
 impl Integral {
-    /// For fields of `shape` voxels of edge `voxel_size_m`.
+    /// An integral for fields of `shape` voxels of edge `voxel_size_m`.
     pub fn new(shape: [usize; 3], voxel_size_m: f64, origin: Origin) -> Self {
         let volume = maths::powi(voxel_size_m, 3);
         match origin {
@@ -60,7 +60,7 @@ impl Integral {
 
     /// T's symmetric part in m⁵/s: rows of a matrix without trace.
     ///
-    /// A field of another shape has its excess left out.
+    /// Excess values of a field with another shape are ignored.
     pub fn tensor(&self, vorticity: &Vorticity) -> [[f64; 3]; 3] {
         debug_assert_eq!(vorticity.shape(), self.shape);
         let mut mean = [0.0; 3];
@@ -96,12 +96,12 @@ impl Integral {
     }
 }
 
-/// Products of a place's coordinates: xx yy zz xy yz zx.
+/// Products of a position's coordinates: xx yy zz xy yz zx.
 fn square([x, y, z]: [f64; 3]) -> [f64; 6] {
     [x * x, y * y, z * z, x * y, y * z, z * x]
 }
 
-/// Weight of a voxel: 1 in the middle, 0 at the sides.
+/// Weight of a voxel: 1 in the centre, 0 at the sides.
 fn taper(shape: [usize; 3], voxel: [usize; 3]) -> f64 {
     let along = |axis: usize| {
         let place = (voxel[axis] as f64 + 0.5) / shape[axis] as f64;
@@ -111,7 +111,7 @@ fn taper(shape: [usize; 3], voxel: [usize; 3]) -> f64 {
     (0..3).map(along).product()
 }
 
-/// Second moments, in voxels², of a voxel's places in the integral cells that it belongs to.
+/// Second moments, in voxels², of a voxel's positions in the integral cells that contain it.
 fn cells(shape: [usize; 3], voxel: [usize; 3]) -> [f64; 6] {
     let offsets = places([3, 3, 3]).map(|place| place.map(|x| x as i64 - 1));
     let is_inside =

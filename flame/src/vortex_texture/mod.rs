@@ -1,12 +1,12 @@
-//! Vortex-sound textures: what a small turbulent region radiates, recorded from the solver (Dobashi, Yamamoto & Nishita
+//! Vortex-sound textures: the sound of a small turbulent region, recorded from the solver (Dobashi, Yamamoto & Nishita
 //! 2004, §5).
 //!
 //! ```text
 //! flow: inflow, confinement, open top ─ settle ─ vorticity ─ integral T(t) ─ series: loop, d³/dt³, low-pass ─ row
 //! ```
 //!
-//! One speed gives one row; rows know nothing of each other. What does not depend on buoyancy is made to scale: a step
-//! lets the inflow cross the same part of a voxel at any speed, and all rates follow speed over voxel. So a slow row
+//! One speed gives one row; rows are independent. Apart from buoyancy, everything is to scale: in one step the inflow
+//! crosses the same part of a voxel at any speed, and all rates follow speed over voxel size. A slow row therefore
 //! costs few steps, and its sound is not drowned by the noise of many.
 
 mod factory;
@@ -33,23 +33,23 @@ const DENSITY_KG_M3: f64 = 1.2;
 /// Speed of sound in air in m/s.
 const SOUND_M_S: f64 = 343.0;
 
-/// How far the recording of a row is: settling (its length is not known before), or the share that is recorded.
+/// Progress of a row's recording: settling (of unknown length), or the recorded share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Progress {
-    /// The flow settles.
+    /// The flow is settling.
     Settling,
-    /// This share (0-1) of the steps is recorded.
+    /// This share (0-1) of the steps has been recorded.
     Recording(f64),
 }
 
 impl Recipe {
-    /// Simulates gas of `speed_m_s` (0.1-100 m/s) until it is settled, then records it and makes a row of it.
+    /// Simulates gas at `speed_m_s` (0.1-100 m/s) until it has settled, then records it and makes a row from it.
     ///
-    /// The row depends on nothing but the recipe and the speed. `progress` is called at every step; recording ends
-    /// where it answers false.
+    /// The row depends only on the recipe and the speed. `progress` is called at every step; recording stops if it
+    /// returns false.
     ///
     /// # Errors
-    /// Fails where a number is out of range, where the flow does not settle, and where `progress` says so.
+    /// If a number is out of range, if the flow does not settle, or if `progress` stops it.
     pub fn record(&self, speed_m_s: f64, mut progress: impl FnMut(Progress) -> bool) -> Result<Row, Error> {
         self.validate()?;
         in_range("speed in m/s", speed_m_s, 0.1, 100.0)?;
@@ -74,10 +74,10 @@ impl Recipe {
     }
 }
 
-/// `count` speeds from `low_m_s` to `high_m_s`, each the same factor above the one before, as a file keeps them.
+/// A geometric series of `count` speeds from `low_m_s` to `high_m_s`, rounded as in a file.
 ///
 /// # Errors
-/// Fails where they lie outside 0.1-100 m/s, do not rise, or are not 1-256 in number.
+/// If they lie outside 0.1-100 m/s, do not rise, or are not 1-256 in number.
 pub fn speeds(low_m_s: f64, high_m_s: f64, count: usize) -> Result<Vec<f64>, Error> {
     in_range("lowest speed in m/s", low_m_s, 0.1, 100.0)?;
     in_range("highest speed in m/s", high_m_s, low_m_s, 100.0)?;

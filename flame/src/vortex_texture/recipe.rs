@@ -1,27 +1,27 @@
-//! Settings of a texture: the flow, the box, and the rows to be recorded.
+//! Settings of a texture: the flow, the box, and the rows to record.
 
 use super::integral::Origin;
 use crate::error::{Error, in_range};
 
-/// Parts of a voxel that gas at the row's speed crosses in a step: the shortest eddies (two voxels) pass in four steps.
+/// Part of a voxel that gas at the row's speed crosses in a step: the shortest eddies (two voxels) pass in four steps.
 const VOXELS_PER_STEP: f64 = 0.5;
 
-/// Steps of the crossfade, as a part of the period's.
+/// Length of the crossfade as a share of the period.
 const FADE_SHARE: f64 = 0.25;
 
 /// Inflow through the bottom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
-    /// An even flow, disturbed at random: the paper's.
+    /// A uniform flow with random disturbances: the paper's.
     Wind,
-    /// The same with hot gas in it, in wandering patches that rise on their own.
+    /// The same with hot gas, in wandering patches that rise by themselves.
     Fire,
-    /// A narrow fast flow in the middle.
+    /// A narrow, fast flow in the centre.
     Jet,
 }
 
 impl Kind {
-    /// Its name in commands.
+    /// Name in commands.
     pub fn name(self) -> &'static str {
         match self {
             Self::Wind => "wind",
@@ -36,24 +36,24 @@ impl Kind {
 pub struct Recipe {
     /// The flow.
     pub kind: Kind,
-    /// Voxels along x, y, z (up): 8-128 each.
+    /// Voxels along x, y and z (up): 8-128 each.
     pub voxels: [usize; 3],
     /// Edge of a voxel in m, 0.001-0.2.
     pub voxel_size_m: f64,
-    /// Steps per second of the rows, 2,000-16,000, whole.
+    /// Steps per second of the rows, 2,000-16,000, an integer.
     pub rate_hz: f64,
     /// Period of the rows in s, 0.25-60.
     pub period_s: f64,
-    /// Random part of the inflow, rms, as a part of its speed; 0-1.
+    /// Random part of the inflow, rms, as a share of its speed; 0-1.
     pub perturbation: f64,
     /// Origin of the source integral.
     pub origin: Origin,
-    /// Number of all that is random.
+    /// Seed of all randomness.
     pub seed: u64,
 }
 
 impl Recipe {
-    /// A fire in 16×16×24 voxels of 2 cm, disturbed by a tenth, for 4 s at 4 kHz.
+    /// A fire in 16×16×24 voxels of 2 cm, with disturbances of a tenth, for 4 s at 4 kHz.
     pub const STANDARD: Self = Self {
         kind: Kind::Fire,
         voxels: [16, 16, 24],
@@ -67,7 +67,7 @@ impl Recipe {
 }
 
 impl Default for Recipe {
-    /// The [`STANDARD`](Self::STANDARD).
+    /// The default, [`STANDARD`](Self::STANDARD).
     fn default() -> Self {
         Self::STANDARD
     }
@@ -77,7 +77,7 @@ impl Recipe {
     /// Checks all values.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the first value outside its range.
+    /// [`Error::OutOfRange`], naming the first value outside its range.
     pub fn validate(&self) -> Result<(), Error> {
         for size in self.voxels {
             in_range("number of voxels along an axis", size as f64, 8.0, 128.0)?;
@@ -96,18 +96,18 @@ impl Recipe {
         (self.period_s * self.rate_hz).round() as usize
     }
 
-    /// Solver steps of a row's period: as many as half a voxel a step takes, at most one a sample.
+    /// Solver steps in a row's period: one per half voxel crossed, but at most one per sample.
     pub fn period_steps(&self, speed_m_s: f64) -> usize {
         let steps = self.exact_period_s() * speed_m_s / (VOXELS_PER_STEP * self.voxel_size_m);
         (steps.ceil() as usize).clamp(16, self.period_samples())
     }
 
-    /// Solver steps that are recorded for a row.
+    /// Solver steps recorded for a row.
     pub fn recorded_steps(&self, speed_m_s: f64) -> usize {
         self.period_steps(speed_m_s) + self.fade_steps(speed_m_s)
     }
 
-    /// The period as its samples have it.
+    /// The period as represented by its samples.
     pub(super) fn exact_period_s(&self) -> f64 {
         self.period_samples() as f64 / self.rate_hz
     }

@@ -1,15 +1,15 @@
-//! From the source's course to its sound: a period without a seam, its third derivative, band-limited.
+//! From the source over time to its sound: a period without a seam, its third derivative, band-limited.
 //!
-//! The period is a sum of waves, so derivative, low-pass and change of rate are exact: wave by wave.
+//! The period is a sum of waves, so derivative, low-pass and change of rate are exact, wave by wave.
 
 use std::f64::consts::{PI, TAU};
 
 use pyrophone_synthesis::vortex::texture::Row;
 
-/// Series of a texture's row.
+/// Number of series in a texture's row.
 pub const COMPONENTS: usize = pyrophone_synthesis::vortex::texture::COMPONENTS;
 
-/// Frequencies that are kept: all up to one, none above another, in Hz.
+/// Pass band of frequencies in Hz, with its transition.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Start of the transition band.
@@ -19,9 +19,9 @@ pub struct Band {
 }
 
 impl Band {
-    /// What can be believed of a flow that crosses `voxels_hz` voxels a second, in steps of `step_hz` a second, for rows of
-    /// `rate_hz`: the smallest eddies, of two voxels, pass with half the former. Above, the third derivative has nothing
-    /// to raise but the grid's own noise.
+    /// The reliable band of a flow that crosses `voxels_hz` voxels per second, in steps of `step_hz` per second, for
+    /// rows of `rate_hz`: the smallest eddies, of two voxels, pass with half the former. Above, the third derivative
+    /// would raise only the grid's own noise.
     pub fn of_flow(voxels_hz: f64, step_hz: f64, rate_hz: f64) -> Self {
         let stop_hz = (0.6 * voxels_hz).min(0.45 * step_hz).min(0.45 * rate_hz);
         Self { pass_hz: 0.75 * stop_hz, stop_hz }
@@ -48,11 +48,11 @@ pub struct Series {
 }
 
 impl Series {
-    /// The first `period` of `values`, which are `step_s` apart: its beginning is crossfaded from what follows its end,
-    /// at equal power. The series' means are taken out before, as such a fade would raise them in between. The fade's
-    /// own first three derivatives are continuous, so the sound has no seam.
+    /// The first `period` of `values`, which are `step_s` apart: its beginning is crossfaded, at equal power, from the
+    /// values after its end. The series' means are removed first, because such a fade would raise them in between. The
+    /// fade's first three derivatives are continuous, so the sound has no seam.
     ///
-    /// Values beyond twice the period are left out.
+    /// Values beyond twice the period are ignored.
     pub fn looped(values: &[[f64; COMPONENTS]], period: usize, step_s: f64) -> Self {
         let count = values.len().max(1) as f64;
         let mut mean = [0.0; COMPONENTS];
@@ -79,8 +79,7 @@ impl Series {
         (&self.values, self.step_s)
     }
 
-    /// The third derivative by time, in units per s³, in as many `samples` of the period; what is not in the `band`
-    /// left out.
+    /// The third time derivative, in units per s³, as `samples` samples of the period, limited to `band`.
     pub fn sound(&self, samples: usize, band: Band) -> Self {
         let steps = self.values.len();
         let period_s = steps as f64 * self.step_s;
@@ -114,26 +113,26 @@ impl Series {
         Self { values: sound, step_s: period_s / samples as f64 }
     }
 
-    /// A texture's row for `speed_m_s`; `pressure_pa` is what one unit is at a distance of 1 m.
+    /// A texture's row for `speed_m_s`; `pressure_pa` is the pressure of one unit at a distance of 1 m.
     pub fn row(&self, speed_m_s: f64, pressure_pa: f64) -> Row {
         let power: f64 = self.values.iter().flatten().map(|value| value * value).sum();
         let rms = (power / self.values.len().max(1) as f64).sqrt();
         let scale = if rms > 0.0 { 1.0 / rms } else { 0.0 };
         Row {
             speed_m_s,
-            // As a file keeps it.
+            // Rounded as in a file.
             gain: f64::from((rms * pressure_pa) as f32),
             components: std::array::from_fn(|c| self.values.iter().map(|value| (value[c] * scale) as f32).collect()),
         }
     }
 }
 
-/// Sine and cosine of all parts of a turn.
+/// Sine and cosine at `parts` equal divisions of a turn.
 fn turns(parts: usize) -> Vec<(f64, f64)> {
     (0..parts).map(|part| maths::sin_cos(TAU * part as f64 / parts as f64)).collect()
 }
 
-/// From 0 to 1 with three derivatives that begin and end at 0.
+/// A step from 0 to 1 whose first three derivatives are 0 at both ends.
 fn smooth(x: f64) -> f64 {
     maths::powi(x, 4) * (35.0 - 84.0 * x + 70.0 * x * x - 20.0 * maths::powi(x, 3))
 }

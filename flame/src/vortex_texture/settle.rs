@@ -1,28 +1,28 @@
-//! When a flow may be recorded.
+//! Decision that a flow is settled and may be recorded.
 //!
-//! Settled is a flow whose unrest over three passages through the box has the energy that it had over the three before,
-//! but for a fifth, and whose continuity was met at every step of them (the paper's criterion, §5.1). The mean flow's
-//! energy is not in it: beside that an unrest that still grows would not be seen. A flow that is never steady so long is
-//! settled too if the second half of sixty passages is as unsteady as the first: it sways, but does not grow.
+//! A flow is settled if the variance of its velocity over three passages through the box equals that over the three
+//! before to within a fifth, and if continuity held at every step of them (the paper's criterion, §5.1). The energy of
+//! the mean flow is excluded, since it would hide a growing fluctuation. A flow that is never steady for that long is
+//! also settled if the second half of sixty passages is as unsteady as the first: it sways, but does not grow.
 
 use super::flow::Flow;
 use crate::error::Error;
 
 /// Passages of the mean flow through the box that are compared with as many before.
 const PASSAGES: usize = 3;
-/// Such stretches before the flow is judged by halves.
+/// Number of such stretches before the flow is judged by halves.
 const STRETCHES: usize = 20;
 
-/// Change of the unrest's energy, as a part of the larger.
+/// Largest allowed change of the velocity variance, relative to the larger.
 const MOST_CHANGE: f64 = 0.2;
 
-/// Divergence left over, as a part of the largest speed per voxel.
+/// Largest allowed divergence, relative to the largest speed per voxel.
 const MOST_DIVERGENCE: f64 = 1e-3;
 
-/// Moves a flow on until it is settled.
+/// Runs a flow until it has settled.
 ///
 /// # Errors
-/// Fails where it is not after all [`STRETCHES`], and where `go_on` fails.
+/// If it has not settled after all [`STRETCHES`], or if `go_on` fails.
 pub(super) fn settle(flow: &mut Flow, mut go_on: impl FnMut() -> Result<(), Error>) -> Result<(), Error> {
     let steps = PASSAGES * flow.passage_steps();
     let voxel_size_m = flow.solver().domain().voxel_size_m();

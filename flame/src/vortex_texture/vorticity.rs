@@ -10,9 +10,9 @@ pub struct Vorticity {
 }
 
 impl Vorticity {
-    /// That of a solver's flow: the circulation round the faces' edges, of which each centre takes the mean of the four
-    /// about it. Round an edge the gradient of the pressure adds up to nothing, so what the pressure solve leaves over
-    /// is not in it.
+    /// Vorticity of a solver's flow: the circulation around the faces' edges, with each centre taking the mean of the
+    /// four edges around it. Around an edge, the pressure gradient adds up to nothing, so the residual of the pressure
+    /// solve is not included.
     pub fn of(solver: &Solver) -> Self {
         let (domain, faces) = (solver.domain(), solver.face_velocities());
         let curls: [Vec<f32>; 3] = std::array::from_fn(|axis| edges(domain, &faces, axis));
@@ -20,7 +20,7 @@ impl Vorticity {
         let value = |place: [usize; 3]| {
             std::array::from_fn(|axis| {
                 let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-                // Edges that lie on an open side or in an inflow have no curl of their own.
+                // Edges on an open side or in an inflow have no curl.
                 let ends = |other: usize| {
                     let (first, last) = (place[other], place[other] + 1);
                     let whole = domain.is_periodic(other);
@@ -42,7 +42,8 @@ impl Vorticity {
         Self { shape, values: places(shape).map(value).collect() }
     }
 
-    /// A field of `shape` voxels of edge `voxel_size_m`; `value` gives it in 1/s at a place in m from the box's centre.
+    /// A field of `shape` voxels of edge `voxel_size_m`; `value` gives it in 1/s at a position in m from the box's
+    /// centre.
     pub fn from_fn(shape: [usize; 3], voxel_size_m: f64, value: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         let place = |voxel| value(from_centre(shape, voxel_size_m, voxel));
         Self { shape, values: places(shape).map(place).collect() }
@@ -59,12 +60,12 @@ impl Vorticity {
     }
 }
 
-/// Curl along `axis` on the edges along it, in 1/s; nothing on those that lie on a side that is not periodic.
+/// Curl along `axis` on the edges along it, in 1/s; zero on those that lie on a side that is not periodic.
 fn edges(domain: &Domain, faces: &[&[f32]; 3], axis: usize) -> Vec<f32> {
     let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
     let shape = domain.shape();
     let scale = (1.0 / domain.voxel_size_m()) as f32;
-    // How much faster a component is after the edge than before it.
+    // Difference of a component between the two sides of the edge.
     let rise = |component: usize, across: usize, edge: [usize; 3]| {
         let of = domain.face_shape(component);
         let beside = |position: usize| {
@@ -81,7 +82,7 @@ fn edges(domain: &Domain, faces: &[&[f32]; 3], axis: usize) -> Vec<f32> {
     places(edge_shape(shape, axis)).map(curl).collect()
 }
 
-/// Edges along `axis`: as many as cells along it, one more across it.
+/// Shape of the edges along `axis`: as many as cells along it, one more across it.
 fn edge_shape(shape: [usize; 3], axis: usize) -> [usize; 3] {
     std::array::from_fn(|other| if other == axis { shape[other] } else { shape[other] + 1 })
 }
@@ -90,7 +91,7 @@ fn at(shape: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
     (i * shape[1] + j) * shape[2] + k
 }
 
-/// All places of an array, z fastest.
+/// All positions of an array, z fastest.
 pub(super) fn places([nx, ny, nz]: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..nx).flat_map(move |i| (0..ny).flat_map(move |j| (0..nz).map(move |k| [i, j, k])))
 }

@@ -397,7 +397,7 @@ fn grids_of_one_name_that_lie_differently_are_refused() {
     let (_folder, sequence) = in_folder("a.vdb", &bytes);
     let message = sequence.read(0, &Selection::default()).unwrap_err().to_string();
     assert!(
-        message.contains("grids named flame that do not lie voxel on voxel") && message.contains("export them as one"),
+        message.contains("grids named flame whose voxels do not coincide") && message.contains("export them as one"),
         "{message}"
     );
 }

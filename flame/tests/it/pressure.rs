@@ -268,8 +268,11 @@ fn shards_that_do_not_fit_are_refused() {
     const HEAD: &str = "# pyrophone flux 2; x\n# cache c; rate 24.0; steps 1 1 0\nframe,flux,area,mean_curvature\n";
     for (text, says) in [
         ("frame,flux,area\n1,2,3\n".to_owned(), "line 1"),
-        ("# pyrophone flux 2; x\nframe,flux,area,mean_curvature\n".to_owned(), "line 2: no cache"),
-        (format!("{HEAD}1,2,3,4\n1,2,3,4\n"), "line 5: frame 1 stands there twice"),
+        (
+            "# pyrophone flux 2; x\nframe,flux,area,mean_curvature\n".to_owned(),
+            "line 2: the line with the cache is missing",
+        ),
+        (format!("{HEAD}1,2,3,4\n1,2,3,4\n"), "line 5: duplicate frame 1"),
         (format!("{HEAD}1,NaN,3,4\n"), "line 4: 'NaN'"),
         (format!("{HEAD}1,2\n"), "line 4"),
         (format!("{HEAD}1.5,2,3,4\n"), "line 4: '1.5'"),
@@ -291,5 +294,5 @@ fn a_part_that_was_cut_or_changed_is_refused() {
         assert!(error.contains("a.csv"), "cut at {end}: {error}");
     }
     let error = FluxShard::read(&text.replace("4,4.0", "4,4.5"), "a.csv").unwrap_err().to_string();
-    assert!(error.contains("cut or changed"), "{error}");
+    assert!(error.contains("truncated or modified"), "{error}");
 }

@@ -18,7 +18,7 @@ use clack_host::prelude::*;
 use crate::lock::lock;
 use crate::{MENU, Requests, SUBMENU};
 
-/// Requests that wait to be noticed; set from any thread.
+/// Pending requests; set from any thread.
 #[derive(Default)]
 pub(super) struct Flags {
     restart: AtomicBool,
@@ -72,7 +72,7 @@ impl SharedHandler<'_> for Shared {
         self.0.restart.store(true, Ordering::Release);
     }
 
-    /// The host never lets a plugin sleep.
+    /// The host never lets a plug-in sleep.
     fn request_process(&self) {}
 
     fn request_callback(&self) {
@@ -81,7 +81,7 @@ impl SharedHandler<'_> for Shared {
 }
 
 impl HostParamsImplShared for Shared {
-    /// Changes made in the editor go out with the next block.
+    /// Changes made in the editor are sent with the next block.
     fn request_flush(&self) {}
 }
 

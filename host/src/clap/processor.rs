@@ -42,7 +42,7 @@ impl ClapProcessor {
         Self { processor, instance, buses, sample_rate, ranges, pending, told, messages: Vec::new() }
     }
 
-    /// Notes the values that the plug-in has put out.
+    /// Records the values in the plug-in's output.
     fn hear(&self, output: &EventBuffer) {
         let values = output.iter().filter_map(|event| match event.as_core_event() {
             Some(CoreEventSpace::ParamValue(event)) => {
@@ -129,8 +129,8 @@ impl Processor for ClapProcessor {
         }
         let mut outputs = [audio_buffer(&mut pointers.output)];
         let frames_count = u32::try_from(frames).unwrap_or(u32::MAX);
-        // SAFETY: the buffers point to channels of `self.buses`, each at least `frames` long, that nothing else
-        // uses until `process` has returned. Inputs and outputs may be the same memory, as CLAP allows.
+        // SAFETY: the buffers point to channels of `self.buses`, each at least `frames` long, that nothing else uses
+        // until `process` has returned. Inputs and outputs may share memory, as CLAP allows.
         let (input, mut output) = unsafe {
             (
                 InputAudioBuffers::from_raw_buffers(&inputs, frames_count),

@@ -1,5 +1,5 @@
-//! Checks of a CLAP bundle, see [`validator`](crate::validator). They talk to the C interface itself, since a host
-//! that breaks the rules cannot be built on bindings that keep them.
+//! Checks of a CLAP bundle, see [`validator`](crate::validator). They use the C interface directly, since a host that
+//! breaks the rules cannot be built on bindings that enforce them.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
@@ -77,7 +77,7 @@ struct Notices {
     callbacks: Cell<u32>,
 }
 
-/// An instance, without the care that a host takes.
+/// An instance without a host's usual safeguards.
 struct Raw {
     _library: Library,
     entry: *const clap_plugin_entry,
@@ -95,7 +95,7 @@ unsafe extern "C" fn extension(_host: *const clap_host, id: *const c_char) -> *c
 /// # Safety
 /// The host of a [`Raw`].
 unsafe fn notices<'a>(host: *const clap_host) -> &'a Notices {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     unsafe { &*(*host).host_data.cast::<Notices>() }
 }
 
@@ -136,7 +136,7 @@ impl Raw {
             request_process: Some(nothing),
             request_callback: Some(callback),
         });
-        // SAFETY: loading runs code of the bundle, which is what the caller asked for; the functions are CLAP's.
+        // SAFETY: loading runs code of the bundle, as the caller requested; the functions are CLAP's.
         unsafe {
             let library = Library::new(bundle).map_err(|error| error.to_string())?;
             let entry = *library.get::<*const clap_plugin_entry>(b"clap_entry\0").map_err(|error| error.to_string())?;
@@ -162,7 +162,7 @@ impl Raw {
     /// # Safety
     /// `T` is the extension's type.
     unsafe fn extension<T>(&self, id: &CStr) -> Result<&T, String> {
-        // SAFETY: a live plug-in; by the caller's word.
+        // SAFETY: a live plug-in; guaranteed by the caller.
         let found = unsafe { (*self.plugin).get_extension.map(|get| get(self.plugin, id.as_ptr()).cast::<T>()) };
         // SAFETY: as above.
         found.and_then(|found| unsafe { found.as_ref() }).ok_or_else(|| format!("it has no {}", id.to_string_lossy()))
@@ -244,7 +244,7 @@ impl Raw {
         // SAFETY: the id's type.
         let params: &clap_plugin_params = unsafe { self.extension(CLAP_EXT_PARAMS)? };
         let mut value = f64::NAN;
-        // SAFETY: a live plug-in and a place to write to.
+        // SAFETY: a live plug-in and a writable location.
         let is_known = unsafe { (params.get_value.ok_or("no get_value")?)(self.plugin, numeric_id(id), &mut value) };
         ensure(is_known, || format!("there is no {id}"))?;
         Ok(value)
@@ -254,11 +254,11 @@ impl Raw {
         // SAFETY: the id's type.
         let params: &clap_plugin_params = unsafe { self.extension(CLAP_EXT_PARAMS)? };
         let get = params.get_info.ok_or("no get_info")?;
-        // SAFETY: a live plug-in, and places to write to whose fields are numbers and null pointers.
+        // SAFETY: a live plug-in, and writable locations whose fields are numbers and null pointers.
         unsafe {
             let count = (params.count.ok_or("no count")?)(self.plugin);
             let mut beyond: clap_param_info = std::mem::zeroed();
-            ensure(!get(self.plugin, count, &mut beyond), || "it tells of a parameter behind the last".to_owned())?;
+            ensure(!get(self.plugin, count, &mut beyond), || "it describes a parameter beyond the last".to_owned())?;
             let read = |index| {
                 let mut info: clap_param_info = std::mem::zeroed();
                 get(self.plugin, index, &mut info).then_some(info)
@@ -306,7 +306,7 @@ fn saved(save: impl FnOnce(&clap_ostream) -> bool) -> Result<Vec<u8>, String> {
     unsafe extern "C" fn write(stream: *const clap_ostream, bytes: *const c_void, count: u64) -> i64 {
         // Piece by piece, as hosts may.
         let count = count.min(1000);
-        // SAFETY: made below; the plug-in gives `count` bytes.
+        // SAFETY: made below; the plug-in passes `count` bytes.
         let (to, bytes) = unsafe {
             (&mut *(*stream).ctx.cast::<Vec<u8>>(), std::slice::from_raw_parts(bytes.cast::<u8>(), count as usize))
         };
@@ -320,7 +320,7 @@ fn saved(save: impl FnOnce(&clap_ostream) -> bool) -> Result<Vec<u8>, String> {
 
 fn loaded(mut bytes: &[u8], load: impl FnOnce(&clap_istream) -> bool) -> Result<(), String> {
     unsafe extern "C" fn read(stream: *const clap_istream, to: *mut c_void, count: u64) -> i64 {
-        // SAFETY: made below; the plug-in gives room for `count` bytes.
+        // SAFETY: made below; the plug-in provides space for `count` bytes.
         unsafe {
             let rest = &mut *(*stream).ctx.cast::<&[u8]>();
             let length = rest.len().min(count as usize).min(1000);
@@ -387,7 +387,7 @@ fn bus(channels: &mut [*mut f32]) -> clap_audio_buffer {
     }
 }
 
-/// A bus that says it has channels and has not even pointers.
+/// A bus that claims channels without even having pointers.
 fn hollow(channels: u32) -> clap_audio_buffer {
     clap_audio_buffer {
         data32: std::ptr::null_mut(),
@@ -452,14 +452,14 @@ fn bytes_stay(bundle: &Path) -> Result<(), String> {
         ensure(other.save()? == saved, || format!("in round {round} the bytes differ"))?;
         let differing = parameters.iter().find(|info| {
             let name = |raw: &Raw| {
-                // SAFETY: the id's type, and a place to write to.
+                // SAFETY: the id's type, and a writable location.
                 unsafe {
                     let params: &clap_plugin_params = raw.extension(CLAP_EXT_PARAMS).ok()?;
                     let mut value = 0.0;
                     (params.get_value?)(raw.plugin, info.id, &mut value).then_some(value)
                 }
             };
-            // What lies beside the grid is saved on it.
+            // Values off the grid are saved on it.
             name(&raw).zip(name(&other)).is_none_or(|(one, other)| (one - other).abs() > 2e-3 * info.max_value.max(1.0))
         });
         if let Some(info) = differing {
@@ -564,7 +564,7 @@ fn plain_whole_numbers(bundle: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// A preset: its name, the kind and path of its place, and its key there.
+/// A preset: its name, the kind and path of its location, and its key there.
 type Found = (String, u32, Option<CString>, Option<CString>);
 
 #[derive(Default)]
@@ -585,7 +585,7 @@ fn files_in(folder: &CStr) -> Vec<CString> {
     paths.filter_map(|path| CString::new(path.into_os_string().into_encoded_bytes()).ok()).collect()
 }
 
-/// Asks the bundle's provider for all presets that it knows.
+/// Requests all presets that the bundle's provider knows.
 fn discover(raw: &Raw) -> Result<Discovered, String> {
     unsafe extern "C" fn filetype(
         indexer: *const clap_preset_discovery_indexer,
@@ -670,7 +670,7 @@ fn discover(raw: &Raw) -> Result<Discovered, String> {
         add_feature: None,
         add_extra_info: None,
     };
-    // SAFETY: a live entry; what is handed over lives as long as the provider.
+    // SAFETY: a live entry; all arguments live as long as the provider.
     unsafe {
         let factory = ((*raw.entry).get_factory.ok_or("no get_factory")?)(CLAP_PRESET_DISCOVERY_FACTORY_ID.as_ptr());
         let factory = factory.cast::<clap_preset_discovery_factory>().as_ref().ok_or("no preset discovery")?;
@@ -682,7 +682,7 @@ fn discover(raw: &Raw) -> Result<Discovered, String> {
         let get = provider_ref.get_metadata.ok_or("no metadata")?;
         let locations = found.locations.borrow().clone();
         for (kind, path) in locations {
-            // A folder is gone through file by file, as hosts do.
+            // A folder is processed file by file, as in hosts.
             let paths: Vec<Option<CString>> = match &path {
                 Some(folder) => files_in(folder).into_iter().map(Some).collect(),
                 None => vec![None],
@@ -690,7 +690,7 @@ fn discover(raw: &Raw) -> Result<Discovered, String> {
             for path in paths {
                 let location = path.as_ref().map_or(std::ptr::null(), |path| path.as_ptr());
                 found.at.replace((kind, path.clone()));
-                ensure(get(provider, kind, location, &receiver), || format!("nothing is told of {path:?}"))?;
+                ensure(get(provider, kind, location, &receiver), || format!("nothing is reported about {path:?}"))?;
             }
         }
         (provider_ref.destroy.ok_or("no destroy")?)(provider);
@@ -722,12 +722,12 @@ fn presets(bundle: &Path) -> Result<(), String> {
     let is_loaded = unsafe {
         load(raw.plugin, CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN, std::ptr::null(), c"no such preset".as_ptr())
     };
-    ensure(!is_loaded, || "it loads a preset that there is not".to_owned())
+    ensure(!is_loaded, || "it loads a preset that does not exist".to_owned())
 }
 
 fn extensions(bundle: &Path) -> Result<(), String> {
     let raw = Raw::load(bundle)?;
-    // SAFETY: the ids' types, a live plug-in, and places to write to whose fields are numbers.
+    // SAFETY: the ids' types, a live plug-in, and writable locations whose fields are numbers.
     unsafe {
         let context: &clap_plugin_state_context = raw.extension(CLAP_EXT_STATE_CONTEXT)?;
         let for_preset =
@@ -738,7 +738,7 @@ fn extensions(bundle: &Path) -> Result<(), String> {
 
         let remote: &clap_plugin_remote_controls = raw.extension(CLAP_EXT_REMOTE_CONTROLS)?;
         let pages = (remote.count.ok_or("no count")?)(raw.plugin);
-        // How many is for the plug-in to say: every group of parameters that comes may bring one.
+        // The number is up to the plug-in: every new group of parameters may add a page.
         ensure(pages >= LEAST_PAGES, || format!("{pages} remote control pages, at least {LEAST_PAGES} are wanted"))?;
         let ids: BTreeSet<u32> = raw.parameters()?.iter().map(|info| info.id).collect();
         for index in 0..pages {
@@ -773,7 +773,7 @@ unsafe fn menu(raw: &Raw, id: u32) -> Result<(), String> {
         unsafe { *(*builder).ctx.cast::<usize>() += 1 };
         true
     }
-    // SAFETY: the id's type; what is handed over lives as long as the calls.
+    // SAFETY: the id's type; all arguments live as long as the calls.
     unsafe {
         let menu: &clap_plugin_context_menu = raw.extension(CLAP_EXT_CONTEXT_MENU)?;
         let target = clap_context_menu_target { kind: CLAP_CONTEXT_MENU_TARGET_KIND_PARAM, id };
@@ -791,7 +791,7 @@ unsafe fn menu(raw: &Raw, id: u32) -> Result<(), String> {
 
 fn ports(bundle: &Path) -> Result<(), String> {
     let raw = Raw::load(bundle)?;
-    // SAFETY: the ids' types, a live plug-in, and places to write to whose fields are numbers and null pointers.
+    // SAFETY: the ids' types, a live plug-in, and writable locations whose fields are numbers and null pointers.
     unsafe {
         let configurable: &clap_plugin_configurable_audio_ports = raw.extension(CLAP_EXT_CONFIGURABLE_AUDIO_PORTS)?;
         let ports: &clap_plugin_audio_ports = raw.extension(CLAP_EXT_AUDIO_PORTS)?;
@@ -820,7 +820,7 @@ fn ports(bundle: &Path) -> Result<(), String> {
             let count = (surround.get_channel_map.ok_or("no map")?)(raw.plugin, false, 0, found.as_mut_ptr(), 8);
             ensure(&found[..count as usize] == map, || format!("the loudspeakers of {output} are {found:?}"))?;
         }
-        // Loudspeakers in another order, or other ones, are not what it has.
+        // It does not have loudspeakers in another order, or other ones.
         for (map, is_ours) in [([0u8, 1, 2, 3, 9, 10], true), ([0, 1, 2, 3, 4, 5], false), ([0, 2, 1, 9, 10, 3], false)]
         {
             let asked = clap_audio_port_configuration_request {

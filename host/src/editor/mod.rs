@@ -1,10 +1,10 @@
-//! An editor in a window of its own, for screenshots and for driving it with the mouse.
+//! An editor in its own window, for screenshots and for driving it with the mouse.
 //!
 //! | module | contents |
 //! |---|---|
 //! | `x11` | the window on Linux |
 //! | `win32` | the window on Windows |
-//! | `none` | elsewhere: no window yet |
+//! | `none` | other systems: no window yet |
 
 #[cfg(target_os = "linux")]
 #[path = "x11.rs"]
@@ -44,7 +44,7 @@ impl EditorWindow {
         Ok(opened)
     }
 
-    /// The system's number of the window: what `import -window` and `xdotool` take.
+    /// The system's number of the window, as used by `import -window` and `xdotool`.
     #[must_use]
     pub fn id(&self) -> u32 {
         self.window.id()
@@ -56,19 +56,20 @@ impl EditorWindow {
         self.size
     }
 
-    /// Resizes editor and window to the size in pixels nearest to this that the editor takes.
+    /// Resizes editor and window to the nearest size in pixels that the editor accepts.
     ///
     /// # Errors
-    /// [`HostError::Unsupported`] when the editor keeps its size, or the display is gone.
+    /// [`HostError::Unsupported`] if the editor does not resize, or the display is gone.
     pub fn resize(&mut self, plugin: &mut dyn Plugin, size: (u32, u32)) -> Result<(), HostError> {
         let size = plugin.resize_editor(size)?;
         self.fit(size)
     }
 
-    /// Tells the editor how many pixels a point has on this screen, as hosts do, and gives the window the size that it then has.
+    /// Sets the number of pixels per point on this screen, as hosts do, and gives the window the editor's resulting
+    /// size.
     ///
     /// # Errors
-    /// [`HostError::Unsupported`] when the editor does not want to know, or the display is gone.
+    /// [`HostError::Unsupported`] if the editor does not support it, or the display is gone.
     pub fn scale(&mut self, plugin: &mut dyn Plugin, scale: f64) -> Result<(), HostError> {
         let size = plugin.scale_editor(scale)?;
         self.fit(size)
@@ -81,13 +82,13 @@ impl EditorWindow {
         Ok(())
     }
 
-    /// Lets the editor live for this long, running the plugin's callbacks and giving it the size that it asks for.
+    /// Keeps the editor running for this long, with the plug-in's callbacks and the sizes that it requests.
     pub fn run_for(&mut self, plugin: &mut dyn Plugin, duration: Duration) {
         let end = Instant::now() + duration;
         while Instant::now() < end {
             let _ = plugin.run_callbacks();
             if let Some(size) = plugin.take_wanted_editor_size() {
-                // An editor that refuses what it asked for, or a display that is gone, leaves things as they are.
+                // If the editor rejects its own request, or the display is gone, nothing changes.
                 let _ = self.resize(plugin, size);
             }
             self.window.handle_events();
@@ -95,18 +96,18 @@ impl EditorWindow {
         }
     }
 
-    /// Puts the window before all others.
+    /// Raises the window above all others.
     ///
     /// # Errors
-    /// [`HostError::Unsupported`] when the display is gone.
+    /// [`HostError::Unsupported`] if the display is gone.
     pub fn raise(&self) -> Result<(), HostError> {
         self.window.raise().map_err(no_window)
     }
 
-    /// Destroys the window under its editor, as a host may in the wrong order. The editor is still to be closed.
+    /// Destroys the window under its editor, as a host may in the wrong order. The editor must still be closed.
     ///
     /// # Errors
-    /// [`HostError::Unsupported`] when the display is gone.
+    /// [`HostError::Unsupported`] if the display is gone.
     pub fn destroy_window(&self) -> Result<(), HostError> {
         self.window.destroy().map_err(no_window)
     }
@@ -114,7 +115,7 @@ impl EditorWindow {
     /// Closes editor and window.
     pub fn close(self, plugin: &mut dyn Plugin) {
         plugin.close_editor();
-        // What is left goes with the connection, or with the process.
+        // Anything left disappears with the connection, or with the process.
         let _ = self.window.destroy();
     }
 }

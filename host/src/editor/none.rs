@@ -1,10 +1,10 @@
-//! No window: this host has not learnt to make one on this system.
+//! No window: this host cannot create one on this system.
 
 type Done = Result<(), &'static str>;
 
 const WHY: &str = "this host makes windows on Linux and Windows only";
 
-/// Cannot be made.
+/// A window that cannot be created.
 pub(super) enum NativeWindow {}
 
 impl NativeWindow {

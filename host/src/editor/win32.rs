@@ -12,7 +12,7 @@ use windows_sys::Win32::UI::WindowsAndMessaging::{
 
 type Done = Result<(), Error>;
 
-/// A class of windows that every process has; it shows whatever lies in it.
+/// A window class that every process has; it shows its child windows.
 const CLASS: &str = "STATIC";
 
 /// A window with nothing in it.
@@ -43,7 +43,7 @@ impl NativeWindow {
         Ok(Self(window))
     }
 
-    /// Handles of windows have 32 significant bits, so that processes of either kind can share them.
+    /// Window handles have 32 significant bits, so that 32-bit and 64-bit processes can share them.
     pub fn id(&self) -> u32 {
         self.0 as usize as u32
     }
@@ -56,13 +56,13 @@ impl NativeWindow {
         checked(unsafe { AdjustWindowRect(&mut outside, WS_OVERLAPPEDWINDOW, 0) })?;
         let (width, height) = (outside.right - outside.left, outside.bottom - outside.top);
         let flags = SWP_NOMOVE | SWP_NOZORDER | SWP_NOACTIVATE;
-        // SAFETY: a window of this thread; should it be gone, the system says so.
+        // SAFETY: a window of this thread; if it no longer exists, the system reports that.
         checked(unsafe { SetWindowPos(self.0, std::ptr::null_mut(), 0, 0, width, height, flags) })
     }
 
     /// Hands messages to this thread's windows, the editor's among them.
     pub fn handle_events(&self) {
-        // SAFETY: a message is numbers, for which zero is a value, and is filled in before it is read.
+        // SAFETY: a message consists of numbers, for which zero is a value, and is filled in before it is read.
         unsafe {
             let mut message: MSG = std::mem::zeroed();
             while PeekMessageW(&mut message, std::ptr::null_mut(), 0, 0, PM_REMOVE) != 0 {
@@ -73,12 +73,12 @@ impl NativeWindow {
     }
 
     pub fn raise(&self) -> Done {
-        // SAFETY: a window of this thread; should it be gone, the system says so.
+        // SAFETY: a window of this thread; if it no longer exists, the system reports that.
         checked(unsafe { SetWindowPos(self.0, HWND_TOP, 0, 0, 0, 0, SWP_NOMOVE | SWP_NOSIZE | SWP_NOACTIVATE) })
     }
 
     pub fn destroy(&self) -> Done {
-        // SAFETY: a window of this thread; should it be gone, the system says so.
+        // SAFETY: a window of this thread; if it no longer exists, the system reports that.
         checked(unsafe { DestroyWindow(self.0) })
     }
 }

@@ -20,14 +20,14 @@ pub(super) fn create_component(module: &Module) -> Option<(ComPtr<IComponent>, S
     for index in 0..unsafe { factory.countClasses() } {
         // SAFETY: all fields are numbers, for which zero is a value.
         let mut info: PClassInfo = unsafe { std::mem::zeroed() };
-        // SAFETY: a live factory and a place to write to.
+        // SAFETY: a live factory and a writable location.
         if unsafe { factory.getClassInfo(index, &mut info) } != kResultOk
             || from_c(&info.category) != "Audio Module Class"
         {
             continue;
         }
         let mut object = std::ptr::null_mut();
-        // SAFETY: ids of 16 bytes each and a place to write to.
+        // SAFETY: ids of 16 bytes each and a writable location.
         let result = unsafe { factory.createInstance(info.cid.as_ptr(), IComponent::IID.as_ptr().cast(), &mut object) };
         if result == kResultOk {
             // SAFETY: the factory has given an `IComponent` and one reference to it.
@@ -45,7 +45,7 @@ pub(super) fn read_parameters(controller: &ComPtr<IEditController>) -> Vec<Param
         .filter_map(|index| {
             // SAFETY: all fields are numbers, for which zero is a value.
             let mut info: ParameterInfo = unsafe { std::mem::zeroed() };
-            // SAFETY: a live controller and a place to write to.
+            // SAFETY: a live controller and a writable location.
             if unsafe { controller.getParameterInfo(index, &mut info) } != kResultOk {
                 return None;
             }
@@ -79,7 +79,7 @@ fn read_groups(controller: &ComPtr<IEditController>) -> HashMap<i32, String> {
     for index in 0..unsafe { units.getUnitCount() } {
         // SAFETY: all fields are numbers, for which zero is a value.
         let mut info: UnitInfo = unsafe { std::mem::zeroed() };
-        // SAFETY: a live interface and a place to write to.
+        // SAFETY: a live interface and a writable location.
         if unsafe { units.getUnitInfo(index, &mut info) } != kResultOk || info.id == 0 {
             continue;
         }
@@ -93,7 +93,7 @@ fn read_groups(controller: &ComPtr<IEditController>) -> HashMap<i32, String> {
     groups
 }
 
-/// The arrangement for a number of channels; nice-plug looks at the number only.
+/// The arrangement for a number of channels; nice-plug uses only the number.
 pub(super) const fn arrangement(channels: u32) -> SpeakerArrangement {
     match channels {
         0 => SpeakerArr::kEmpty,
@@ -111,7 +111,7 @@ pub(super) fn read_controllers(controller: &ComPtr<IEditController>) -> Vec<Opti
     let mapping = controller.cast::<IMidiMapping>();
     let id_of = |number| {
         let mut id = 0;
-        // SAFETY: a live interface and a place to write to.
+        // SAFETY: a live interface and a writable location.
         let result = unsafe { mapping.as_ref()?.getMidiControllerAssignment(0, 0, number, &mut id) };
         (result == kResultOk).then_some(id)
     };

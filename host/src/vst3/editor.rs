@@ -19,7 +19,7 @@ use crate::HostError;
 
 #[cfg(windows)]
 use ::vst3::Steinberg::kPlatformTypeHWND as PLATFORM;
-/// The kind of windows that this system has.
+/// The kind of windows on this system.
 #[cfg(not(windows))]
 use ::vst3::Steinberg::kPlatformTypeX11EmbedWindowID as PLATFORM;
 
@@ -33,22 +33,23 @@ pub(super) struct Editor {
 impl Editor {
     /// Opens the editor in a window of the system's and gives its size in pixels.
     pub fn open(controller: &ComPtr<IEditController>, window: u32) -> Result<(Self, (u32, u32)), HostError> {
-        // SAFETY: a live controller, which gives a view and one reference to it, or null.
+        // SAFETY: a live controller, which returns a view with one reference to it, or null.
         let view = unsafe { ComPtr::from_raw(controller.createView(ViewType::kEditor)) }
             .ok_or_else(|| HostError::Unsupported("the plugin has no editor".to_owned()))?;
         // SAFETY: a live view.
         if unsafe { view.isPlatformTypeSupported(PLATFORM) } != kResultOk {
             return Err(failed("created for this system's windows"));
         }
-        // From here on `drop` takes back what was given.
+        // From here on, `drop` undoes what was set up.
         let editor = Self { view, frame: ComWrapper::new(Frame::default()), is_forgotten: false };
         let frame = editor.frame.as_com_ref::<IPlugFrame>().map_or(std::ptr::null_mut(), |frame| frame.as_ptr());
-        // SAFETY: a live view; the frame is taken away from it before it goes.
+        // SAFETY: a live view; the frame is removed from it before the frame is dropped.
         if unsafe { editor.view.setFrame(frame) } != kResultOk {
             return Err(failed("given a frame"));
         }
         let parent = window as usize as *mut c_void;
-        // SAFETY: the window is the caller's and an id, not memory; should it be gone, the system says so.
+        // SAFETY: the window is the caller's, and an id instead of memory; if it no longer exists, the system reports
+        // that.
         if unsafe { editor.view.attached(parent, PLATFORM) } != kResultOk {
             return Err(failed("embedded"));
         }
@@ -58,12 +59,12 @@ impl Editor {
 
     fn size(&self) -> Result<(u32, u32), HostError> {
         let mut rect = ViewRect { left: 0, top: 0, right: 0, bottom: 0 };
-        // SAFETY: a live view and a place to write to.
+        // SAFETY: a live view and a writable location.
         let result = unsafe { self.view.getSize(&mut rect) };
         if result == kResultOk { Ok(size_of_rect(&rect)) } else { Err(failed("asked for its size")) }
     }
 
-    /// Tells the view how many pixels a point has, and gives its size in pixels then.
+    /// Sets the number of pixels per point, and returns the view's resulting size in pixels.
     pub fn scale(&self, scale: f64) -> Result<(u32, u32), HostError> {
         let scaled = self.view.cast::<IPlugViewContentScaleSupport>().ok_or_else(|| failed("scaled"))?;
         // SAFETY: a live view.
@@ -73,7 +74,7 @@ impl Editor {
         self.size()
     }
 
-    /// Resizes the view to the size nearest to this that it takes, and gives that.
+    /// Resizes the view to the nearest size that it accepts, and returns that size.
     pub fn resize(&self, (width, height): (u32, u32)) -> Result<(u32, u32), HostError> {
         // SAFETY: a live view.
         if unsafe { self.view.canResize() } != kResultOk {
@@ -91,17 +92,17 @@ impl Editor {
         if result == kResultOk { Ok(size_of_rect(&rect)) } else { Err(failed("resized")) }
     }
 
-    /// Size that the view has asked for since the last time.
+    /// Size that the view has requested since the last call.
     pub fn take_wanted_size(&self) -> Option<(u32, u32)> {
         self.frame.wanted_size.take()
     }
 
-    /// Lets go of the view without removing it.
+    /// Releases the view without removing it.
     pub fn forget(mut self) {
         self.is_forgotten = true;
     }
 
-    /// Tells the view's handlers what they have been waiting for.
+    /// Runs the view's handlers that have been waiting.
     pub fn run(&self) {
         self.frame.run_loop();
     }
@@ -110,13 +111,13 @@ impl Editor {
 impl Drop for Editor {
     fn drop(&mut self) {
         if !self.is_forgotten {
-            // SAFETY: a live view. One that was never attached says that there is nothing to remove.
+            // SAFETY: a live view. One that was never attached reports that there is nothing to remove.
             unsafe {
                 self.view.removed();
                 self.view.setFrame(std::ptr::null_mut());
             }
         }
-        // A plugin that forgets to sign off its handlers would keep the frame alive, which keeps them.
+        // A plug-in that does not unregister its handlers would keep the frame alive, which holds them.
         self.frame.handlers.borrow_mut().clear();
         self.frame.timers.borrow_mut().clear();
     }
@@ -137,7 +138,7 @@ struct Timer {
     due: Instant,
 }
 
-/// Frame around a view, for the requests that it may make; on the main thread only.
+/// Frame around a view, for its requests; on the main thread only.
 #[derive(Default)]
 struct Frame {
     wanted_size: Cell<Option<(u32, u32)>>,
@@ -147,7 +148,7 @@ struct Frame {
 
 impl Frame {
     fn run_loop(&self) {
-        // Handlers may sign others on or off, so that nothing is borrowed while they are called.
+        // Handlers may register or unregister others, so nothing is borrowed while they are called.
         let handlers = self.handlers.borrow().clone();
         for (handler, descriptor) in handlers {
             if is_readable(descriptor) {
@@ -170,14 +171,14 @@ impl Frame {
 
 #[cfg(not(unix))]
 fn is_readable(_: FileDescriptor) -> bool {
-    // No plugin waits for descriptors where run loops are the system's.
+    // No plug-in waits for descriptors if run loops belong to the system.
     false
 }
 
 #[cfg(unix)]
 fn is_readable(descriptor: FileDescriptor) -> bool {
     let mut asked = libc::pollfd { fd: descriptor, events: libc::POLLIN, revents: 0 };
-    // SAFETY: one structure to read and write; a descriptor that is closed is told as such.
+    // SAFETY: one structure to read and write; a closed descriptor is reported as such.
     unsafe { libc::poll(&mut asked, 1, 0) > 0 && asked.revents & libc::POLLIN != 0 }
 }
 
@@ -207,7 +208,7 @@ impl IRunLoopTrait for Frame {
     }
 
     unsafe fn unregisterEventHandler(&self, handler: *mut IEventHandler) -> tresult {
-        // What leaves the list may be the last reference, and is let go of when the list is free again.
+        // The removed item may be the last reference, and is dropped only after the list is free again.
         let gone: Vec<_> = self.handlers.borrow_mut().extract_if(.., |(known, _)| known.as_ptr() == handler).collect();
         if gone.is_empty() { kInvalidArgument } else { kResultOk }
     }

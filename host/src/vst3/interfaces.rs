@@ -21,7 +21,7 @@ use ::vst3::{Class, ComPtr, ComWrapper};
 use crate::lock::lock;
 use crate::{Event, MENU, Requests, SUBMENU};
 
-/// Tells the plugin who its host is.
+/// Identifies the host to the plug-in.
 pub(super) struct HostApplication;
 
 impl Class for HostApplication {
@@ -34,7 +34,7 @@ impl IHostApplicationTrait for HostApplication {
         for (to, from) in text.iter_mut().zip("pyrophone-host".encode_utf16()) {
             *to = from;
         }
-        // SAFETY: the plugin gives a place for a whole `String128`.
+        // SAFETY: the plug-in provides space for a whole `String128`.
         unsafe { name.write(text) };
         kResultOk
     }
@@ -44,7 +44,7 @@ impl IHostApplicationTrait for HostApplication {
     }
 }
 
-/// Hears what the plugin wants of its host, from any thread.
+/// Receives the plug-in's requests to its host, from any thread.
 pub(super) struct Handler {
     restart_flags: AtomicI32,
     /// Changes that go to the plug-in with the next block.
@@ -59,12 +59,12 @@ impl Handler {
         Self { restart_flags: AtomicI32::new(0), pending, active: AtomicBool::new(false), chosen: Arc::default() }
     }
 
-    /// What was chosen of menus since the last time.
+    /// Menu choices since the last call.
     pub fn take_chosen(&self) -> Vec<(u32, i32)> {
         std::mem::take(&mut *lock(&self.chosen))
     }
 
-    /// Whether there are blocks for changes to go with.
+    /// Sets whether there are blocks with which changes can be sent.
     pub fn set_active(&self, active: bool) {
         self.active.store(active, Ordering::Release);
     }
@@ -93,7 +93,7 @@ impl IComponentHandler3Trait for Handler {
     }
 }
 
-/// Hears what is chosen of a parameter's menu.
+/// Receives choices from a parameter's menu.
 struct MenuTarget {
     id: ParamID,
     chosen: Arc<Mutex<Vec<(u32, i32)>>>,
@@ -135,7 +135,7 @@ impl IContextMenuTrait for Menu {
         let mut name: String128 = [0; 128];
         name.iter_mut().zip(words.encode_utf16()).for_each(|(to, from)| *to = from);
         let own = self.0.as_com_ref::<IContextMenuTarget>().map_or(std::ptr::null_mut(), |target| target.as_ptr());
-        // SAFETY: places to write to.
+        // SAFETY: writable locations.
         unsafe {
             item.write(IContextMenuItem { name, tag, flags: flags as int32 });
             target.write(own);
@@ -162,7 +162,7 @@ impl IComponentHandlerTrait for Handler {
     }
 
     unsafe fn performEdit(&self, id: ParamID, value: ParamValue) -> tresult {
-        // The controller knows already; the component is told by the host.
+        // The controller already has the value; the host sends it to the component.
         if self.active.load(Ordering::Acquire) {
             lock(&self.pending).push(Event { offset: 0, id, value });
         }
@@ -179,7 +179,7 @@ impl IComponentHandlerTrait for Handler {
     }
 }
 
-/// A stream in memory, for states. It is used by the thread that made it only.
+/// A stream in memory, for states, used only by the thread that created it.
 pub(super) struct MemoryStream {
     bytes: RefCell<Vec<u8>>,
     position: Cell<usize>,
@@ -208,7 +208,7 @@ impl IBStreamTrait for MemoryStream {
         let bytes = self.bytes.borrow();
         let rest = bytes.get(self.position.get()..).unwrap_or_default();
         let length = rest.len().min(usize::try_from(count).unwrap_or(0));
-        // SAFETY: the plugin gives room for `count` bytes, and `done` is null or a place to write to.
+        // SAFETY: the plug-in provides space for `count` bytes, and `done` is null or a writable location.
         unsafe {
             buffer.cast::<u8>().copy_from_nonoverlapping(rest.as_ptr(), length);
             write_if_wanted(done, length as int32);
@@ -227,7 +227,7 @@ impl IBStreamTrait for MemoryStream {
         if bytes.len() < end {
             bytes.resize(end, 0);
         }
-        // SAFETY: the plugin gives `count` bytes, and `done` is null or a place to write to.
+        // SAFETY: the plug-in passes `count` bytes, and `done` is null or a writable location.
         unsafe {
             bytes[start..end].as_mut_ptr().copy_from_nonoverlapping(buffer.cast::<u8>(), length);
             write_if_wanted(done, count);
@@ -247,13 +247,13 @@ impl IBStreamTrait for MemoryStream {
             return kResultFalse;
         };
         self.position.set(position);
-        // SAFETY: `result` is null or a place to write to.
+        // SAFETY: `result` is null or a writable location.
         unsafe { write_if_wanted(result, position as int64) };
         kResultOk
     }
 
     unsafe fn tell(&self, position: *mut int64) -> tresult {
-        // SAFETY: `position` is null or a place to write to.
+        // SAFETY: `position` is null or a writable location.
         unsafe { write_if_wanted(position, self.position.get() as int64) };
         kResultOk
     }
@@ -263,7 +263,7 @@ impl IBStreamTrait for MemoryStream {
 /// `place` is null or valid for a write.
 unsafe fn write_if_wanted<T>(place: *mut T, value: T) {
     if !place.is_null() {
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         unsafe { place.write(value) };
     }
 }
@@ -292,7 +292,7 @@ impl IParamValueQueueTrait for Queue {
         let Some(&(at, to)) = point else {
             return kInvalidArgument;
         };
-        // SAFETY: null or places to write to.
+        // SAFETY: null or writable locations.
         unsafe {
             write_if_wanted(offset, at);
             write_if_wanted(value, to);
@@ -306,7 +306,7 @@ impl IParamValueQueueTrait for Queue {
     }
 }
 
-/// What a plug-in puts out of one parameter.
+/// A plug-in's output for one parameter.
 struct OutputQueue {
     id: ParamID,
     points: RefCell<Vec<(int32, ParamValue)>>,
@@ -331,21 +331,21 @@ impl IParamValueQueueTrait for OutputQueue {
 
     unsafe fn addPoint(&self, offset: int32, value: ParamValue, index: *mut int32) -> tresult {
         let mut points = self.points.borrow_mut();
-        // SAFETY: null or a place to write to.
+        // SAFETY: null or a writable location.
         unsafe { write_if_wanted(index, points.len() as int32) };
         points.push((offset, value));
         kResultOk
     }
 }
 
-/// What a plug-in puts out within a block, used by the thread that plays it only.
+/// A plug-in's output within a block, used only by the thread that plays it.
 #[derive(Default)]
 pub(super) struct OutputChanges {
     queues: RefCell<Vec<(ComWrapper<OutputQueue>, ComPtr<IParamValueQueue>)>>,
 }
 
 impl OutputChanges {
-    /// All of it.
+    /// All output events.
     pub fn events(&self) -> Vec<Event> {
         let queues = self.queues.borrow();
         let of = |queue: &OutputQueue| {
@@ -379,7 +379,7 @@ impl IParameterChangesTrait for OutputChanges {
             let Some(pointer) = queue.to_com_ptr() else { return std::ptr::null_mut() };
             queues.push((queue, pointer));
         }
-        // SAFETY: null or a place to write to.
+        // SAFETY: null or a writable location.
         unsafe { write_if_wanted(index, place as int32) };
         queues[place].1.as_ptr()
     }

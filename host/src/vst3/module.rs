@@ -57,7 +57,7 @@ fn enter(binary: &Path) -> Result<Library, String> {
 
     type ModuleEntry = unsafe extern "system" fn(*mut c_void) -> bool;
     let text = |error: libloading::Error| error.to_string();
-    // SAFETY: loading runs code of the bundle, which is what the caller asked for.
+    // SAFETY: loading runs code of the bundle, as the caller requested.
     let handle = unsafe { unix::Library::new(binary) }.map_err(text)?.into_raw();
     // SAFETY: the handle was given out by the line above and is owned here again.
     let library = unsafe { unix::Library::from_raw(handle) };
@@ -66,11 +66,12 @@ fn enter(binary: &Path) -> Result<Library, String> {
     if is_entered { Ok(library.into()) } else { Err("its module cannot be entered".to_owned()) }
 }
 
-/// Loads a library and enters its module once, before its factory is used. On Windows modules need not want that.
+/// Loads a library and enters its module once, before its factory is used. On Windows, modules need not have an entry
+/// function.
 #[cfg(windows)]
 fn enter(binary: &Path) -> Result<Library, String> {
     type InitDll = unsafe extern "system" fn() -> bool;
-    // SAFETY: loading runs code of the bundle, which is what the caller asked for.
+    // SAFETY: loading runs code of the bundle, as the caller requested.
     let library = unsafe { Library::new(binary) }.map_err(|error| error.to_string())?;
     // SAFETY: this name has this signature in the VST3 SDK.
     let is_entered = unsafe { library.get::<InitDll>(b"InitDll\0").map_or(true, |enter| enter()) };
@@ -81,8 +82,8 @@ fn enter(binary: &Path) -> Result<Library, String> {
 const SYSTEM: &str = if cfg!(windows) { "win" } else { std::env::consts::OS };
 const SUFFIX: &str = if cfg!(windows) { ".vst3" } else { ".so" };
 
-/// `Name.vst3/Contents/<architecture>-linux/Name.so`, or `.../<architecture>-win/Name.vst3`; a bundle may also be the library
-/// itself.
+/// `Name.vst3/Contents/<architecture>-linux/Name.so`, or `.../<architecture>-win/Name.vst3`; a bundle may also be the
+/// library itself.
 fn binary_of(bundle: &Path) -> Result<PathBuf, String> {
     if bundle.is_file() {
         return Ok(bundle.to_owned());

@@ -49,7 +49,7 @@ impl Vst3Processor {
         Self { processor, instance, buses, setup, ids, pending, told, controllers, messages, started: false }
     }
 
-    /// With the parameters that controllers are, by number.
+    /// Sets the parameters of controllers, by number.
     pub fn with_controllers(self, controllers: Vec<Option<u32>>) -> Self {
         Self { controllers, ..self }
     }
@@ -112,11 +112,11 @@ impl Processor for Vst3Processor {
         let told = ComWrapper::new(OutputChanges::default());
         let mut context = block.transport.and_then(|t| self.context(t));
 
-        // A bus that is switched off keeps its place but has no channels.
+        // A deactivated bus keeps its index but has no channels.
         let sidechain =
             if block.sidechain.is_some() { bus_buffers(&mut pointers.sidechain) } else { bus_buffers(&mut []) };
         let has_sidechain = !pointers.sidechain.is_empty();
-        // nice-plug 0.4.2 reads a second input bus even where it is told of one only.
+        // nice-plug 0.4.2 reads a second input bus even if only one is present.
         let mut inputs = [bus_buffers(&mut pointers.input), sidechain];
         let mut outputs = [bus_buffers(&mut pointers.output)];
         let mut data = ProcessData {
@@ -137,8 +137,8 @@ impl Processor for Vst3Processor {
             outputEvents: std::ptr::null_mut(),
             processContext: context.as_mut().map_or(std::ptr::null_mut(), std::ptr::from_mut),
         };
-        // SAFETY: a live, active, started processor. All pointers are to this frame's values and to channels of `self.buses`, each at
-        // least `frames` long, that nothing else uses until `process` has returned.
+        // SAFETY: a live, active, started processor. All pointers are to values of this function and to channels of
+        // `self.buses`, each at least `frames` long, that nothing else uses until `process` has returned.
         if unsafe { self.processor.process(&mut data) } != kResultOk {
             return Err(HostError::Process);
         }

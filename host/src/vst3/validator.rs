@@ -38,7 +38,7 @@ pub(crate) const CHECKS: &[Check] = &[
     Check { name: "names_units_and_flags_of_parameters_are_sound", run: parameters_are_sound },
 ];
 
-/// An instance, without the care that a host takes.
+/// An instance without a host's usual safeguards.
 struct Raw {
     component: ComPtr<IComponent>,
     processor: ComPtr<IAudioProcessor>,
@@ -81,7 +81,7 @@ impl Raw {
         self.is_active = false;
     }
 
-    /// Plays a block with whatever the buses are.
+    /// Plays a block with any kind of buses.
     fn process(&self, inputs: &mut [AudioBusBuffers], outputs: &mut [AudioBusBuffers]) -> i32 {
         let mut data = ProcessData {
             processMode: 0,
@@ -103,7 +103,7 @@ impl Raw {
 
     fn arrange(&self, inputs: &mut [SpeakerArrangement], output: SpeakerArrangement) -> bool {
         let mut outputs = [output];
-        // SAFETY: a live processor that is not active, and arrays as long as is said.
+        // SAFETY: a live processor that is not active, and arrays of the stated lengths.
         let result = unsafe {
             self.processor.setBusArrangements(inputs.as_mut_ptr(), inputs.len() as i32, outputs.as_mut_ptr(), 1)
         };
@@ -112,7 +112,7 @@ impl Raw {
 
     fn arrangement(&self, direction: i32, index: usize) -> Option<SpeakerArrangement> {
         let mut found = SpeakerArr::kEmpty;
-        // SAFETY: a live processor and a place to write to.
+        // SAFETY: a live processor and a writable location.
         let result = unsafe { self.processor.getBusArrangement(direction, index as i32, &mut found) };
         (result == kResultOk).then_some(found)
     }
@@ -135,7 +135,7 @@ impl Raw {
     }
 
     fn parameters(&self) -> Vec<ParameterInfo> {
-        // SAFETY: a live controller, and places to write to whose fields are numbers.
+        // SAFETY: a live controller, and writable locations whose fields are numbers.
         unsafe {
             let read = |index| {
                 let mut info: ParameterInfo = std::mem::zeroed();
@@ -164,7 +164,7 @@ fn bus(channels: &mut [*mut f32]) -> AudioBusBuffers {
     }
 }
 
-/// A bus that says it has channels and has not even pointers.
+/// A bus that claims channels without even having pointers.
 fn hollow(channels: i32) -> AudioBusBuffers {
     AudioBusBuffers {
         numChannels: channels,
@@ -208,7 +208,7 @@ fn null_and_missing_buffers(bundle: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// What JUCE's hosts give where they run out of channels: a null pointer, and behind it whatever lies in memory.
+/// Channels as JUCE's hosts provide them when they run out: a null pointer, followed by whatever is in memory.
 fn dangling(bus: &mut [*mut f32]) -> &mut [*mut f32] {
     if let [first, rest @ ..] = bus {
         *first = std::ptr::null_mut();
@@ -217,7 +217,7 @@ fn dangling(bus: &mut [*mut f32]) -> &mut [*mut f32] {
     bus
 }
 
-/// Hosts that go on with as many channels as they like, whatever the plug-in has said.
+/// Hosts that continue with any number of channels, whatever the plug-in has stated.
 fn untold_layouts(bundle: &Path) -> Result<(), String> {
     for channels in [0usize, 1, 6, 8] {
         let mut raw = Raw::load(bundle)?;
@@ -275,14 +275,14 @@ fn odd_rates(bundle: &Path) -> Result<(), String> {
         ensure(output == input, || format!("at {sample_rate} Hz the input does not pass through"))?;
         // SAFETY: a live processor.
         let latency = unsafe { raw.processor.getLatencySamples() };
-        ensure(latency == 0, || format!("at {sample_rate} Hz it tells a latency of {latency} samples"))?;
+        ensure(latency == 0, || format!("at {sample_rate} Hz it reports a latency of {latency} samples"))?;
     }
     Ok(())
 }
 
 fn indices_beyond(bundle: &Path) -> Result<(), String> {
     let raw = Raw::load(bundle)?;
-    // SAFETY: a live instance, and places to write to whose fields are numbers.
+    // SAFETY: a live instance, and writable locations whose fields are numbers.
     unsafe {
         let count = raw.controller.getParameterCount();
         let mut info: ParameterInfo = std::mem::zeroed();
@@ -310,7 +310,7 @@ fn moduleinfo(bundle: &Path) -> Result<(), String> {
     let said: serde_json::Value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
     let module = Module::load(bundle)?;
     let factory2: ComPtr<IPluginFactory2> = module.factory().cast().ok_or("it has no second factory")?;
-    // SAFETY: a live factory, and places to write to whose fields are numbers.
+    // SAFETY: a live factory, and writable locations whose fields are numbers.
     let (factory, class) = unsafe {
         let (mut factory, mut class): (PFactoryInfo, PClassInfo2) = (std::mem::zeroed(), std::mem::zeroed());
         module.factory().getFactoryInfo(&mut factory);
@@ -357,7 +357,7 @@ fn parameters_are_sound(bundle: &Path) -> Result<(), String> {
         ensure(found == unit, || format!("the unit of {id} is {found:?}"))?;
     }
     let units: ComPtr<IUnitInfo> = raw.component.cast().ok_or("it has no units")?;
-    // SAFETY: a live object, and places to write to whose fields are numbers.
+    // SAFETY: a live object, and writable locations whose fields are numbers.
     let ids: Vec<i32> = unsafe {
         (0..units.getUnitCount())
             .map(|index| {

@@ -1,4 +1,4 @@
-//! Transforms of any length, by way of longer ones whose length is a power of two.
+//! Transforms of any length, by means of longer ones whose length is a power of two.
 
 use std::f64::consts::PI;
 
@@ -30,12 +30,12 @@ impl Chirp {
         Self { longer, chirp, kernel }
     }
 
-    /// Numbers of room that [`run`](Self::run) needs.
+    /// Length of working memory that [`run`](Self::run) needs.
     pub fn room(&self) -> usize {
         self.longer.room() + 2 * self.longer.len()
     }
 
-    /// Transforms `samples` in their place.
+    /// Transforms `samples` in place.
     pub fn run(&self, samples: &mut Parts<'_>, room: &mut [f64]) {
         let (room, kept) = room.split_at_mut(self.longer.room());
         let (kept_re, kept_im) = kept[..2 * self.longer.len()].split_at_mut(self.longer.len());

@@ -16,21 +16,22 @@ pub struct ComplexTransform {
 
 #[derive(Debug)]
 enum Way {
-    /// Prime factors up to 7 have passes of their own.
+    /// Passes for prime factors up to 7.
     Passes(Vec<Pass>),
-    /// All other lengths take a longer transform of such a length.
+    /// All other lengths use a longer transform.
     Chirp(Box<Chirp>),
 }
 
 impl ComplexTransform {
-    /// Transforms of `len` samples. Lengths whose prime factors are 2, 3, 5 and 7 are quick; others take about six times as long.
+    /// Transforms of `len` samples. Lengths whose prime factors are 2, 3, 5 and 7 are fast; others take about six times
+    /// as long.
     ///
     /// # Panics
-    /// Panics if `len` is 0.
+    /// If `len` is 0.
     pub fn new(len: usize) -> Self {
         assert!(len > 0, "a transform of nothing");
         let (mut passes, mut left) = (Vec::new(), len);
-        // Fours first: whatever follows is then done in whole vectors.
+        // Fours first: everything after that then works in whole vectors.
         for radix in [4, 2, 3, 5, 7] {
             while left.is_multiple_of(radix) {
                 passes.push(Pass::new(radix, left, len / left));
@@ -47,7 +48,7 @@ impl ComplexTransform {
         self.len
     }
 
-    /// Numbers of room that [`run`](Self::run) needs.
+    /// Length of working memory that [`run`](Self::run) needs.
     pub(super) fn room(&self) -> usize {
         4 * self.len
             + match &self.way {
@@ -56,7 +57,7 @@ impl ComplexTransform {
             }
     }
 
-    /// The two halves of `room`: what is put into the first is transformed.
+    /// The two halves of `room`: the contents of the first are transformed.
     pub(super) fn halves<'a>(&self, room: &'a mut [f64]) -> [Parts<'a>; 2] {
         let (first, second) = room[..4 * self.len].split_at_mut(2 * self.len);
         [first, second].map(|half| {
@@ -65,7 +66,7 @@ impl ComplexTransform {
         })
     }
 
-    /// Transforms what lies in the first half of `room`, and answers where the result lies.
+    /// Transforms the first half of `room`, and returns the half that contains the result.
     pub(super) fn run<'a>(&self, room: &'a mut [f64]) -> Parts<'a> {
         let (own, rest) = room.split_at_mut(4 * self.len);
         let [mut input, output] = self.halves(own);
@@ -76,12 +77,12 @@ impl ComplexTransform {
         input
     }
 
-    /// The spectrum of `samples`, in their place, unscaled.
+    /// The spectrum of `samples`, in place, unscaled.
     pub fn forward(&self, samples: &mut [Complex64]) {
         self.in_place(samples, false);
     }
 
-    /// The signal of this spectrum, in its place, unscaled: after [`forward`](Self::forward) it is `len` times the signal.
+    /// The signal of this spectrum, in place, unscaled: after [`forward`](Self::forward) it is `len` times the signal.
     pub fn inverse(&self, samples: &mut [Complex64]) {
         self.in_place(samples, true);
     }
@@ -100,7 +101,8 @@ impl ComplexTransform {
     }
 }
 
-/// All passes of a transform, from one half of the room to the other and back; what was written last comes first.
+/// All passes of a transform, from one half of the working memory to the other and back; the half written last comes
+/// first.
 struct AllPasses<'a, 'b> {
     passes: &'a [Pass],
     input: Parts<'b>,

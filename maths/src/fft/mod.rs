@@ -1,7 +1,7 @@
 //! Fourier transforms with the same bits on every system and processor.
 //!
-//! Libraries choose their algorithm by what the processor has, fuse multiplications where they can, and take their sines from
-//! the system: each of these changes the last place. Here, one algorithm is compiled for wider and narrower vectors.
+//! Libraries choose their algorithm by the processor, fuse multiplications where they can, and take their sines from
+//! the system: each of these changes the last digit. Here, one algorithm is compiled for wider and narrower vectors.
 //!
 //! | module | contents |
 //! |---|---|

@@ -1,7 +1,8 @@
 //! One pass over all samples of a transform: Stockham's, which leaves them in order.
 //!
-//! A pass of radix r makes transforms of n samples into r times as many of n / r. With `stride` transforms side by side, sample
-//! p of transform q lies at `q + stride p`. All that is read is contiguous, and so is all that is written but in the first pass.
+//! A pass of radix r turns transforms of n samples into r times as many of n / r. With `stride` transforms side by
+//! side, sample p of transform q lies at `q + stride p`. All reads are contiguous, and so are all writes except in the
+//! first pass.
 
 use std::f64::consts::TAU;
 
@@ -20,9 +21,9 @@ type Numbers<S> = (<S as Simd>::f64s, <S as Simd>::f64s);
 pub(super) struct Pass {
     radix: usize,
     stride: usize,
-    /// For each output of a butterfly but the first, the factor on it for every p: real parts, then imaginary ones.
+    /// For each output of a butterfly except the first, its factor for every p: real parts, then imaginary ones.
     twiddles: Vec<[Vec<f64>; 2]>,
-    /// Cosine and sine of the turns of a circle in `radix` parts, for radices that have no butterfly of their own.
+    /// Cosine and sine of the multiples of a turn divided by `radix`, for radices without a dedicated butterfly.
     turns: [(f64, f64); RADIX_MAX],
 }
 
@@ -68,7 +69,7 @@ impl Pass {
         }
     }
 
-    /// Butterflies `from` to `to` of one transform; what comes out of one lies together.
+    /// Butterflies `from` to `to` of one transform, whose outputs are contiguous.
     #[inline(always)]
     fn side_by_side<S: Simd, const R: usize>(
         &self,
@@ -141,7 +142,7 @@ impl Pass {
                 }
                 let results = butterfly::<S, R>(simd, inputs, &self.turns);
                 for part in 0..R {
-                    // Of the last pass all factors are 1, as is that of the first sample.
+                    // In the last pass all factors are 1, as is that of the first sample.
                     let result = if p == 0 { results[part] } else { times(simd, results[part], factors[part]) };
                     to_re[part * vectors + at] = result.0;
                     to_im[part * vectors + at] = result.1;
@@ -161,7 +162,7 @@ fn minus<S: Simd>(simd: S, a: Numbers<S>, b: Numbers<S>) -> Numbers<S> {
     (simd.sub_f64s(a.0, b.0), simd.sub_f64s(a.1, b.1))
 }
 
-/// Not fused: that would round otherwise on processors that can.
+/// Not fused: processors that can fuse would round differently.
 #[inline(always)]
 fn times<S: Simd>(simd: S, a: Numbers<S>, b: Numbers<S>) -> Numbers<S> {
     (

@@ -1,4 +1,5 @@
-//! Transforms of real samples: those of half as many complex ones, made of the even and the odd samples, taken apart.
+//! Transforms of real samples: complex transforms of half the length, made of the even and odd samples, whose results
+//! are then separated.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +8,7 @@ use pulp::{Simd, WithSimd};
 use super::complex::ComplexTransform;
 use super::{Complex64, Machine, Parts};
 
-/// Bins handled at once: what vectors of 256 bits hold.
+/// Number of bins handled at once: the width of vectors of 256 bits.
 const WIDTH: usize = 4;
 
 /// Fourier transforms of one length. Nothing allocates after `new` but
@@ -15,7 +16,7 @@ const WIDTH: usize = 4;
 #[derive(Debug)]
 pub struct RealTransform {
     samples: usize,
-    /// Of half as many samples, or, if they are odd in number, of all.
+    /// Transform of half as many samples, or of all if their number is odd.
     fourier: ComplexTransform,
     half_len: usize,
     /// Cosine and sine of every bin's turn up to a quarter of the length.
@@ -50,7 +51,7 @@ impl RealTransform {
         self.half_len + 1
     }
 
-    /// Numbers of room that transforms need.
+    /// Length of working memory that transforms need.
     pub fn room(&self) -> usize {
         self.fourier.room()
     }
@@ -62,7 +63,8 @@ impl RealTransform {
         spectrum
     }
 
-    /// `time` to the bins of `spectrum`, unscaled. `room` is at least [`room`](Self::room) long; what is in it does not matter.
+    /// Transforms `time` to the bins of `spectrum`, unscaled. `room` must be at least [`room`](Self::room) long; its
+    /// contents do not matter.
     pub fn forward(&self, time: &[f64], spectrum: &mut [Complex64], room: &mut [f64]) {
         if self.is_odd() {
             return self.forward_whole(time, spectrum, room);
@@ -79,8 +81,8 @@ impl RealTransform {
         self.machine.run(AllPairs { transform: self, pairs: Apart { spectrum, half: &result } });
     }
 
-    /// The bins of `spectrum` to `time`, unscaled: after [`forward`](Self::forward) it is `samples` times the signal. The
-    /// imaginary parts of the first and the last bin count as 0.
+    /// Transforms the bins of `spectrum` to `time`, unscaled: after [`forward`](Self::forward) it is `samples` times
+    /// the signal. The imaginary parts of the first and the last bin count as 0.
     pub fn inverse(&self, spectrum: &[Complex64], time: &mut [f64], room: &mut [f64]) {
         if self.is_odd() {
             return self.inverse_whole(spectrum, time, room);
@@ -109,7 +111,8 @@ impl RealTransform {
         }
     }
 
-    /// [`inverse`](Self::inverse) as a complex transform, of bins and their mirror images, with real and imaginary parts exchanged.
+    /// [`inverse`](Self::inverse) as a complex transform of bins and their mirror images, with real and imaginary parts
+    /// exchanged.
     fn inverse_whole(&self, spectrum: &[Complex64], time: &mut [f64], room: &mut [f64]) {
         let [Parts { re: im, im: re }, _] = self.fourier.halves(room);
         (re[0], im[0]) = (spectrum[0].re, 0.0);
@@ -159,13 +162,13 @@ impl<P: Pairs> WithSimd for AllPairs<'_, P> {
     }
 }
 
-/// What is done with bins and their mirror images.
+/// An operation on bins and their mirror images.
 trait Pairs {
-    /// With N bins from `bin` on, and N from `mirror` down.
+    /// The operation on N bins from `bin` on, and N from `mirror` down.
     fn several<const N: usize>(&mut self, bin: usize, mirror: usize, turn: [[f64; N]; 2]);
 }
 
-/// From the transform of half the length to the spectrum.
+/// Conversion from the transform of half the length to the spectrum.
 struct Apart<'a> {
     spectrum: &'a mut [Complex64],
     half: &'a Parts<'a>,
@@ -193,7 +196,7 @@ impl Pairs for Apart<'_> {
     }
 }
 
-/// From the spectrum to the one of half the length.
+/// Conversion from the spectrum to that of half the length.
 struct Together<'a, 'b> {
     spectrum: &'a [Complex64],
     half: &'a mut Parts<'b>,

@@ -4,12 +4,12 @@ use pyrophone_synthesis::fft::{Complex64, RealTransform};
 
 use super::bands::{BANDS, Bands};
 
-/// Power density by band, of a window that moves over a signal in steps.
+/// Power density by band, over a window that moves along a signal in steps.
 pub struct Analyser {
     transform: RealTransform,
     room: Vec<f64>,
     window: Vec<f32>,
-    /// From squared magnitude to density.
+    /// Factor from squared magnitude to density.
     scale: f32,
     bands: Bands,
     /// The last samples, oldest first from `next` on.
@@ -24,7 +24,7 @@ pub struct Analyser {
 }
 
 impl Analyser {
-    /// An analyser whose windows last about `window_s` and come every `step_s`.
+    /// An analyser with windows of about `window_s`, one every `step_s`.
     pub fn new(sample_rate_hz: f64, window_s: f64, step_s: f64) -> Self {
         let length = ((window_s * sample_rate_hz) as usize).next_power_of_two().clamp(64, 1 << 16);
         let window: Vec<f32> = (0..length)
@@ -51,14 +51,14 @@ impl Analyser {
         }
     }
 
-    /// Back to silence.
+    /// Restores silence.
     pub fn reset(&mut self) {
         self.past.fill(0.0);
         self.next = 0;
         self.until_step = self.step;
     }
 
-    /// Takes a sample; the densities where a step is complete, in full scale squared per Hz.
+    /// Adds a sample; returns the densities when a step is complete, in full scale squared per Hz.
     pub fn push(&mut self, sample: f32) -> Option<&[f32; BANDS]> {
         self.past[self.next] = if sample.is_finite() { sample } else { 0.0 };
         self.next = (self.next + 1) % self.past.len();

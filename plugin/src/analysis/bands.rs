@@ -3,7 +3,7 @@
 /// Number of bands.
 pub const BANDS: usize = 192;
 
-/// The axis' ends in Hz.
+/// Ends of the axis in Hz.
 pub const LOW_HZ: f64 = 20.0;
 /// The upper one.
 pub const HIGH_HZ: f64 = 20_000.0;
@@ -11,23 +11,23 @@ pub const HIGH_HZ: f64 = 20_000.0;
 /// Power density, in dB of full scale squared per Hz, that counts as silence.
 pub const FLOOR_DB: f32 = -160.0;
 
-/// The frequency at a place of the axis, 0-1.
+/// The frequency at a position on the axis, 0-1.
 pub fn frequency_hz(place: f64) -> f64 {
     LOW_HZ * (HIGH_HZ / LOW_HZ).powf(place)
 }
 
-/// The place of a frequency on the axis: 0-1 within its ends.
+/// The position of a frequency on the axis, 0-1 within its ends.
 pub fn place(frequency_hz: f64) -> f64 {
     (frequency_hz.max(1e-3) / LOW_HZ).ln() / (HIGH_HZ / LOW_HZ).ln()
 }
 
-/// Which bins of a spectrum make which band.
+/// Assignment of a spectrum's bins to bands.
 #[derive(Debug, Clone)]
 pub struct Bands {
     spans: Vec<Span>,
 }
 
-/// Bins of one band: the mean of whole ones, or a place between two.
+/// Bins of one band: the mean of whole ones, or a point between two.
 #[derive(Debug, Clone, Copy)]
 enum Span {
     Mean {

@@ -1,4 +1,4 @@
-//! How near the output is to the recording, and how well it follows the drive: running forms of the figures by which
+//! Likeness of the output to the recording, and how well it follows the drive: running forms of the figures by which
 //! results are scored, each over the last seconds.
 
 use std::collections::VecDeque;
@@ -6,13 +6,13 @@ use std::f64::consts::TAU;
 
 use pyrophone_synthesis::fft::{Complex64, RealTransform};
 
-/// Over how many seconds figures are told.
+/// Seconds over which figures are averaged.
 const MEMORY_S: f64 = 8.0;
 
-/// Seconds before a figure is told.
+/// Seconds of sound before a figure is given.
 const PATIENCE_S: f64 = 2.0;
 
-/// Two poles in a row at one frequency, low-pass; what is left over is the high-pass.
+/// Two cascaded low-pass poles at one frequency; the remainder is the high-pass.
 #[derive(Debug, Clone, Copy)]
 struct Poles {
     part: f64,
@@ -38,12 +38,12 @@ impl Poles {
     }
 }
 
-/// How sudden a sound is: the kurtosis of what lies above 1 kHz, its slow loudness taken out. 3 for Gaussian noise.
+/// Suddenness of a sound: the kurtosis of its part above 1 kHz, with the slow loudness removed. 3 for Gaussian noise.
 #[derive(Debug, Clone)]
 pub struct Crackle {
     high: [Poles; 2],
     loudness: Poles,
-    /// Powers that wait until loudness knows what came after them too.
+    /// Powers waiting until the loudness after them is known too.
     waiting: VecDeque<f64>,
     loudest: f64,
     forget: f64,
@@ -55,10 +55,10 @@ impl Crackle {
     /// Lowest frequency in Hz that crackles, and the fastest loudness in Hz that is slow.
     const LOW_HZ: f64 = 1000.0;
     const SLOW_HZ: f64 = 8.0;
-    /// Below this part of the loudest it is silence: -40 dB.
+    /// Share of the loudest power below which a sound counts as silent: -40 dB.
     const ACTIVE: f64 = 1e-2;
 
-    /// Nothing heard yet.
+    /// The state before the first sample.
     pub fn new(rate_hz: f64) -> Self {
         let forget = 1.0 / (MEMORY_S * rate_hz);
         let high = [Poles::new(Self::LOW_HZ, rate_hz); 2];
@@ -69,7 +69,7 @@ impl Crackle {
         Self { high, loudness, waiting, loudest: 0.0, forget, moments: [0.0; 2], weight: 0.0 }
     }
 
-    /// Takes a sample.
+    /// Adds a sample.
     pub fn push(&mut self, sample: f32) {
         let sample = if sample.is_finite() { f64::from(sample) } else { 0.0 };
         let high = self.high.iter_mut().fold(sample, |sample, poles| poles.high(sample));
@@ -86,7 +86,7 @@ impl Crackle {
         }
     }
 
-    /// The kurtosis of late; none before two seconds of sound.
+    /// The recent kurtosis; none before two seconds of sound.
     pub fn kurtosis(&self) -> Option<f64> {
         let known = 1.0 - (-PATIENCE_S / MEMORY_S).exp();
         let [square, fourth] = self.moments;
@@ -95,8 +95,8 @@ impl Crackle {
     }
 }
 
-/// Tones in a sound: how far its spectrum stands above its own neighbourhood, as the 99th percentile from 500 Hz to
-/// 10 kHz. Noise has some 2 dB; a buzz has more.
+/// Tones in a sound: the height of its spectrum above its own neighbourhood, as the 99th percentile from 500 Hz to 10
+/// kHz. Noise has some 2 dB; a buzz has more.
 pub struct Lines {
     transform: RealTransform,
     room: Vec<f64>,
@@ -116,16 +116,16 @@ impl Lines {
     /// Length of a window in seconds, at most, and windows that overlap.
     const WINDOW_S: f64 = 0.38;
     const OVERLAP: usize = 4;
-    /// Half the neighbourhood in Hz, as wide as it is in the figure for whole files.
+    /// Half the width of the neighbourhood in Hz, the same as in the figure for whole files.
     const NEAR_HZ: f64 = 135.0;
-    /// Band in Hz, and the percentile told.
+    /// Band in Hz, and the percentile given.
     const BAND_HZ: (f64, f64) = (500.0, 10_000.0);
     const PERCENTILE: f64 = 0.99;
 
-    /// Nothing heard yet.
+    /// The state before the first sample.
     pub fn new(rate_hz: f64) -> Self {
         let length = 1 << ((rate_hz * Self::WINDOW_S).log2() as usize).clamp(8, 17);
-        // Blackman-Harris: what leaks lies 92 dB down.
+        // Blackman-Harris: its side lobes lie 92 dB down.
         let window = (0..length).map(|n| {
             let angle = TAU * n as f64 / length as f64;
             (0.35875 - 0.48829 * angle.cos() + 0.14128 * (2.0 * angle).cos() - 0.01168 * (3.0 * angle).cos()) as f32
@@ -148,7 +148,7 @@ impl Lines {
         }
     }
 
-    /// Takes a sample.
+    /// Adds a sample.
     pub fn push(&mut self, sample: f32) {
         self.past[self.next] = if sample.is_finite() { sample } else { 0.0 };
         self.next = (self.next + 1) % self.past.len();
@@ -162,7 +162,7 @@ impl Lines {
             *out = f64::from(sample * weight);
         }
         self.transform.forward(&self.time, &mut self.spectrum, &mut self.room);
-        // A plain mean, until there is more than is remembered.
+        // A plain mean until the memory is full.
         let part = self.part.max(1.0 / (self.steps + 1) as f32);
         for (power, bin) in self.power.iter_mut().zip(&self.spectrum) {
             *power += part * (bin.norm_sqr() as f32 - *power);
@@ -170,7 +170,7 @@ impl Lines {
         self.steps += 1;
     }
 
-    /// The figure in dB; none before two seconds of sound. Takes some milliseconds.
+    /// The figure in dB; none before two seconds of sound. Computing it needs some milliseconds.
     pub fn prominence_db(&self) -> Option<f64> {
         let step_s = f64::from(self.part) * MEMORY_S;
         if (self.steps as f64) * step_s < PATIENCE_S {
@@ -197,7 +197,7 @@ impl Lines {
     }
 }
 
-/// How well a sound's loudness follows another's: correlation of both envelopes in dB.
+/// Agreement of two sounds' loudness: correlation of both envelopes in dB.
 #[derive(Debug, Clone)]
 pub struct Follow {
     high: [Poles; 2],
@@ -212,10 +212,10 @@ impl Follow {
     const LOW_HZ: f64 = 500.0;
     const ENVELOPE_HZ: f64 = 20.0;
     const PAIRS_HZ: f64 = 100.0;
-    /// What is softer than the loudest by this much is as soft, in dB.
+    /// Level in dB below the loudest at which all sounds count as equally soft.
     const RANGE_DB: f64 = 50.0;
 
-    /// Nothing heard yet.
+    /// The state before the first sample.
     pub fn new(rate_hz: f64) -> Self {
         let step = ((rate_hz / Self::PAIRS_HZ).round() as usize).max(1);
         let high = [Poles::new(Self::LOW_HZ, rate_hz); 2];
@@ -223,7 +223,7 @@ impl Follow {
         Self { high, envelopes, step, until_step: step, pairs: VecDeque::new() }
     }
 
-    /// Takes what leads and what follows, at one moment.
+    /// Adds one sample of the leading and one of the following sound, at the same moment.
     pub fn push(&mut self, leads: f32, follows: f32) {
         let clean = |sample: f32| if sample.is_finite() { f64::from(sample) } else { 0.0 };
         let follows = self.high.iter_mut().fold(clean(follows), |sample, poles| poles.high(sample));
@@ -263,7 +263,7 @@ impl Follow {
     }
 }
 
-/// Figures of a recording, by which the output's are judged.
+/// Figures of a recording, against which those of the output are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Character {
     /// See [`Crackle`].
@@ -273,7 +273,7 @@ pub struct Character {
 }
 
 impl Character {
-    /// Of a sound, sample by sample.
+    /// The character of a sound, from its samples.
     pub fn of(samples: impl Iterator<Item = f32>, rate_hz: f64) -> Self {
         let (mut crackle, mut lines) = (Crackle::new(rate_hz), Lines::new(rate_hz));
         for sample in samples {
@@ -284,7 +284,7 @@ impl Character {
     }
 }
 
-/// What is told of the output.
+/// Figures of the output.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Figures {
     /// Correlation of the output's loudness with the drive's.
@@ -295,27 +295,27 @@ pub struct Figures {
     pub crackle: Option<f64>,
 }
 
-/// What is wrong with the output.
+/// Fault of the output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Diagnosis {
-    /// Tones stand out.
+    /// Tones are prominent.
     Buzzes,
-    /// They are likely to: loudness is matched over a long way.
+    /// Tones are likely: loudness is matched over a large range.
     MayBuzz,
-    /// Its loudness is not the drive's.
+    /// Its loudness does not follow the drive.
     Wanders,
     /// It is more sudden than the recording.
     Sudden,
-    /// It is less sudden.
+    /// It is less sudden than the recording.
     Dull,
 }
 
 impl Diagnosis {
-    /// What to change, in plain words; `is_calm` tells that of the texture's controls none is left to turn.
+    /// The suggested change, in plain words; `is_calm` if none of the texture's controls has room left for it.
     pub fn advice(self, is_calm: bool) -> &'static str {
         match self {
             Self::Buzzes if is_calm => {
-                "Tones stand out that the recording has not: a longer, livelier recording has fewer."
+                "Tones stand out that the recording does not have: a longer, livelier recording has fewer."
             }
             Self::Buzzes => "It buzzes: turn Scaling auto on, Scaling alpha down, or Dynamics mode to companded.",
             Self::MayBuzz => {
@@ -332,7 +332,7 @@ impl Diagnosis {
 }
 
 impl Figures {
-    /// What is worst; nothing where all is well.
+    /// The worst fault; none where all is well.
     pub fn fault(&self) -> Option<Diagnosis> {
         let beyond = |value: Option<f64>, is_bad: &dyn Fn(f64) -> bool| value.is_some_and(is_bad);
         if beyond(self.lines_db, &|lines_db| lines_db > 2.5) {
@@ -361,10 +361,10 @@ pub struct Fidelity {
 }
 
 impl Fidelity {
-    /// How often per second figures are worked out.
+    /// Updates of the figures per second.
     const TOLD_HZ: f64 = 2.0;
 
-    /// Nothing heard yet.
+    /// The state before the first sample.
     pub fn new(rate_hz: f64) -> Self {
         let every = ((rate_hz / Self::TOLD_HZ) as usize).max(1);
         Self {
@@ -378,7 +378,7 @@ impl Fidelity {
         }
     }
 
-    /// Takes a sample of the drive, and the output's at the same moment.
+    /// Adds a sample of the drive, and the output's at the same moment.
     pub fn push(&mut self, drive: f32, output: f32) {
         self.crackle.push(output);
         self.lines.push(output);

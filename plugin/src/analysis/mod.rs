@@ -1,12 +1,12 @@
-//! What the window shows of sounds: their spectra, their course, their outline.
+//! Analysis of sounds for the window: spectra, spectrograms, outlines.
 //!
-//! | module | is |
+//! | module | content |
 //! |---|---|
 //! | [`bands`] | the frequencies of all plots |
 //! | [`analyser`] | a running spectrum |
-//! | [`fidelity`] | how near the output is to the recording, and how well it follows the drive |
+//! | [`fidelity`] | likeness of the output to the recording, and how well it follows the drive |
 //! | [`recording_overview`] | a whole recording at a glance |
-//! | [`range`] | whether matching two ranges of amplitudes is likely to buzz |
+//! | [`range`] | likelihood that matching two ranges of amplitudes buzzes |
 
 pub mod analyser;
 pub mod bands;

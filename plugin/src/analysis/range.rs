@@ -1,8 +1,8 @@
-//! How wide the range of a sound's amplitudes is, and whether matching it with another's is likely to buzz.
+//! Range of a sound's amplitudes, and the likelihood that matching it with another's buzzes.
 
-/// Steps of probability at which amplitudes are told.
+/// Steps of probability in a stored distribution.
 const STEPS: usize = 65;
-/// Windows before anything is told: about a second.
+/// Windows needed before the first result: about a second.
 const PATIENCE: usize = 700;
 
 /// Amplitudes of a sound at equal steps of probability, ascending.
@@ -10,7 +10,7 @@ const PATIENCE: usize = 700;
 pub struct Amplitudes(pub Vec<f32>);
 
 impl Amplitudes {
-    /// Those of these magnitudes; none where they are too few.
+    /// The distribution of these magnitudes; none where there are too few.
     pub fn of(magnitudes: impl Iterator<Item = f32>) -> Option<Self> {
         let mut sorted: Vec<f32> = magnitudes.collect();
         if sorted.len() < PATIENCE {
@@ -22,12 +22,12 @@ impl Amplitudes {
     }
 }
 
-/// Mean gain in dB beyond which matching is likely to buzz. Of the nine pairs of the reference data all that buzz lie above it
-/// (9 to 15 dB), and of those that do not four lie below (1 to 7 dB), two above.
+/// Mean gain in dB beyond which matching is likely to buzz. Of the nine pairs of the reference data all that buzz lie
+/// above it (9 to 15 dB), and of those that do not four lie below (1 to 7 dB), two above.
 pub const BUZZING_DB: f64 = 8.5;
 
-/// How far, in dB, windows are on average brought from their own level to the drive's by dynamic-range matching (§5.3, eq. 17),
-/// over all but the drive's quietest quarter. Many large factors in a row are what adds up to a buzz (§6). Both
+/// Mean distance, in dB, by which dynamic-range matching (§5.3, eq. 17) moves windows from their own level to the
+/// drive's, over all but the drive's quietest quarter. Many large factors in a row add up to a buzz (§6). Both
 /// distributions ascend in equal steps of probability.
 pub fn mean_gain_db(drive: &[f32], recording: &[f32], scaling_alpha: f64) -> f64 {
     let steps = drive.len().min(recording.len());

@@ -1,4 +1,4 @@
-//! A whole recording at a glance: its outline, its spectrum, its course.
+//! Overview of a whole recording: its outline, spectrum and spectrogram.
 
 use pyrophone_recording::{Cut, Recording};
 
@@ -9,13 +9,13 @@ use super::fidelity::Character;
 /// Columns of outline and course.
 pub const COLUMNS: usize = 512;
 
-/// Longest stretch, in seconds, whose spectrum is looked at in every column: an hour is not worth a minute's work.
+/// Longest stretch, in seconds, analysed for each column: an hour-long recording must not cost a minute of analysis.
 const GLANCE_S: f64 = 0.1;
 
-/// Longest stretch, in seconds, from a recording's middle by which an output is judged.
+/// Longest stretch, in seconds, from a recording's middle against which an output is judged.
 const JUDGED_S: f64 = 12.0;
 
-/// What is drawn of a recording, and judged by: outline and course are of all of it, the rest of the part that is learnt from.
+/// Picture and figures of a recording: outline and spectrogram cover all of it, the rest the part used for learning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Portrait {
     /// Least and largest sample by column.
@@ -24,16 +24,16 @@ pub struct Portrait {
     pub spectrum_db: [f32; BANDS],
     /// Power density in dB, by column, then band.
     pub course_db: Vec<[f32; BANDS]>,
-    /// Figures by which an output is judged.
+    /// Figures against which an output is judged.
     pub character: Character,
     /// Length in seconds.
     pub duration_s: f64,
-    /// Where the part begins, in seconds.
+    /// Start of the part, in seconds.
     pub start_s: f64,
 }
 
 impl Portrait {
-    /// The portrait of a recording of which the part `cut` is learnt from.
+    /// The portrait of a recording whose part `cut` is used for learning.
     pub fn of(recording: &Recording, cut: &Cut) -> Self {
         let samples = recording.len_samples();
         let share = 1.0 / recording.channels.len().max(1) as f32;
@@ -51,7 +51,7 @@ impl Portrait {
         let mut analyser = Analyser::new(rate_hz, GLANCE_S / 2.0, GLANCE_S);
         let course = (0..COLUMNS).map(|index| {
             let span = column(index);
-            // Windows reach beyond a column where columns are short.
+            // Windows extend beyond a column where columns are short.
             let middle = (span.start + span.end) / 2;
             analyser.reset();
             let mut here = [0.0; BANDS];
@@ -75,7 +75,7 @@ impl Portrait {
         all.with_cut(recording, cut)
     }
 
-    /// The same recording's, of which another part is learnt from. A part that makes no sense is taken as all.
+    /// The portrait of the same recording with another part used for learning. An invalid part counts as all.
     pub fn with_cut(&self, recording: &Recording, cut: &Cut) -> Self {
         let samples = recording.len_samples();
         let span = cut.span(recording).unwrap_or(0..samples);

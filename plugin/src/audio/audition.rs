@@ -1,32 +1,34 @@
-//! Listening to one sound alone while a window wants it: the drive, the recording, or, as always without a window, the output.
+//! Monitoring of one sound while a window asks for it: the drive, the recording, or the output (always, if no window is
+//! open).
 
 use std::sync::Arc;
 
 use crate::probe::Listen;
 
-/// Length in seconds of the crossfade from one sound to another, and of the fades at a recording's ends.
+/// Length in seconds of the crossfade between sounds, and of the fades at a recording's ends.
 const FADE_S: f32 = 0.01;
 
 /// A recording at the engine's rate, channel by channel.
 pub type AuditionClip = Arc<Vec<Vec<f32>>>;
 
-/// The audio thread's part; nothing in it allocates but [`new`](Self::new).
+/// The audio thread's part; nothing in it allocates except [`new`](Self::new).
 #[derive(Debug)]
 pub struct Audition {
-    /// The drive as far back as the latency, and where its next sample goes.
+    /// The drive over the latency, and the index of its next sample.
     past: Vec<f32>,
     next: usize,
     tape: Option<AuditionClip>,
     /// The tape's next sample.
     at: usize,
-    /// How much is heard of the drive and of the tape; the output has the rest.
+    /// Shares of the drive and of the recording; the output has the rest.
     shares: [f32; 2],
     step: f32,
     effects: Option<usize>,
 }
 
 impl Audition {
-    /// For engines of this latency; `effects` is the output's channel of low-frequency effects, on which nothing is auditioned.
+    /// For engines of this latency; `effects` is the output's channel of low-frequency effects, which stays without
+    /// auditioned sound.
     pub fn new(sample_rate_hz: f64, latency_samples: usize, effects: Option<usize>) -> Self {
         Self {
             past: vec![0.0; latency_samples.max(1)],
@@ -45,7 +47,7 @@ impl Audition {
         std::mem::replace(&mut self.tape, tape)
     }
 
-    /// Back to the output alone.
+    /// Restores the output alone.
     pub fn reset(&mut self) {
         self.past.fill(0.0);
         self.next = 0;
@@ -53,7 +55,7 @@ impl Audition {
         self.shares = [0.0; 2];
     }
 
-    /// Puts what is to be heard over one block of the output; `drive` is as long, and ahead of it by the latency.
+    /// Replaces one block of the output by the monitored sound; `drive` is as long, and ahead of it by the latency.
     pub fn process(&mut self, listen: Listen, drive: &[f32], outputs: &mut [&mut [f32]]) {
         let targets = match listen {
             Listen::Output => [0.0, 0.0],
@@ -91,14 +93,14 @@ impl Audition {
         tape.get(channel % count).and_then(|samples| samples.get(self.at)).copied().unwrap_or(0.0)
     }
 
-    /// The level at the tape's place: it begins and ends softly.
+    /// The level at the recording's position: it fades in and out.
     fn edge(&self) -> f32 {
         let length = self.tape.as_ref().and_then(|tape| tape.first()).map_or(0, Vec::len);
         let from_end = self.at.min(length.saturating_sub(self.at + 1));
         (from_end as f32 * self.step).min(1.0)
     }
 
-    /// On to the tape's next sample, from its end to its start.
+    /// Advances to the recording's next sample, from its end to its start.
     fn turn(&mut self) {
         let length = self.tape.as_ref().and_then(|tape| tape.first()).map_or(0, Vec::len);
         self.at = if self.at + 1 < length { self.at + 1 } else { 0 };

@@ -1,4 +1,4 @@
-//! A burst of flame to try settings with where no flame is at hand: it is added to what comes in.
+//! A burst of flame, added to the input, for trying settings without a flame.
 
 use std::f64::consts::TAU;
 
@@ -6,15 +6,15 @@ use pyrophone_synthesis::noise::White;
 
 /// Length in seconds.
 const LENGTH_S: f64 = 1.6;
-/// How fast it swells and dies, in seconds.
+/// Attack and decay times, in seconds.
 const ATTACK_S: f64 = 0.03;
 const DECAY_S: f64 = 0.35;
-/// Its upper end in Hz: what a flame is simulated up to.
+/// Upper cut-off in Hz: the limit up to which a flame is simulated.
 const CUTOFF_HZ: f64 = 180.0;
-/// Its peak.
+/// Peak amplitude.
 const PEAK: f64 = 0.5;
 
-/// A burst, how much of it was played, and how loud.
+/// A burst, its playback position, and its level.
 #[derive(Debug, Default)]
 pub struct Burst {
     samples: Vec<f32>,
@@ -23,7 +23,7 @@ pub struct Burst {
 }
 
 impl Burst {
-    /// A burst that does not sound yet. Allocates.
+    /// A burst that is not playing yet. Allocates.
     pub fn new(sample_rate_hz: f64) -> Self {
         let noise = White::new(0x4255_5253, 0);
         let part = 1.0 - maths::exp(-TAU * CUTOFF_HZ / sample_rate_hz);
@@ -36,7 +36,7 @@ impl Burst {
             }
             let time_s = n as f64 / sample_rate_hz;
             let swell = (time_s / ATTACK_S).min(1.0);
-            // The last part takes what is left of it to nothing.
+            // The last fifth fades the remainder to zero.
             let end = ((LENGTH_S - time_s) / (0.2 * LENGTH_S)).min(1.0);
             value * swell * end * maths::exp(-time_s / DECAY_S)
         };
@@ -46,18 +46,18 @@ impl Burst {
         Self { samples: samples.iter().map(|x| (x * PEAK / peak) as f32).collect(), at, level: 1.0 }
     }
 
-    /// Begins, at a level of 0-1; one that sounds begins again.
+    /// Starts the burst at a level of 0-1; one that is playing starts again.
     pub fn start(&mut self, level: f32) {
         self.level = if level.is_finite() { level.clamp(0.0, 1.0) } else { 0.0 };
         self.at = 0;
     }
 
-    /// Ends at once.
+    /// Stops at once.
     pub fn stop(&mut self) {
         self.at = self.samples.len();
     }
 
-    /// Its level.
+    /// The level.
     pub fn level(&self) -> f32 {
         self.level
     }

@@ -1,9 +1,9 @@
 //! Bursts that notes light within a block.
 
-/// Most that one block may light; more are as good as none.
+/// Most bursts that one block may start; more would make no audible difference.
 const MOST: usize = 16;
 
-/// Samples of a block at which a burst begins, and how loud, 0-1.
+/// Samples of a block at which a burst starts, and its level, 0-1.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Lights {
     lights: [(usize, f32); MOST],
@@ -19,12 +19,12 @@ impl Lights {
         }
     }
 
-    /// The level of the last one that begins at `sample`, if any does.
+    /// The level of the last burst that starts at `sample`, if any does.
     pub fn at(&self, sample: usize) -> Option<f32> {
         self.lights[..self.count].iter().rev().find(|(at, _)| *at == sample).map(|(_, level)| *level)
     }
 
-    /// The first sample after `sample` at which one begins, if any does.
+    /// The first sample after `sample` at which a burst starts, if any does.
     pub fn next(&self, sample: usize) -> Option<usize> {
         self.lights[..self.count].iter().map(|(at, _)| *at).filter(|at| *at > sample).min()
     }

@@ -15,19 +15,19 @@ pub enum Page {
     /// Performing: flame, layers, macros, takes.
     #[default]
     Play,
-    /// What every engine does, and all its parameters.
+    /// Pictures of the engines, and all their parameters.
     Engines,
-    /// Vortex sound, and where it is.
+    /// Vortex sound, and the position of its sources.
     Space,
-    /// What decides sizes and latency, and is set once.
+    /// Settings that decide sizes and latency, made once.
     Setup,
 }
 
 impl Page {
-    /// All pages, in the order in which they are shown.
+    /// All pages, in order of display.
     pub const ALL: [Self; 4] = [Self::Play, Self::Engines, Self::Space, Self::Setup];
 
-    /// Its name.
+    /// The page's name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Play => "Play",
@@ -37,7 +37,7 @@ impl Page {
         }
     }
 
-    /// What is on it.
+    /// The page's content, in a few words.
     pub fn hint(self) -> &'static str {
         match self {
             Self::Play => "Performing: flame, layers, macros, takes",
@@ -47,9 +47,9 @@ impl Page {
         }
     }
 
-    /// Its groups, with a word on what they do.
+    /// The page's groups, with a note on each.
     fn groups(self) -> &'static [Group] {
-        // Which parameter is where does not change: it is not looked up with every frame.
+        // The layout never changes, so it is looked up once and not in every frame.
         static ENGINES: LazyLock<[Group; 7]> = LazyLock::new(|| {
             [
                 Group::new("Drive", "the input"),
@@ -90,14 +90,14 @@ pub fn show(ui: &mut Ui, page: Page, hand: &mut ParamEditor<'_>) {
         let room = ui.available_width();
         let mut rest = page.groups();
         while let [first, ..] = rest {
-            // As many as fit beside each other, but one at least.
+            // As many as fit side by side, but at least one.
             let mut width = first.width();
             let more = rest[1..].iter().take_while(|group| {
                 width += SPACING + group.width();
                 width <= room
             });
             let (row, next) = rest.split_at(1 + more.count());
-            // What is left of the row is shared, so that all rows end alike.
+            // The remaining width is shared, so that all rows have the same length.
             let used: f32 = row.iter().map(Group::width).sum::<f32>() + SPACING * (row.len() - 1) as f32;
             let spare = (room - used).max(0.0) / row.len() as f32;
             ui.horizontal_top(|ui| {
@@ -112,13 +112,13 @@ pub fn show(ui: &mut Ui, page: Page, hand: &mut ParamEditor<'_>) {
 struct Group {
     head: String,
     note: &'static str,
-    /// Choices and switches, and knobs, by their places in the table.
+    /// Choices and switches, and knobs, by their indices in the table.
     picks: Vec<usize>,
     knobs: Vec<usize>,
 }
 
 impl Group {
-    /// All of a group but the switch for bypass, which stands in the head of the window.
+    /// All of a group except the bypass switch, which is in the window's header.
     fn new(name: &'static str, note: &'static str) -> Self {
         let members =
             (0..PARAMETERS.len()).filter(|index| PARAMETERS[*index].group == name && PARAMETERS[*index].id != "bypass");

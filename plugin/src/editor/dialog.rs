@@ -1,7 +1,7 @@
-//! The system's file dialog, on a thread of its own so that neither window nor sound wait for it.
+//! The system's file dialog, on a separate thread so that neither window nor sound waits for it.
 //!
-//! Where the environment variable `PYROPHONE_DIALOG` names a path, that is chosen at once and no dialog is shown: for tests, and for
-//! systems without a dialog to show.
+//! Where the environment variable `PYROPHONE_DIALOG` names a path, that is chosen at once and no dialog is shown: for
+//! tests, and for systems without a dialog.
 
 use std::future::Future;
 use std::path::{Path, PathBuf};
@@ -22,17 +22,17 @@ const EXTENSIONS: &[&str] =
 
 const VARIABLE: &str = "PYROPHONE_DIALOG";
 
-/// How often the thread looks whether it was called off.
+/// Interval at which the thread checks for cancellation.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// What the user is asked for.
+/// Purpose of the dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Ask {
     /// A recording of fire, or a speed field.
     Recording,
     /// A sound whose loudness is learned.
     Drive,
-    /// Where to save a sound, which is likely to be called so.
+    /// A destination for a sound, with a suggested name.
     Save(String),
 }
 
@@ -52,7 +52,7 @@ impl Wake for Unpark {
 }
 
 impl Dialog {
-    /// Opens the dialog in the folder of `path`; `notifier` wakes the window at its end.
+    /// Opens the dialog in the folder of `path`; `notifier` wakes the window when it closes.
     pub fn open(ask: Ask, path: &str, notifier: RepaintNotifier) -> Self {
         let folder = Path::new(path).parent().filter(|folder| folder.is_dir()).map(Path::to_owned);
         let (sender, receiver) = channel();
@@ -61,16 +61,16 @@ impl Dialog {
         let flag = called_off.clone();
         let ask = move || {
             let chosen = answer.or_else(|| show(&ask, folder.as_deref(), &flag));
-            // The window may be gone; then nobody wants the answer.
+            // Fails only if the window is gone, and then nobody needs the answer.
             let _ = sender.send(chosen);
             notifier.request_repaint();
         };
-        // Without a thread the receiver is cut off, which reads as "nothing chosen".
+        // Without a thread the receiver is disconnected, which reads as "nothing chosen".
         let thread = std::thread::Builder::new().name("pyrophone-dialog".to_owned()).spawn(ask).ok();
         Self { chosen: Mutex::new(receiver), called_off, thread }
     }
 
-    /// The answer, once there is one: a file, or none.
+    /// The answer, once there is one: a file, or none if cancelled.
     pub fn poll(&mut self) -> Option<Option<PathBuf>> {
         let receiver = self.chosen.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner);
         match receiver.try_recv() {
@@ -91,7 +91,7 @@ impl Drop for Dialog {
     }
 }
 
-/// Shows the dialog, beginning in a folder, and gives what was chosen.
+/// Shows the dialog, starting in a folder, and returns the choice.
 fn show(ask: &Ask, folder: Option<&Path>, called_off: &AtomicBool) -> Option<PathBuf> {
     let mut dialog = AsyncFileDialog::new();
     if let Some(folder) = folder {
@@ -115,7 +115,7 @@ fn show(ask: &Ask, folder: Option<&Path>, called_off: &AtomicBool) -> Option<Pat
     chosen.flatten().map(|file| file.path().to_owned())
 }
 
-/// Runs a future to its end on this thread, or until called off.
+/// Runs a future to completion on this thread, or until cancelled.
 fn wait_for<T>(future: impl Future<Output = T>, called_off: &AtomicBool) -> Option<T> {
     let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
     let mut context = Context::from_waker(&waker);

@@ -1,9 +1,9 @@
-//! A sound that is dragged out of the window, onto another program's timeline or into a folder.
+//! Dragging a sound out of the window, onto another program's timeline or into a folder.
 //!
-//! Under X11 this is a source of XDND 5 on a connection and a thread of its own: the window's button is held by the window
-//! itself, so pointer and buttons are asked for instead. Windows (`DoDragDrop`) and macOS (`NSDraggingSource`) want their
-//! source in the window's own event loop, which baseview 0.4.2 does not let in; there sounds are saved and dragged from
-//! the system's file browser.
+//! Under X11 this is a source of XDND 5 on a separate connection and thread: the window itself holds the pointer grab,
+//! so pointer and buttons are polled instead. Windows (`DoDragDrop`) and macOS (`NSDraggingSource`) need their source
+//! in the window's own event loop, to which baseview 0.4.2 gives no access; there sounds are saved and dragged from the
+//! system's file browser.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ use x11rb::wrapper::ConnectionExt as _;
 use super::task::Task;
 
 x11rb::atom_manager! {
-    /// What source and target speak of.
+    /// Atoms of the protocol between source and target.
     Words: WordsCookie {
         XdndAware,
         XdndProxy,
@@ -44,25 +44,25 @@ x11rb::atom_manager! {
 }
 
 const VERSION: u32 = 5;
-/// How often pointer and target are asked.
+/// Interval at which pointer and target are polled.
 const PERIOD: Duration = Duration::from_millis(10);
-/// Time that a target has to take what was dropped.
+/// Time allowed to a target for reading the dropped file.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// Bytes that stand for themselves in an address, beside letters and digits.
+/// Bytes left unescaped in an address, beside letters and digits.
 const PLAIN: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_');
 
-/// What came of a drag.
+/// Outcome of a drag.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
-    /// The file was taken.
+    /// The target accepted the file.
     Taken(PathBuf),
-    /// It was dropped where nobody takes it, or called off.
+    /// It was dropped where no target accepts it, or cancelled.
     Dropped,
-    /// Something went wrong, in words.
+    /// An error, in words.
     Failed(String),
 }
 
-/// Where sounds are dragged out of.
+/// Source of sounds dragged out of a window.
 pub struct DragSource {
     editor: Window,
     is_called_off: Arc<AtomicBool>,
@@ -70,7 +70,7 @@ pub struct DragSource {
 }
 
 impl DragSource {
-    /// A source for this window; none where it cannot be.
+    /// A source for this window; none where dragging is not possible.
     pub fn of(window: &impl HasWindowHandle) -> Option<Self> {
         let editor = match window.window_handle().ok()?.as_raw() {
             RawWindowHandle::Xlib(handle) => u32::try_from(handle.window).ok()?,
@@ -80,12 +80,13 @@ impl DragSource {
         Some(Self { editor, is_called_off: Arc::default(), task: None })
     }
 
-    /// Whether something is being dragged.
+    /// True if a drag is under way.
     pub fn is_busy(&self) -> bool {
         self.task.is_some()
     }
 
-    /// Drags the file that `write` makes, as long as the primary button is held; `end` is called when it is over.
+    /// Drags the file that `write` creates, as long as the primary button is held; `end` is called when the drag is
+    /// over.
     pub fn start(
         &mut self,
         path: PathBuf,
@@ -103,7 +104,7 @@ impl DragSource {
         self.task = Task::start("pyrophone-drag", work, end);
     }
 
-    /// What came of the last drag, once.
+    /// The outcome of the last drag, once.
     pub fn poll(&mut self) -> Option<Outcome> {
         let outcome = self.task.as_mut()?.poll()?;
         self.task = None;
@@ -122,7 +123,7 @@ fn outcome(is_taken: bool, path: PathBuf) -> Outcome {
     if is_taken { Outcome::Taken(path) } else { Outcome::Dropped }
 }
 
-/// Why there is no drag.
+/// Reason for which a drag failed.
 #[derive(Debug)]
 enum Error {
     Connect(ConnectError),
@@ -163,7 +164,7 @@ impl From<ReplyOrIdError> for Error {
     }
 }
 
-/// A window that takes what is dropped, and the one that answers for it.
+/// A window that accepts drops, and the one that answers for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Target {
     window: Window,
@@ -175,12 +176,12 @@ struct Drag {
     connection: RustConnection,
     words: Words,
     root: Window,
-    /// Not dropped on: it would load what it has made.
+    /// Excluded as a target: it would load the sound it has made.
     editor: Window,
     source: Window,
     uri: String,
     target: Option<Target>,
-    /// Where the pointer was told to be last, and whether the answer to that is awaited.
+    /// Position last sent to the target, and whether a reply to it is pending.
     told: Option<(i16, i16)>,
     is_awaited: bool,
     is_accepted: bool,
@@ -210,7 +211,7 @@ impl Drag {
         })
     }
 
-    /// Follows the pointer until the button is let go; whether the file was taken.
+    /// Follows the pointer until the button is released; true if the file was accepted.
     fn run(&mut self, is_called_off: &AtomicBool) -> Result<bool, Error> {
         loop {
             self.answer()?;
@@ -230,7 +231,7 @@ impl Drag {
         }
     }
 
-    /// The button was let go: drops, once the target has said whether it takes it, and waits until it has.
+    /// The button was released: drops, once the target has said that it accepts, and waits until it has read the file.
     fn let_go(&mut self, is_called_off: &AtomicBool) -> Result<bool, Error> {
         let (began, mut is_dropped) = (Instant::now(), false);
         while let Some(target) = self.target {
@@ -255,7 +256,7 @@ impl Drag {
         Ok(false)
     }
 
-    /// Answers what has arrived; whether the file was taken, once the target has said so.
+    /// Handles the events that have arrived; returns whether the file was accepted, once the target has said so.
     fn answer(&mut self) -> Result<Option<bool>, Error> {
         while let Some(event) = self.connection.poll_for_event()? {
             match event {
@@ -304,7 +305,7 @@ impl Drag {
         Ok(())
     }
 
-    /// The outermost window at a place of the screen that takes what is dropped, but for the editor's own.
+    /// The topmost window at a screen position that accepts drops, except the editor's own.
     fn target_at(&self, (x, y): (i16, i16)) -> Result<Option<Target>, Error> {
         let (mut window, mut found) = (self.root, None);
         loop {
@@ -332,7 +333,7 @@ impl Drag {
         Ok(version.filter(|version| *version >= 3).map(|_| Target { window, proxy }))
     }
 
-    /// The first number of a property; none of a window that is gone.
+    /// The first number of a property; none for a window that is gone.
     fn property(&self, window: Window, name: u32) -> Result<Option<u32>, Error> {
         match self.connection.get_property(false, window, name, AtomEnum::ANY, 0, 1)?.reply() {
             Ok(reply) => Ok(reply.value32().and_then(|mut values| values.next())),
@@ -364,7 +365,7 @@ impl Drag {
     fn leave(&mut self) -> Result<(), Error> {
         if let Some(target) = self.target.take() {
             self.tell(target, self.words.XdndLeave, [0; 4])?;
-            // A connection that is closed with answers unread loses what it sent last.
+            // Closing a connection with unread replies discards its last requests.
             self.connection.sync()?;
         }
         (self.told, self.is_awaited, self.is_accepted) = (None, false, false);

@@ -1,5 +1,6 @@
-//! Files that are dropped on the window. Under X11 egui-baseview 0.9.0 passes none on, so a window of our own, which nobody sees, stands
-//! in for the editor's as a target (XDND 5, `XdndProxy`), on a thread of its own. Other systems' files never arrive.
+//! Dropping files on the window. Under X11 egui-baseview 0.9.0 passes no drops on, so an invisible window of our own
+//! acts as target for the editor's (XDND 5, `XdndProxy`), on a separate thread. On other systems dropped files never
+//! arrive.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,7 +21,7 @@ use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
 x11rb::atom_manager! {
-    /// What source and target speak of.
+    /// Atoms of the protocol between source and target.
     Words: WordsCookie {
         XdndAware,
         XdndProxy,
@@ -41,7 +42,7 @@ const VERSION: u32 = 5;
 /// Longest list of files that is read, in units of four bytes.
 const LONGEST: u32 = 1 << 18;
 
-/// What takes files for a window; dropping it ends that.
+/// Receiver of files dropped on a window; dropping it ends that.
 pub struct DropTarget {
     dropped: Mutex<Receiver<PathBuf>>,
     shared: Arc<Shared>,
@@ -51,14 +52,14 @@ pub struct DropTarget {
 struct Shared {
     connection: RustConnection,
     words: Words,
-    /// The window that stands in.
+    /// The proxy window.
     own: Window,
     is_hovered: AtomicBool,
     has_ended: AtomicBool,
 }
 
 impl DropTarget {
-    /// Takes files for this window from now on; none where that cannot be. `notifier` wakes the window.
+    /// Starts accepting files for this window; none where that is not possible. `notifier` wakes the window.
     pub fn open(window: &impl HasWindowHandle, notifier: RepaintNotifier) -> Option<Self> {
         let editor = match window.window_handle().ok()?.as_raw() {
             RawWindowHandle::Xlib(handle) => u32::try_from(handle.window).ok()?,
@@ -73,7 +74,7 @@ impl DropTarget {
         Some(Self { dropped: Mutex::new(receiver), shared, thread: Some(thread) })
     }
 
-    /// Whether a file is held over the window.
+    /// True if a file is held over the window.
     pub fn is_hovered(&self) -> bool {
         self.shared.is_hovered.load(Ordering::Relaxed)
     }
@@ -91,7 +92,7 @@ impl Drop for DropTarget {
         let own = self.shared.own;
         let _ = self.shared.tell(own, self.shared.words.XdndLeave, [0; 5], own);
         if let Some(thread) = self.thread.take() {
-            // A panic in there only means that files are no longer taken.
+            // A panic on that thread only means that files are no longer accepted.
             let _ = thread.join();
         }
     }
@@ -107,7 +108,7 @@ impl Shared {
         connection.create_window(0, own, root, -1, -1, 1, 1, 0, WindowClass::INPUT_ONLY, 0, &looks)?;
         let (window, atom) = (AtomEnum::WINDOW, AtomEnum::ATOM);
         connection.change_property32(PropMode::REPLACE, own, words.XdndAware, atom, &[VERSION])?;
-        // A stand-in is believed only if it says of itself that it is one.
+        // By the protocol, a proxy must carry the property itself too.
         connection.change_property32(PropMode::REPLACE, own, words.XdndProxy, window, &[own])?;
         connection.change_property32(PropMode::REPLACE, editor, words.XdndProxy, window, &[own])?.check()?;
         let (is_hovered, has_ended) = (AtomicBool::new(false), AtomicBool::new(false));
@@ -122,7 +123,7 @@ impl Shared {
             }
             match self.follow(&event, &mut drag) {
                 Ok(files) => files.into_iter().for_each(|file| drop(dropped.send(file))),
-                // Of the drag only: the source may be gone.
+                // The failure concerns the drag only: the source may be gone.
                 Err(_) => drag = None,
             }
             self.is_hovered.store(drag.as_ref().is_some_and(|drag| drag.has_files), Ordering::Relaxed);
@@ -130,7 +131,7 @@ impl Shared {
         }
     }
 
-    /// Goes on with a drag, and gives the files that were dropped.
+    /// Continues a drag, and returns the dropped files.
     fn follow(&self, event: &Event, drag: &mut Option<Drag>) -> Result<Vec<PathBuf>, ReplyOrIdError> {
         let words = &self.words;
         match event {

@@ -1,4 +1,4 @@
-//! The Engines page: spectra and what the engines do above, their parameters below.
+//! The Engines page: spectra and pictures of the engines above, their parameters below.
 
 use egui::Rect;
 use pyrophone_settings::Id;
@@ -12,8 +12,8 @@ use super::{GAP, listen, meter_bridge, part, theme};
 /// Heights of the recording's words without and with a message, in points.
 const WORDS: f32 = 80.0;
 const MESSAGE: f32 = 30.0;
-/// Width below which one of the rows of words breaks in two, the height of that, and the least height of sounds and words
-/// together at which there is room for it, in points.
+/// Width below which one of the rows of text wraps, the height of that row, and the least height of sounds and text
+/// together at which it is shown, in points.
 const ROOM_FOR_ROWS: f32 = 400.0;
 const ROW: f32 = 26.0;
 const ROOM_FOR_FOUR_ROWS: f32 = 220.0;
@@ -21,7 +21,7 @@ const ROOM_FOR_FOUR_ROWS: f32 = 220.0;
 const METERS: f32 = 190.0;
 /// Height that the parameters like to have, in points.
 const CONTROLS: f32 = 388.0;
-/// Height of the pictures of what the engines do; below this height of all pictures there is no room for them.
+/// Height of the engines' pictures; if all pictures together have less than this height, they are left out.
 const ENGINES: f32 = 84.0;
 const ROOM_FOR_ENGINES: f32 = 270.0;
 
@@ -31,9 +31,9 @@ pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut Par
     part(ui, controls, "controls", |ui| controls::show(ui, Page::Engines, hand));
 }
 
-/// Draws spectra, sounds, meters and what the engines do in the upper part of `rest`; gives the place below them.
+/// Draws spectra, sounds, meters and the engines' pictures in the upper part of `rest`; returns the area below them.
 pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) -> Rect {
-    // Pictures take what the parameters leave, and at least two fifths.
+    // Pictures get the space left by the parameters, and at least two fifths.
     let split = rest.top() + (rest.height() - CONTROLS).clamp(0.4 * rest.height(), 0.62 * rest.height());
     let (upper, lower) = rest.split_top_bottom_at_y(split);
     let middle = upper.left() + 0.54 * (upper.width() - METERS);
@@ -56,7 +56,7 @@ pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut
     lower.with_min_y(lower.top() + GAP)
 }
 
-/// What the engines do: extension's factors, texture's levels, and how loudness is matched.
+/// Pictures of the engines: extension's factors, texture's levels, and the loudness matching.
 fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &ParamEditor<'_>) {
     let width = (rect.width() - 2.0 * GAP) / 3.0;
     let place = |index: f32| {

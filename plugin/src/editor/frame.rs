@@ -1,4 +1,4 @@
-//! The editor as hosts have it: a window whose size a session keeps.
+//! The editor as seen by hosts: a window whose size is saved in the session.
 
 use std::error::Error;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -18,7 +18,7 @@ use nice_plug_egui::{
 use super::Window;
 use crate::window_size::{SMALLEST, WindowSize};
 
-/// What is drawn in: windows come and go, the contents stay.
+/// Access to the contents from the window: windows come and go, the contents stay.
 pub struct Pane(Arc<Mutex<Window>>);
 
 impl Pane {
@@ -50,7 +50,7 @@ impl NiceEguiApp for Pane {
     }
 }
 
-/// The editor. The framework's own keeps its size to itself, so it is made anew when a session has brought another one.
+/// The editor. The framework's own editor hides its size, so it is recreated when a session has brought another one.
 pub struct PyrophoneEditor {
     contents: Arc<Mutex<Window>>,
     size: Arc<WindowSize>,
@@ -64,7 +64,7 @@ struct Inner {
 }
 
 impl PyrophoneEditor {
-    /// An editor of these contents; `size` is what a session keeps, and `notifier` asks for frames.
+    /// An editor of these contents; `size` is saved in the session, and `notifier` requests frames.
     pub fn new(contents: Window, size: Arc<WindowSize>, notifier: RepaintNotifier) -> Option<Self> {
         let contents = Arc::new(Mutex::new(contents));
         let inner = Mutex::new(Inner::new(&contents, &size, &notifier)?);
@@ -83,15 +83,15 @@ impl PyrophoneEditor {
     }
 }
 
-/// Environment variable with the most frames a second that are drawn of what sounds: where software draws, each takes a core
-/// for tens of milliseconds.
+/// Environment variable with the maximum number of frames a second drawn while sound plays: with software rendering,
+/// each needs a core for tens of milliseconds.
 const FRAMES_VARIABLE: &str = "PYROPHONE_FRAMES_PER_SECOND";
-/// Frames a second without that variable, and the fewest and most that it may ask for. The audio thread asks for 30; looking
-/// twice as often keeps them even.
+/// Frames a second without that variable, and the bounds of its value. The audio thread asks for 30; checking twice as
+/// often keeps them evenly spaced.
 const FRAMES_PER_SECOND: f64 = 64.0;
 const FRAMES_RANGE: (f64, f64) = (1.0, 240.0);
 
-/// Time from one look at whether there is something new to draw to the next; what is no number of frames is of no account.
+/// Time between two checks for something new to draw; an invalid number of frames is ignored.
 fn repaint_interval(frames_per_second: Option<&str>) -> Duration {
     let asked = frames_per_second.and_then(|text| text.trim().parse::<f64>().ok()).filter(|frames| frames.is_finite());
     let frames = asked.map_or(FRAMES_PER_SECOND, |frames| frames.clamp(FRAMES_RANGE.0, FRAMES_RANGE.1));
@@ -133,7 +133,7 @@ impl Editor for PyrophoneEditor {
         let wanted = self.size.get();
         let spawned = inner.editor.spawn(parent, wait_for_parent, fallback_scale_factor, context, host)?;
         let found = spawned.window.size();
-        // With baseview 0.4.2 the size of a new X11 window leaves out the scale that the host has told of.
+        // With baseview 0.4.2 the size of a new X11 window ignores the scale that the host has set.
         let [width, height] = wanted;
         let native = NativeSize::from_size(LogicalSize::new(width, height).into(), found.scale_factor);
         let is_found = native == NativeSize::from_logical_or_physical(found.logical, found.physical);
@@ -160,7 +160,7 @@ impl Editor for PyrophoneEditor {
     }
 
     unsafe fn assume_standalone_in_process(&self) {
-        // SAFETY: whoever calls this promises what the inner one wants.
+        // SAFETY: the caller guarantees the requirements of the inner editor.
         unsafe { self.inner().editor.assume_standalone_in_process() }
     }
 }

@@ -1,4 +1,4 @@
-//! The head of the window: presets, undo, A and B, pages, bypass, what the engines cost.
+//! The header of the window: presets, undo, A and B, pages, bypass, processing load.
 
 use egui::{Align, Button, Layout, RichText, Ui};
 use nice_plug_egui::RepaintNotifier;
@@ -10,10 +10,10 @@ use super::presets::Presets;
 use super::{map, theme};
 use crate::meters::Meters;
 
-/// Width in points without which the plug-in's name is left out, and what remains of a row without which the cost is.
+/// Width in points below which the plug-in's name is left out, and the remaining width below which the load is.
 const ROOM_FOR_NAME: f32 = 960.0;
 const ROOM_FOR_COST: f32 = 70.0;
-/// What all but the preset's name takes of the row, in points.
+/// Width of everything in the row except the preset's name, in points.
 const OTHERS: f32 = 570.0;
 
 /// Presets, and the page that is shown.
@@ -30,7 +30,7 @@ impl Header {
         Self { presets: Presets::new(notifier), page: Page::Play }
     }
 
-    /// The row. `load` is the part of their time that blocks take, and the worst of the last second.
+    /// The row. `load` is the share of their time that blocks use, and the maximum of the last second.
     pub fn show(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>, meters: &Meters, load: (f32, f32)) {
         let width = ui.available_width();
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -73,7 +73,7 @@ impl Header {
     }
 }
 
-/// Room between groups.
+/// Space between groups.
 fn gap(ui: &mut Ui) {
     ui.add_space(5.0);
 }
@@ -82,7 +82,7 @@ fn history(ui: &mut Ui, hand: &mut ParamEditor<'_>) {
     let keys = |key| move |input: &mut egui::InputState| input.consume_key(egui::Modifiers::COMMAND, key);
     let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo"));
     map::note(ui, "button.Undo", undo.rect);
-    let undo = undo.on_hover_text("Ctrl+Z: undoes your last change; the host's automation stays");
+    let undo = undo.on_hover_text("Ctrl+Z: undoes your last change, but not the host's automation");
     if undo.clicked() || ui.input_mut(keys(egui::Key::Z)) {
         hand.undo();
     }
@@ -108,7 +108,7 @@ fn history(ui: &mut Ui, hand: &mut ParamEditor<'_>) {
     }
 }
 
-/// Latency and load, as many words as there is room for.
+/// Latency and load, in as many words as fit.
 fn cost(ui: &mut Ui, meters: &Meters, (load, worst): (f32, f32)) {
     let Some((samples, rate_hz)) = meters.engine() else {
         ui.label(RichText::new("not running").font(theme::small()).color(theme::WEAK));

@@ -1,4 +1,4 @@
-//! What the user has done, to be undone: only that, so that undoing never takes back what the host has automated.
+//! Undo history: only the user's own actions, so that undoing never reverts the host's automation.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -13,19 +13,19 @@ const STEPS: usize = 200;
 /// A preset that can be chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// What it holds.
+    /// Its content.
     pub preset: Preset,
-    /// Its file; none for those that come with Pyrophone.
+    /// Its file; none for factory presets.
     pub path: Option<PathBuf>,
 }
 
-/// The preset that was chosen last, if any.
+/// The preset chosen last, if any.
 pub type Chosen = Option<Arc<Entry>>;
 
 /// One parameter that the user has changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
-    /// Place in the table.
+    /// Index in the table.
     pub index: usize,
     /// Plain value before.
     pub before: f64,
@@ -36,28 +36,28 @@ pub struct Change {
 /// One of the two settings to compare, while the other one sounds.
 pub type Beside = Option<(Values, Chosen)>;
 
-/// What can be undone at once.
+/// Undoable step.
 #[derive(Debug, Clone)]
 pub enum Step {
     /// Parameters were changed, and maybe another preset chosen.
     Changes {
-        /// What was changed.
+        /// Changed parameters.
         changes: Vec<Change>,
         /// The chosen preset before and after.
         chosen: [Chosen; 2],
     },
     /// A and B were exchanged.
     Exchange,
-    /// What sounds was copied over what does not, which is kept here.
+    /// The active settings were copied over the inactive ones, which are kept here.
     Copy(Box<Beside>),
 }
 
-/// The steps, and the settings that are kept beside those that sound.
+/// The steps, and the inactive settings of the A/B pair.
 #[derive(Debug, Default)]
 pub struct UndoHistory {
     past: VecDeque<Step>,
     future: Vec<Step>,
-    /// Before the gesture under way, and what it has made so far.
+    /// Values before the current gesture, and those it has set so far.
     pub(super) gesture: Option<(Values, Values)>,
     /// A and B; the one that sounds is in the parameters.
     pub(super) beside: Beside,
@@ -67,28 +67,28 @@ pub struct UndoHistory {
 }
 
 impl UndoHistory {
-    /// Whether there is something to undo.
+    /// True if there is something to undo.
     pub fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
 
-    /// Whether there is something to redo.
+    /// True if there is something to redo.
     pub fn can_redo(&self) -> bool {
         !self.future.is_empty()
     }
 
-    /// Whether B sounds.
+    /// True if B is active.
     pub fn is_b(&self) -> bool {
         self.is_b
     }
 
-    /// Keeps a step that was just taken.
+    /// Adds a step that was just made.
     pub(super) fn record(&mut self, step: Step) {
         self.remember(step);
         self.future.clear();
     }
 
-    /// The step that was taken last; it can be redone once it was given to [`foresee`](Self::foresee).
+    /// The last step; it can be redone once it was given to [`foresee`](Self::foresee).
     pub(super) fn take_past(&mut self) -> Option<Step> {
         self.past.pop_back()
     }
@@ -98,12 +98,12 @@ impl UndoHistory {
         self.future.pop()
     }
 
-    /// Keeps a step that was undone.
+    /// Stores an undone step for redo.
     pub(super) fn foresee(&mut self, step: Step) {
         self.future.push(step);
     }
 
-    /// Keeps a step that was redone.
+    /// Stores a redone step for undo.
     pub(super) fn remember(&mut self, step: Step) {
         self.past.push_back(step);
         if self.past.len() > STEPS {
@@ -112,7 +112,7 @@ impl UndoHistory {
     }
 }
 
-/// What differs between two sets of values.
+/// The differences between two sets of values.
 pub fn changes(before: &Values, after: &Values) -> Vec<Change> {
     let (old, new) = (before.as_slice(), after.as_slice());
     (0..COUNT)

@@ -1,16 +1,16 @@
-//! Which parameters have no effect at present, and why: the window dims them and says so.
+//! Parameters without effect at present, and the reasons: the window dims them and says so.
 
 use pyrophone_settings::{COUNT, Id, PARAMETERS, Parameter, Values};
 use pyrophone_synthesis::Controls;
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow, Fuel, SLOTS};
 use pyrophone_synthesis::structure::MatchingMode;
 
-/// What decides that besides the parameters.
+/// State that decides this, beside the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Circumstances {
-    /// Whether a recording is loaded in the slot that sounds.
+    /// True if a recording is loaded in the active slot.
     pub has_recording: bool,
-    /// Whether one is loaded, by slot.
+    /// True for each slot with a recording.
     pub loaded: [bool; SLOTS],
 }
 
@@ -24,7 +24,7 @@ const BODY_OFF: &str = "Body level is off";
 const CRACKLE_OFF: &str = "Crackle level is off";
 const VORTEX_OFF: &str = "Vortex level is off";
 
-/// Why each parameter of the table has no effect; none where it has one.
+/// Reason why each parameter of the table has no effect; none where it has one.
 pub type Reasons = [Option<&'static str>; COUNT];
 
 /// The reasons for these values.
@@ -63,7 +63,7 @@ impl Situation<'_> {
         }
     }
 
-    /// Whether extension is heard in texture's place.
+    /// True if extension is heard in place of texture.
     fn stands_in(&self) -> bool {
         self.is_companded && !self.has_recording && !self.has_fuel() && self.controls.mix.texture != 0.0
     }

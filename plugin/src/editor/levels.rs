@@ -5,18 +5,18 @@ use crate::probe::LAYERS;
 
 /// The lowest level shown, in dB.
 pub const FLOOR_DB: f32 = -72.0;
-/// How fast a meter falls, in dB per second, and how long a peak is held, in seconds.
+/// Fall rate of a meter, in dB per second, and hold time of a peak, in seconds.
 const FALL_DB_PER_S: f64 = 40.0;
 const HOLD_S: f64 = 2.0;
 
-/// What is metered, in the order in which it is shown.
+/// Metered signals, in order of display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meter {
     /// Main input.
     Input,
     /// Drive.
     Drive,
-    /// A layer, by its place in the mix.
+    /// A layer, by its index in the mix.
     Layer(usize),
     /// Output.
     Output,
@@ -38,7 +38,7 @@ pub const LAYER_NAMES: [(&str, &str); LAYERS] = [
 const METERS: usize = LAYERS + 4;
 
 impl Meter {
-    /// All but the sidechain's, in the order of the signal path.
+    /// All except the sidechain, in the order of the signal path.
     pub fn all() -> impl Iterator<Item = Self> {
         [Self::Input, Self::Drive].into_iter().chain((0..LAYERS).map(Self::Layer)).chain([Self::Output])
     }
@@ -68,9 +68,9 @@ impl Meter {
 /// One meter.
 #[derive(Debug, Clone, Copy)]
 pub struct Level {
-    /// What is shown, falling, in dB.
+    /// Displayed level with its fall, in dB.
     pub shown_db: f32,
-    /// The largest of late, in dB.
+    /// Held peak, in dB.
     pub held_db: f32,
     held_s: f64,
 }
@@ -91,21 +91,21 @@ impl Level {
     }
 }
 
-/// All meters, and what the user wants to hear of the layers.
+/// All meters, and the solo and mute switches of the layers.
 #[derive(Debug, Default)]
 pub struct Levels {
     meters: [Level; METERS],
     last_s: f64,
-    /// Whether the output has reached full scale since it was looked at.
+    /// True if the output has reached full scale since the lamp was reset.
     has_clipped: bool,
-    /// Layers heard alone.
+    /// Soloed layers.
     pub soloed: [bool; LAYERS],
-    /// Layers not heard.
+    /// Muted layers.
     pub muted: [bool; LAYERS],
 }
 
 impl Levels {
-    /// Takes the levels since the last call; `now_s` is the window's clock.
+    /// Takes over the levels since the last call; `now_s` is the window's clock.
     pub fn follow(&mut self, meters: &Meters, now_s: f64) {
         let fall_db = ((now_s - self.last_s).clamp(0.0, 1.0) * FALL_DB_PER_S) as f32;
         self.last_s = now_s;
@@ -124,23 +124,23 @@ impl Levels {
         self.meters[meter.place()]
     }
 
-    /// Whether the output has reached full scale, until [`forgive`](Self::forgive).
+    /// True if the output has reached full scale, until [`forgive`](Self::forgive).
     pub fn has_clipped(&self) -> bool {
         self.has_clipped
     }
 
-    /// Puts the clip lamp out.
+    /// Resets the clip lamp.
     pub fn forgive(&mut self) {
         self.has_clipped = false;
     }
 
-    /// Layers that are not to be heard: those that are muted, and beside a solo all others.
+    /// Silenced layers: those that are muted, and with a solo all others.
     pub fn silenced(&self) -> [bool; LAYERS] {
         let is_solo = self.soloed.contains(&true);
         std::array::from_fn(|layer| self.muted[layer] || is_solo && !self.soloed[layer])
     }
 
-    /// Lets all layers be heard.
+    /// Clears all solo and mute switches.
     pub fn clear(&mut self) {
         (self.soloed, self.muted) = Default::default();
     }

@@ -1,4 +1,4 @@
-//! Listening to drive, recording and output alone; a burst to try settings with; takes, and saving what was heard.
+//! Monitoring of drive, recording and output alone; a test burst; recording and saving of sounds.
 
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -20,7 +20,7 @@ use crate::loader::LoaderHandle;
 use crate::loader::status::View;
 use crate::probe::Listen;
 
-/// What can be saved.
+/// Sound that can be saved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sound {
     Drive,
@@ -40,11 +40,11 @@ impl Sound {
     }
 }
 
-/// Monitoring, bursts, and recording what is played.
+/// Monitoring, bursts, and recording of the output.
 pub struct ListenPanel {
     dialog: Option<(Sound, Dialog)>,
     saving: Option<Task<Result<PathBuf, String>>>,
-    /// Where what was recorded is dragged out of, where the system lets it.
+    /// Source of drags of the recorded sound, where the system supports it.
     drag: Option<DragSource>,
     message: Option<(String, bool)>,
     /// Sample rate of the engine in Hz, while one runs.
@@ -58,12 +58,12 @@ impl ListenPanel {
         Self { dialog: None, saving: None, drag: None, message: None, rate_hz: None, notifier }
     }
 
-    /// Lets what was recorded be dragged out of this window.
+    /// Enables dragging the recorded sound out of this window.
     pub fn drag_from(&mut self, window: &impl HasWindowHandle) {
         self.drag = DragSource::of(window);
     }
 
-    /// Ends what goes on for a window that closes.
+    /// Cancels pending work when a window closes.
     pub fn close(&mut self, loader: &LoaderHandle) {
         self.dialog = None;
         self.drag = None;
@@ -71,7 +71,7 @@ impl ListenPanel {
         loader.audition(false);
     }
 
-    /// Takes the answers of dialog and saving. `rate_hz` is that of the engine, if one runs.
+    /// Handles the results of dialog and saving. `rate_hz` is that of the engine, if one runs.
     pub fn follow(&mut self, monitor: &Monitor, loader: &LoaderHandle, rate_hz: Option<f32>) {
         self.rate_hz = rate_hz;
         if let Some(done) = self.saving.as_mut().and_then(Task::poll) {
@@ -148,7 +148,7 @@ impl ListenPanel {
         }
     }
 
-    /// What was saved or went wrong, or how much has been recorded.
+    /// The result of saving, an error, or the recorded length.
     pub fn word(&self, ui: &mut Ui, monitor: &Monitor) {
         let seconds = monitor.take.len_samples() as f32 / self.rate_hz.unwrap_or(44_100.0);
         let (text, is_bad) = match &self.message {
@@ -179,7 +179,7 @@ impl ListenPanel {
         }
     }
 
-    /// A handle by which the output that was recorded is dragged into another program.
+    /// A handle for dragging the recorded output into another program.
     pub fn drag_out(&mut self, ui: &mut Ui, monitor: &Monitor) {
         let Some(drag) = &mut self.drag else { return };
         let is_there = monitor.take.len_samples() > 0 && !monitor.take.is_on();
@@ -193,7 +193,7 @@ impl ListenPanel {
             return;
         }
         let Some(path) = take_path() else {
-            self.message = Some(("There is no folder for takes: save it instead".to_owned(), true));
+            self.message = Some(("There is no folder for takes; use Save instead".to_owned(), true));
             return;
         };
         let (channels, rate_hz) = (monitor.take.output(), self.rate_hz.unwrap_or(44_100.0) as u32);
@@ -206,7 +206,7 @@ impl ListenPanel {
         drag.start(path, write, move || notifier.request_repaint());
     }
 
-    /// A menu of what can be saved.
+    /// A menu of the sounds that can be saved.
     pub fn saves(&mut self, ui: &mut Ui, monitor: &Monitor, view: &View) {
         let menu = ui.menu_button("Save…", |ui| {
             for sound in Sound::ALL {
@@ -230,7 +230,7 @@ impl ListenPanel {
     }
 }
 
-/// Buttons for what is heard.
+/// Buttons that choose the monitored sound.
 pub fn monitoring(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &View) {
     let heard = monitor.listen();
     for (name, listen, hint) in [
@@ -250,7 +250,7 @@ pub fn monitoring(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &
     }
 }
 
-/// A file of its own in the folder of takes, beside the presets': the other program may use it where it lies.
+/// A separate file in the folder of recorded takes, beside the presets': the other program may use it in place.
 fn take_path() -> Option<PathBuf> {
     let library = Library::of_user()?;
     let folder = library.folder().parent()?.join("takes");
@@ -269,7 +269,7 @@ fn with_extension(path: PathBuf) -> PathBuf {
 /// Height of the panel in points.
 pub const HEIGHT: f32 = 72.0;
 
-/// The panel's place at the foot of a column.
+/// The panel's area at the foot of a column.
 pub fn place(column: Rect) -> Rect {
     column.with_min_y(column.bottom() - HEIGHT)
 }

@@ -1,9 +1,10 @@
-//! Where things are in the window: a text file for tests, which have no other way to know.
+//! Map of the items in the window: a text file for tests, which have no other way to find them.
 //!
-//! It is written only where the environment variable `PYROPHONE_EDITOR_MAP` names a file, and then with every frame. Its first lines are
-//! `frame`, the number of frames since the window opened; `size`, the window's width and height; and `ui_us`, microseconds of the processor that
-//! laying out and drawing have taken in all these frames, without tessellation and the graphics card's part. Then comes a line for each thing that can
-//! be seen: left, top, right, bottom and name. All are in physical pixels.
+//! It is written only where the environment variable `PYROPHONE_EDITOR_MAP` names a file, and then with every frame.
+//! Its first lines are `frame`, the number of frames since the window opened; `size`, the window's width and height;
+//! and `ui_us`, microseconds of processor time for layout and drawing in all these frames, without tessellation and the
+//! graphics card's part. They are followed by a line for each visible item: left, top, right, bottom and name. All are
+//! in physical pixels.
 
 use std::fmt::{Display, Write};
 use std::path::PathBuf;
@@ -16,27 +17,27 @@ const VARIABLE: &str = "PYROPHONE_EDITOR_MAP";
 
 static FILE: LazyLock<Option<PathBuf>> = LazyLock::new(|| std::env::var_os(VARIABLE).map(PathBuf::from));
 
-/// What a window has noted so far.
+/// Notes of a window so far.
 #[derive(Debug, Clone, Default)]
 struct Notes {
     frames: u64,
     spent: Duration,
-    /// Of the frame that is being drawn.
+    /// Items of the current frame.
     things: String,
 }
 
-/// Begins a frame; none where nobody wants to know.
+/// Begins a frame; none if no map is wanted.
 pub fn begin(context: &Context) -> Option<Duration> {
     FILE.as_ref()?;
     with_notes(context, |notes| notes.things.clear());
     Some(thread_time())
 }
 
-/// What this thread has had of the processor: on a busy machine the clock tells what others do.
+/// Processor time of this thread: on a busy machine, wall time would include other threads' work.
 #[cfg(unix)]
 fn thread_time() -> Duration {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: a place to write to.
+    // SAFETY: a writable location.
     let result = unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut time) };
     if result == 0 { Duration::new(time.tv_sec as u64, time.tv_nsec as u32) } else { Duration::ZERO }
 }
@@ -48,7 +49,7 @@ fn thread_time() -> Duration {
     BEGAN.elapsed()
 }
 
-/// Notes where something is, as far as it can be seen.
+/// Notes the visible part of an item.
 pub fn note(ui: &Ui, name: impl Display, place: Rect) {
     if FILE.is_none() {
         return;
@@ -63,7 +64,7 @@ pub fn note(ui: &Ui, name: impl Display, place: Rect) {
     }
 }
 
-/// Ends a frame; `began` is what its beginning gave.
+/// Ends a frame; `began` is the value returned at its start.
 pub fn end(context: &Context, began: Option<Duration>) {
     let (Some(began), Some(file)) = (began, FILE.as_ref()) else { return };
     let spent = thread_time().saturating_sub(began);
@@ -74,7 +75,7 @@ pub fn end(context: &Context, began: Option<Duration>) {
         let (frames, us, things) = (notes.frames, notes.spent.as_micros(), &notes.things);
         format!("frame {frames}\nsize {} {}\nui_us {us}\n{things}", size.x.round(), size.y.round())
     });
-    // Whoever reads it sees a whole frame.
+    // Renamed when complete, so that a reader never sees half a frame.
     let unfinished = file.with_extension("unfinished");
     if let Err(error) = std::fs::write(&unfinished, text).and_then(|()| std::fs::rename(&unfinished, file)) {
         nice_plug::prelude::nice_warn!("Pyrophone cannot write {}: {error}", file.display());

@@ -31,7 +31,7 @@ pub fn show(ui: &mut Ui, rect: Rect, levels: &mut Levels) {
     }
 }
 
-/// Solo and mute of a layer, at two places.
+/// Solo and mute of a layer, in two areas.
 pub fn switches(ui: &mut Ui, places: [Rect; 2], layer: usize, levels: &mut Levels) {
     let Some((short, long)) = LAYER_NAMES.get(layer) else { return };
     let mut switch = |place: Rect, is_on: &mut bool, letter: &str, how: &str| {
@@ -75,7 +75,7 @@ fn bars(ui: &Ui, rect: Rect, levels: &Levels) {
         painter.rect_filled(bar(bottom, height(level.shown_db)), 1.0, color);
         let is_narrow = step < ROOM_FOR_NAMES;
         let name = if is_narrow && meter == Meter::Drive { "dr" } else { meter.name() };
-        // Narrow meters stand so close that names of the usual size would run into each other.
+        // Names of the usual size would overlap between narrow meters.
         let font = if is_narrow { FontId::new(8.5, FontFamily::Proportional) } else { theme::small() };
         painter.text(Pos2::new(middle, bottom + 2.0), Align2::CENTER_TOP, name, font, theme::WEAK);
         if level.shown_db > FLOOR_DB {

@@ -1,4 +1,4 @@
-//! MIDI controllers: what is being learnt, [what moves what](list), and keeping it for instances to come.
+//! MIDI controllers: MIDI learn, the [list of assignments](list), and the file that keeps them for future instances.
 
 pub mod list;
 
@@ -12,36 +12,37 @@ use super::task::Task;
 use super::{map, theme};
 use crate::controllers::Controllers;
 
-/// Controllers of an instance, by the parameter's place in the table.
+/// Controllers of an instance, by the parameter's index in the table.
 type Numbers = [Option<u8>; COUNT];
 
 /// Follows an instance's controllers while its window is open.
 #[derive(Default)]
 pub struct MidiPanel {
     file: Option<ControllerFile>,
-    /// What the file held when it was last read.
+    /// Content of the file when it was last read.
     kept: Assignments,
     /// Controllers as they were in the last frame; none before the first.
     seen: Option<Numbers>,
     /// Writes the file, if there is something to write, and reads it.
     task: Option<Task<Assignments>>,
-    /// When **Remove all** was pressed, in seconds; for a while the next press removes them.
+    /// Time in seconds at which **Remove all** was pressed; for a while the next press removes them.
     asked_s: Option<f64>,
 }
 
 impl MidiPanel {
-    /// Keeps controllers in this file.
+    /// Saves controllers in this file.
     pub fn new(file: Option<ControllerFile>) -> Self {
         Self { file, ..Self::default() }
     }
 
-    /// Begins anew: what was assigned without a window is the session's alone. Other instances may have written the file.
+    /// Resets the panel: assignments made without a window belong to the session alone. Other instances may have
+    /// written the file.
     pub fn open(&mut self) {
         (self.seen, self.asked_s) = (None, None);
         self.work(|_| Ok(()));
     }
 
-    /// Keeps what was assigned since the last frame, says what is being learnt, and lets Escape call that off.
+    /// Saves assignments made since the last frame, shows a pending MIDI learn, and lets Escape cancel it.
     pub fn show(&mut self, ui: &Ui, all: Rect, controllers: &Controllers) {
         if let Some(kept) = self.task.as_mut().and_then(Task::poll) {
             (self.kept, self.task) = (kept, None);
@@ -55,7 +56,7 @@ impl MidiPanel {
             .filter(|index| now[*index] != before[*index])
             .map(|index| (PARAMETERS[index].id, now[index]))
             .collect();
-        // A session that was loaded changes many at once; hands change one.
+        // Loading a session changes many at once; a user changes one.
         if let [(id, number)] = changed[..] {
             self.work(move |file| file.assign(id, number));
         }
@@ -64,17 +65,17 @@ impl MidiPanel {
             controllers.stop_learning();
         }
         say(ui, all, &format!("{}: move a MIDI controller (Esc stops)", PARAMETERS[learner].name));
-        // The controller is heard by the audio thread, which asks for no frame.
+        // The audio thread receives the controller, and requests no frame.
         ui.ctx().request_repaint_after_secs(0.1);
     }
 
-    /// Changes the file, then reads it, on a thread of its own.
+    /// Changes the file, then reads it, on a separate thread.
     fn work(&mut self, change: impl FnOnce(&ControllerFile) -> io::Result<()> + Send + 'static) {
         let Some(file) = self.file.clone() else { return };
         // The one before is waited for: both write the same file.
         self.task = None;
         let work = move || {
-            // That it cannot be written is no fault worth a word: the session has it, and the list shows what the file has.
+            // A write error needs no message: the session has the assignment, and the list shows the file's content.
             let _ = change(&file);
             file.read()
         };

@@ -1,23 +1,25 @@
-//! The window: what burns, what it sounds like, and every parameter.
+//! The window: flame, sound, and every parameter.
 //!
-//! | module | shows |
+//! | module | content |
 //! |---|---|
-//! | [`frame`] | the window itself, whose size a session keeps |
-//! | [`header`] | presets, undo, A and B, pages, bypass, cost |
+//! | [`frame`] | the window itself, whose size is saved in the session |
+//! | [`header`] | presets, undo, A and B, pages, bypass, processing load |
 //! | [`presets`] | the list of presets; saving them |
 //! | [`play`] | the first page: flame, output, recording, layers, macros, takes |
-//! | [`space`] | vortex sound from above, and what places it |
-//! | [`engines`] | pictures of what the engines do, and their parameters |
+//! | [`space`] | vortex sound from above, and the settings for its position |
+//! | [`engines`] | pictures of the engines, and their parameters |
 //! | [`setup`] | sizes of the engines, and the MIDI controllers that move parameters |
-//! | [`plots`] | spectra with handles, running spectrograms, the recording's outline, what the engines do |
+//! | [`plots`] | spectra with handles, running spectrograms, the recording's outline, pictures of the engines |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
 //! | [`controls`] | parameters by page, as [`widgets`] |
 //! | [`meter_bridge`] | level meters; solo and mute of layers |
-//! | [`listen`] | monitoring one sound alone, a burst, [recording](take) what is played and saving it |
+//! | [`listen`] | monitoring one sound alone, a burst, [recording](take) and saving sounds |
 //!
-//! [`midi`] is what the window has to do with MIDI controllers. [`suggestion`] is what one click does against a fault, [`inert`] says what has no effect and why. [`monitor`] and [`levels`] follow the
-//! sound, [`param_editor`] moves parameters and [`history`] keeps what it did, [`theme`] is how it looks, [`dialog`] the system's file dialog,
-//! [`mod@drop`] takes files that are dropped, [`drag`] gives sounds to other programs, [`task`] work with files, [`map`] tells tests where things are.
+//! [`midi`] handles MIDI controllers. [`suggestion`] offers a one-click remedy for a fault, [`inert`] lists parameters
+//! without effect and the reasons. [`monitor`] and [`levels`] follow the sound, [`param_editor`] moves parameters and
+//! [`history`] records the changes, [`theme`] is the look, [`dialog`] the system's file dialog, [`mod@drop`] accepts
+//! dropped files, [`drag`] passes sounds to other programs, [`task`] works with files, [`map`] shows tests the items'
+//! positions.
 
 pub mod controls;
 pub mod dialog;
@@ -79,7 +81,7 @@ use play::pad::Pad;
 use plots::spectrum::Advice;
 use recording::RecordingPanel;
 
-/// Between parts, in points.
+/// Space between parts, in points.
 const GAP: f32 = 6.0;
 /// Height of the head, in points.
 const HEAD: f32 = 26.0;
@@ -98,7 +100,7 @@ pub struct Window {
     listen: ListenPanel,
     pad: Pad,
     midi: MidiPanel,
-    /// Whether a frame was drawn since it was opened.
+    /// True once a frame was drawn since the window opened.
     is_seen: bool,
 }
 
@@ -128,7 +130,7 @@ impl Window {
         }
     }
 
-    /// The same, with MIDI controllers kept in this file.
+    /// The same, with MIDI controllers saved in this file.
     pub fn keeping_controllers(mut self, file: Option<ControllerFile>) -> Self {
         self.midi = MidiPanel::new(file);
         self
@@ -171,7 +173,7 @@ impl NiceEguiApp for Window {
 }
 
 impl Window {
-    /// Shows what follows on a new window.
+    /// Prepares the contents for a new window.
     pub fn open(&mut self, context: &egui::Context, host: GuiContext) {
         theme::apply(context);
         self.host = Some(host);
@@ -190,8 +192,8 @@ impl Window {
         let Some(host) = self.host.clone() else { return };
         let setter = host.param_setter();
         let began = map::begin(ui.ctx());
-        // From here on the audio thread asks for frames. A window that is asked before it is shown may wait for ever for the
-        // display to be ready.
+        // From here on the audio thread requests frames. A window that gets a request before it is shown may wait for
+        // ever for the display to be ready.
         if !std::mem::replace(&mut self.is_seen, true) {
             self.monitor.watch(true);
         }
@@ -250,7 +252,7 @@ impl Window {
     }
 }
 
-/// Whether matching is likely to buzz, before it is heard to.
+/// True if matching is likely to buzz, before it can be heard.
 fn foreseen(monitor: &mut Monitor, view: &View, hand: &ParamEditor<'_>, now_s: f64) -> Option<Diagnosis> {
     let range = DYNAMIC_RANGES[hand.get(Id::DynamicRange) as usize];
     if hand.get(Id::ScalingAuto) > 0.5 {
@@ -267,7 +269,7 @@ fn foreseen(monitor: &mut Monitor, view: &View, hand: &ParamEditor<'_>, now_s: f
     (gain_db > BUZZING_DB).then_some(Diagnosis::MayBuzz)
 }
 
-/// A part of the window with a place of its own.
+/// A part of the window within a fixed area.
 fn part(ui: &mut egui::Ui, rect: Rect, name: &str, show: impl FnOnce(&mut egui::Ui)) {
     let mut part = ui.new_child(egui::UiBuilder::new().id_salt(name).max_rect(rect));
     part.set_clip_rect(rect.expand(3.0).intersect(ui.clip_rect()));

@@ -1,4 +1,4 @@
-//! What was heard of late: running spectra and courses of drive and output, side by side in time.
+//! Recent sound: running spectra and spectrograms of drive and output, aligned in time.
 
 use std::collections::VecDeque;
 
@@ -23,7 +23,7 @@ const COURSE_S: f64 = 0.04;
 const SPECTRUM_STEP_S: f64 = 0.03;
 const COURSE_STEP_S: f64 = 1.0 / 60.0;
 
-/// Largest part of its time that a block has taken, over about a second.
+/// Largest share of its time that a block has used, over about a second.
 #[derive(Debug, Default)]
 struct Worst {
     held: f32,
@@ -43,17 +43,17 @@ pub struct Monitor {
     pub drive: Spectrogram,
     /// Course of the output.
     pub output: Spectrogram,
-    /// Where in the recording the texture was found.
+    /// Positions in the recording where the texture was found.
     pub heat: Heat,
     /// Noise factors of extension's windows.
     pub betas: Betas,
     /// Levels of the output pyramid.
     pub levels: Levels,
-    /// What dynamic-range matching maps.
+    /// Mapping by dynamic-range matching.
     pub dynamics: DynamicsPlot,
     /// Sources of vortex sound.
     pub space: Space,
-    /// What is kept of drive and output to be saved.
+    /// Recorded drive and output, for saving.
     pub take: Take,
     worst: Worst,
 }
@@ -62,7 +62,7 @@ struct Sides {
     drive: Side,
     output: Side,
     fidelity: Fidelity,
-    /// The drive waits until the output has caught up.
+    /// Drive samples waiting for the output, which is late by the latency.
     waiting: VecDeque<f32>,
     latency_samples: usize,
 }
@@ -82,7 +82,7 @@ impl Side {
 }
 
 impl Monitor {
-    /// A monitor of what comes through a probe.
+    /// A monitor of the data from a probe.
     pub fn new(probe: ProbeOut) -> Self {
         let (spectra, drive, output) = (Spectra::default(), Spectrogram::new("drive"), Spectrogram::new("output"));
         Self {
@@ -120,7 +120,7 @@ impl Monitor {
         self.take = Take::default();
     }
 
-    /// Takes in what has sounded; `engine` is latency in samples and sample rate in Hz.
+    /// Takes over new sound; `engine` is latency in samples and sample rate in Hz.
     pub fn follow(&mut self, engine: Option<(u32, f32)>) {
         if engine != self.engine {
             self.engine = engine;
@@ -165,8 +165,8 @@ impl Monitor {
         });
     }
 
-    /// Takes in what the engines have left to be seen; `recording_s` is the recording's length, and where in it the part begins
-    /// that is learnt from; `now_s` is the window's clock.
+    /// Takes over the engines' telemetry; `recording_s` is the recording's length, and the start in it of the part used
+    /// for learning; `now_s` is the window's clock.
     pub fn follow_traces(&mut self, recording_s: Option<[f64; 2]>, now_s: f64) {
         self.heat.cool(now_s);
         let (heat, dynamics, levels, betas) = (&mut self.heat, &mut self.dynamics, &mut self.levels, &mut self.betas);
@@ -190,32 +190,32 @@ impl Monitor {
         self.probe.channels()
     }
 
-    /// What is heard.
+    /// The monitored sound.
     pub fn listen(&self) -> Listen {
         self.probe.listen()
     }
 
-    /// What is to be heard while the window is open.
+    /// Chooses the sound to be monitored while the window is open.
     pub fn listen_to(&self, listen: Listen) {
         self.probe.listen_to(listen);
     }
 
-    /// Adds a burst to what comes in.
+    /// Adds a burst to the input.
     pub fn burst(&self) {
         self.probe.burst();
     }
 
-    /// How near the output is to a recording, and how well it follows the drive.
+    /// Likeness of the output to a recording, and how well it follows the drive.
     pub fn figures(&self, recording: Option<&Character>) -> Figures {
         self.sides.as_ref().map(|sides| sides.fidelity.figures(recording)).unwrap_or_default()
     }
 
-    /// Which layers are to be silent while the window is open.
+    /// Chooses the layers that are silent while the window is open.
     pub fn silence(&self, layers: [bool; LAYERS]) {
         self.probe.silence(layers);
     }
 
-    /// Part of their time that blocks take, and the most in the last second; `now_s` is the window's clock.
+    /// Share of their time that blocks use, and the maximum in the last second; `now_s` is the window's clock.
     pub fn load(&mut self, now_s: f64) -> (f32, f32) {
         let (load, worst) = self.probe.load();
         if worst >= self.worst.held || now_s >= self.worst.until_s {

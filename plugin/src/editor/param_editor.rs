@@ -1,4 +1,4 @@
-//! What the user does to parameters: every change goes through the host as a gesture, and can be undone.
+//! The user's changes to parameters: each goes through the host as a gesture, and can be undone.
 
 use nice_plug::prelude::ParamSetter;
 use pyrophone_settings::{Id, Values};
@@ -12,28 +12,29 @@ use crate::parameters::EffectParams;
 pub struct ParamEditor<'a> {
     /// The parameters.
     pub params: &'a EffectParams,
-    /// The way to the host.
+    /// Connection to the host.
     pub setter: &'a ParamSetter<'a>,
-    /// What was done.
+    /// Undo history.
     pub history: &'a mut UndoHistory,
-    /// Which parameters have no effect.
+    /// Parameters without effect, and the reasons.
     pub inert: &'a Reasons,
 }
 
 impl ParamEditor<'_> {
-    /// The present values, with what the gesture under way has changed: hosts take their time.
+    /// The present values, with the changes of the current gesture: hosts respond with delay.
     pub fn values(&self) -> Values {
         self.history.gesture.map_or_else(|| self.params.values(), |(_, now)| now)
     }
 
-    /// Whether a controller is mapped to a parameter, here or in the host, and how the host automates it.
+    /// Returns whether a controller is mapped to a parameter, here or in the host, and its automation state in the
+    /// host.
     pub fn indication(&self, index: usize) -> (bool, Automation) {
         let indications = &self.params.indications;
         let is_mapped = indications.is_mapped(index) || self.params.controllers.number(index).is_some();
         (is_mapped, indications.automation(index))
     }
 
-    /// Why a parameter has no effect at present; none where it has one.
+    /// The reason why a parameter has no effect at present; none where it has one.
     pub fn inert(&self, index: usize) -> Option<&'static str> {
         self.inert.get(index).copied().flatten()
     }
@@ -48,7 +49,7 @@ impl ParamEditor<'_> {
         self.value(id as usize)
     }
 
-    /// Takes hold of a parameter.
+    /// Begins a gesture on a parameter.
     pub fn begin(&mut self, index: usize) {
         if self.history.gesture.is_none() {
             let values = self.params.values();
@@ -57,7 +58,7 @@ impl ParamEditor<'_> {
         self.params.slot(index).begin(self.setter);
     }
 
-    /// Moves a parameter that is held.
+    /// Moves a parameter within a gesture.
     pub fn set(&mut self, index: usize, plain: f64) {
         if let Some((_, now)) = &mut self.history.gesture {
             now.set_nearest(index, plain);
@@ -65,7 +66,7 @@ impl ParamEditor<'_> {
         self.params.slot(index).set(self.setter, plain);
     }
 
-    /// Lets go of a parameter.
+    /// Ends a gesture on a parameter.
     pub fn end(&mut self, index: usize) {
         self.params.slot(index).end(self.setter);
         if let Some((before, now)) = self.history.gesture.take() {
@@ -87,8 +88,7 @@ impl ParamEditor<'_> {
         self.record(made);
     }
 
-    /// Sets all parameters to those of a preset, as one step that brings back the name of the one before when it is
-    /// undone.
+    /// Sets all parameters to those of a preset, as one step; undoing it restores the previous preset's name too.
     pub fn choose(&mut self, chosen: Chosen) {
         let Some(entry) = chosen.clone() else { return };
         let now = self.params.values();
@@ -100,7 +100,7 @@ impl ParamEditor<'_> {
         }
     }
 
-    /// Takes the last step back.
+    /// Undoes the last step.
     pub fn undo(&mut self) {
         let Some(step) = self.history.take_past() else { return };
         let undone = match step {
@@ -114,7 +114,7 @@ impl ParamEditor<'_> {
         self.history.foresee(undone);
     }
 
-    /// Takes the step again that was undone last.
+    /// Redoes the step undone last.
     pub fn redo(&mut self) {
         let Some(step) = self.history.take_future() else { return };
         let redone = match step {
@@ -134,7 +134,7 @@ impl ParamEditor<'_> {
         self.history.record(Step::Exchange);
     }
 
-    /// Makes the settings that do not sound equal to those that do, as one step.
+    /// Copies the active settings over the inactive ones, as one step.
     pub fn copy(&mut self) {
         let now = (self.params.values(), self.history.chosen.clone());
         let before = self.history.beside.replace(now);

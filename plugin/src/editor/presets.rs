@@ -18,27 +18,27 @@ use super::task::Task;
 /// Least and largest width of the name in the head, in points.
 const NAME_WIDTH: (f32, f32) = (104.0, 190.0);
 
-/// What was done to the user's presets.
+/// Change made to the user's presets.
 enum Done {
     Listed,
     /// Saved or renamed, to this file.
     Kept(PathBuf),
     Deleted,
-    /// There is one of that name, which may be replaced.
+    /// A preset of that name exists and may be replaced.
     Exists(String),
 }
 
-/// What the user's folder holds.
+/// Content of the user's folder.
 struct Found {
     presets: Vec<Stored>,
     broken: Vec<Error>,
     favourites: Vec<String>,
 }
 
-/// What a task comes to: what was done, and what there is then.
+/// Result of a task: the change made, and the folder's content after it.
 type Outcome = (Result<Done, Error>, Found);
 
-/// Presets that come with Pyrophone, and the user's own.
+/// Factory presets and the user's.
 pub struct Presets {
     library: Option<Library>,
     factory: Vec<Arc<Entry>>,
@@ -52,7 +52,7 @@ pub struct Presets {
 }
 
 impl Presets {
-    /// The presets that come with Pyrophone, and those in the user's folder.
+    /// The factory presets, and those in the user's folder.
     pub fn new(notifier: RepaintNotifier) -> Self {
         // They are part of the build, and a test reads every one.
         let factory = Preset::factory().unwrap_or_default();
@@ -69,13 +69,13 @@ impl Presets {
         }
     }
 
-    /// Ends what goes on for a window that closes.
+    /// Cancels pending work when a window closes.
     pub fn close(&mut self) {
         self.list.close();
         self.task = None;
     }
 
-    /// The preset's name, with a star where it was changed, which opens the list; and the ones before and after it.
+    /// The preset's name, with a star if changed, which opens the list; and buttons for the previous and next preset.
     pub fn show(&mut self, ui: &mut Ui, width: f32, hand: &mut ParamEditor<'_>) {
         self.follow(hand);
         let values = hand.values();
@@ -106,7 +106,7 @@ impl Presets {
         }
         if button.clicked() && self.list.toggle() {
             self.message = None;
-            // What is under way lists them too, and would have to be waited for.
+            // A pending task lists them too, and starting another would have to wait for it.
             if self.task.is_none() {
                 self.run(|_| Ok(Done::Listed));
             }
@@ -116,7 +116,7 @@ impl Presets {
         }
     }
 
-    /// Chooses the next preset of the list, or the one before, round its ends.
+    /// Chooses the next preset of the list, or the previous one, with wraparound.
     fn step(&mut self, is_forth: bool, hand: &mut ParamEditor<'_>) {
         let all: Vec<Arc<Entry>> = self.users.iter().chain(&self.factory).cloned().collect();
         let now = hand.history.chosen.as_ref();
@@ -130,7 +130,7 @@ impl Presets {
         hand.choose(all.get(next).cloned());
     }
 
-    /// Takes what a task has come to.
+    /// Handles the result of a task.
     fn follow(&mut self, hand: &mut ParamEditor<'_>) {
         let Some((done, found)) = self.task.as_mut().and_then(Task::poll) else { return };
         self.task = None;
@@ -157,7 +157,7 @@ impl Presets {
         }
     }
 
-    /// Runs something with the user's library on a thread of its own.
+    /// Runs work on the user's library on a separate thread.
     fn run(&mut self, work: impl FnOnce(&Library) -> Result<Done, Error> + Send + 'static) {
         let Some(library) = self.library.clone() else {
             self.message = Some(("There is no home folder for presets; set PYROPHONE_PRESETS.".into(), true));
@@ -175,9 +175,9 @@ impl Presets {
         self.task = Task::start("pyrophone-presets", task, move || notifier.request_repaint());
     }
 
-    /// Keeps what is set as a preset of the user's.
+    /// Saves the current settings as a user preset.
     fn save(&mut self, name: &str, values: Values, replaces: bool, from: Option<&Arc<Entry>>) {
-        // What it was made from is likely to describe it too; tags of the chosen one go with it.
+        // Description and tags of the original preset probably fit its variant too.
         let mut preset = from.map(|entry| entry.preset.clone()).unwrap_or_default();
         if from.is_some_and(|entry| entry.path.is_none()) {
             preset.description = format!("From {}", preset.title());
@@ -187,7 +187,7 @@ impl Presets {
         self.run(move |library| library.save(&preset, replaces).map(Done::Kept));
     }
 
-    /// Marks a preset as a favourite, or takes the mark away.
+    /// Marks a preset as a favourite, or removes the mark.
     fn mark(&mut self, name: &str) {
         let before = self.favourites.len();
         self.favourites.retain(|favourite| favourite != name);

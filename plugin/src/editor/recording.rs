@@ -1,4 +1,5 @@
-//! The recording and the speed field: loading them, the part to learn from, names, progress and messages; learning the dynamic range.
+//! The recording and the speed field: loading them, the part used for learning, names, progress and messages; learning
+//! the dynamic range.
 
 mod region;
 
@@ -22,12 +23,12 @@ use crate::loader::LoaderHandle;
 use crate::loader::status::View;
 use region::{Change, Region, SHORTEST_S};
 
-/// How the names of speed fields end.
+/// File name extension of speed fields.
 const FIELD_EXTENSION: &str = "field";
 /// Height of a plot that has room for a name in its corner, in points.
 const ROOM_FOR_LABEL: f32 = 24.0;
 
-/// The panel, with what is typed into it.
+/// The panel, with the text being typed into it.
 pub struct RecordingPanel {
     /// The path as typed, and the session's path that it followed last.
     path: String,
@@ -36,7 +37,7 @@ pub struct RecordingPanel {
     drops: Option<DropTarget>,
     course: Still,
     region: Region,
-    /// The part and level as they are being typed or dragged.
+    /// The part and level while being typed or dragged.
     held: Option<Cut>,
     /// Sample rate of the engine in Hz, while one runs.
     rate_hz: Option<f32>,
@@ -66,22 +67,22 @@ impl RecordingPanel {
         self.region = Region::default();
     }
 
-    /// Takes what is dropped on this window.
+    /// Starts accepting files dropped on this window.
     pub fn take_drops(&mut self, window: &impl HasWindowHandle) {
         self.drops = DropTarget::open(window, self.notifier.clone());
     }
 
-    /// Takes nothing more.
+    /// Stops accepting files.
     pub fn refuse_drops(&mut self) {
         self.drops = None;
     }
 
-    /// Forgets what a window that is gone has drawn.
+    /// Drops the pictures drawn for a window that is gone.
     pub fn clear_pictures(&mut self) {
         self.course.clear();
     }
 
-    /// Takes what was dropped on the window or chosen in a dialog: a speed field by its name, else a recording.
+    /// Loads a file dropped on the window or chosen in a dialog: a speed field by its extension, otherwise a recording.
     pub fn follow(&mut self, loader: &LoaderHandle, view: &View, rate_hz: Option<f32>) {
         self.rate_hz = rate_hz;
         if view.path != self.followed {
@@ -102,7 +103,7 @@ impl RecordingPanel {
         }
     }
 
-    /// The panel, with the part that is learnt from in figures, and learning.
+    /// The panel, with the part used for learning in figures, and controls for learning.
     pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut ParamEditor<'_>, view: &View) {
         ScrollArea::vertical().id_salt("recording").auto_shrink(false).show(ui, |ui| self.rows(ui, loader, hand, view));
     }
@@ -196,7 +197,7 @@ impl RecordingPanel {
         }
     }
 
-    /// The part that is learnt from, and its level.
+    /// The part used for learning, and its level.
     fn cutting(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
         let duration_s = view.portrait.as_ref().map_or(0.0, |portrait| portrait.duration_s);
         let cut = self.held.unwrap_or(view.cut);
@@ -243,20 +244,20 @@ impl RecordingPanel {
         }
     }
 
-    /// Outline and course of the recording, or what is in their way.
+    /// Outline and spectrogram of the recording, or the reason for their absence.
     pub fn show_pictures(&mut self, ui: &Ui, [above, below]: [Rect; 2], loader: &LoaderHandle, view: &View) {
         ui.painter().rect_filled(below, 3.0, theme::WELL);
         self.show_outline(ui, above, loader, view);
         if let Some(portrait) = &view.portrait {
             self.course.show(ui, below, portrait);
-            // In a low plot the name would hide what it names.
+            // In a low plot the name would cover the picture.
             if let Some(recording) = view.recording.as_ref().filter(|_| above.height() >= ROOM_FOR_LABEL) {
                 label(ui, above, recording, theme::ASH);
             }
         }
     }
 
-    /// Outline of the recording with the part that is learnt from, or what is in its way.
+    /// Outline of the recording with the part used for learning, or the reason for its absence.
     pub fn show_outline(&mut self, ui: &Ui, above: Rect, loader: &LoaderHandle, view: &View) {
         let painter = ui.painter();
         painter.rect_filled(above, 3.0, theme::WELL);
@@ -336,7 +337,7 @@ impl RecordingPanel {
     }
 }
 
-/// What went wrong or is worth a word, until it was read.
+/// An error or notice, until it is dismissed.
 pub fn message(ui: &mut Ui, loader: &LoaderHandle, view: &View) {
     let (message, color) = match (&view.error, &view.notice) {
         (Some(error), _) => (error, theme::ALARM),

@@ -8,7 +8,7 @@ use super::param_editor::ParamEditor;
 use super::play::Parts;
 use super::{GAP, engines, part};
 
-/// Share of the width that the list of controllers takes, with its bounds in points.
+/// Share of the width for the list of controllers, with its bounds in points.
 const LIST: f32 = 0.345;
 const LIST_BOUNDS: (f32, f32) = (260.0, 520.0);
 

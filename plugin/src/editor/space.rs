@@ -1,4 +1,4 @@
-//! The page of space: vortex sound from above, and what places it.
+//! The Space page: vortex sound from above, and the settings for its position.
 
 use egui::Rect;
 
@@ -7,10 +7,10 @@ use super::param_editor::ParamEditor;
 use super::play::Parts;
 use super::{GAP, listen, meter_bridge, part, theme};
 
-/// Most of the width that the view takes, and width of the meters, in points.
+/// Largest share of the width for the view, and width of the meters, in points.
 const VIEW: f32 = 0.5;
 const METERS: f32 = 190.0;
-/// Below this width there is no room for the meters.
+/// Width below which there is no room for the meters.
 const ROOM_FOR_METERS: f32 = 900.0;
 /// Below this height there is none for the output's spectrogram under the view.
 const ROOM_FOR_COURSE: f32 = 60.0;

@@ -1,13 +1,13 @@
-//! What one click does against a fault of the output.
+//! One-click remedies for faults of the output.
 
 use pyrophone_settings::table::DYNAMICS_MODES;
 use pyrophone_settings::{Id, Values};
 
 use crate::analysis::fidelity::Diagnosis;
 
-/// What Scaling alpha is turned down to at once: the value that the paper's authors take where matching buzzes.
+/// Value of Scaling alpha after one click: the one used by the paper's authors where matching buzzes.
 const CALM_SCALING: f64 = 0.5;
-/// How far a click turns Dynamics, and Drive match in dB.
+/// Steps of Dynamics, and of Drive match in dB, for one click.
 const DYNAMICS_STEP: f64 = 0.25;
 const MATCH_STEP_DB: f64 = 3.0;
 
@@ -16,17 +16,17 @@ const MATCH_STEP_DB: f64 = 3.0;
 pub struct Suggestion {
     /// The parameter.
     pub id: Id,
-    /// Its value.
+    /// Its new value.
     pub plain: f64,
-    /// What the button says.
+    /// Label of the button.
     pub words: String,
 }
 
 impl Suggestion {
-    /// The change that is likely to help, where there is one left to make.
+    /// The change that is likely to help, if one remains.
     pub fn of(fault: Diagnosis, values: &Values) -> Option<Self> {
         let companded = DYNAMICS_MODES.iter().position(|mode| *mode == "companded").unwrap_or(0) as f64;
-        // What only the texture hears is of no use without it.
+        // Controls of the texture are of no use without it.
         let is_textured = !Id::TextureLevel.parameter().is_off(values.get(Id::TextureLevel));
         let is_companded = is_textured && values.get(Id::DynamicsMode) == companded;
         let scaling = values.get(Id::ScalingAlpha);

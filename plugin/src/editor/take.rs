@@ -1,4 +1,4 @@
-//! What is kept of drive and output to be saved as sound files.
+//! Recorded drive and output, for saving as sound files.
 
 /// Longest take in seconds.
 pub const LONGEST_S: f64 = 300.0;
@@ -15,22 +15,23 @@ pub struct Take {
 }
 
 impl Take {
-    /// Whether it goes on.
+    /// True while recording.
     pub fn is_on(&self) -> bool {
         self.is_on
     }
 
-    /// Begins anew, for sound at `sample_rate_hz`.
+    /// Starts a new recording of sound at `sample_rate_hz`.
     pub fn start(&mut self, sample_rate_hz: f64) {
         *self = Self { is_on: true, most: (LONGEST_S * sample_rate_hz) as usize, ..Self::default() };
     }
 
-    /// Ends; what was kept stays.
+    /// Stops; the recorded sound is kept.
     pub fn stop(&mut self) {
         self.is_on = false;
     }
 
-    /// Takes one frame, while it goes on. It ends by itself when it is as long as may be, and where the number of channels changes.
+    /// Adds one frame while recording, which stops by itself at the maximum length and where the number of channels
+    /// changes.
     pub fn push(&mut self, drive: f32, output: &[f32]) {
         if !self.is_on {
             return;

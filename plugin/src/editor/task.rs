@@ -1,17 +1,17 @@
-//! Work with files, on a thread of its own so that the window does not wait.
+//! Work with files, on a separate thread so that the window does not wait.
 
 use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 
-/// Something that is being done; dropping it waits for its end, so that no thread outlives the plugin.
+/// Task under way; dropping it waits for its end, so that no thread outlives the plug-in.
 pub struct Task<T> {
     outcome: Mutex<Receiver<T>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl<T: Send + 'static> Task<T> {
-    /// Does `work` on a thread called `name`, then calls `end`. None where the system has no thread to give.
+    /// Does `work` on a thread called `name`, then calls `end`. None where the system cannot start a thread.
     pub fn start(
         name: &str,
         work: impl FnOnce() -> T + Send + 'static,
@@ -19,7 +19,7 @@ impl<T: Send + 'static> Task<T> {
     ) -> Option<Self> {
         let (sender, receiver) = channel();
         let thread = move || {
-            // The window may be gone; then nobody wants the answer.
+            // Fails only if the window is gone, and then nobody needs the result.
             let _ = sender.send(work());
             end();
         };
@@ -27,7 +27,7 @@ impl<T: Send + 'static> Task<T> {
         Some(Self { outcome: Mutex::new(receiver), thread: Some(thread) })
     }
 
-    /// What it has come to, once.
+    /// The result, once.
     pub fn poll(&mut self) -> Option<T> {
         self.outcome.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner).try_recv().ok()
     }

@@ -1,12 +1,12 @@
-//! One look: an ember's colours on charcoal, sizes and spacing.
+//! The common look: an ember's colours on charcoal, sizes and spacing.
 
 use egui::{Color32, CornerRadius, FontFamily, FontId, Stroke, TextStyle, Vec2, Visuals};
 
-/// Behind everything.
+/// Window background.
 pub const GROUND: Color32 = Color32::from_rgb(0x13, 0x10, 0x0f);
-/// Behind what belongs together.
+/// Background of a panel.
 pub const PANEL: Color32 = Color32::from_rgb(0x1e, 0x1a, 0x18);
-/// Behind plots.
+/// Background of a plot.
 pub const WELL: Color32 = Color32::from_rgb(0x0d, 0x0b, 0x0a);
 /// Rules and tracks.
 pub const LINE: Color32 = Color32::from_rgb(0x3d, 0x34, 0x2f);
@@ -14,23 +14,23 @@ pub const LINE: Color32 = Color32::from_rgb(0x3d, 0x34, 0x2f);
 pub const TEXT: Color32 = Color32::from_rgb(0xf2, 0xe8, 0xdf);
 /// Names and units; 6.5:1 on the panel.
 pub const WEAK: Color32 = Color32::from_rgb(0xb3, 0xa3, 0x95);
-/// The output, and whatever is set.
+/// The output, and set values.
 pub const EMBER: Color32 = Color32::from_rgb(0xff, 0x82, 0x38);
 /// The drive: a flame's blue foot.
 pub const BLUE: Color32 = Color32::from_rgb(0x6c, 0xb0, 0xff);
 /// The recording.
 pub const ASH: Color32 = Color32::from_rgb(0xd8, 0xc6, 0xb2);
-/// What went wrong; 6:1 on the panel.
+/// Errors; contrast 6:1 on the panel.
 pub const ALARM: Color32 = Color32::from_rgb(0xff, 0x7d, 0x66);
 
 /// Crackle.
 pub const SPARK: Color32 = Color32::from_rgb(0xff, 0xd0, 0x6b);
 /// Vortex sound.
 pub const VIOLET: Color32 = Color32::from_rgb(0xb5, 0x97, 0xff);
-/// All is well.
+/// Good result.
 pub const WELL_DONE: Color32 = Color32::from_rgb(0x7f, 0xd8, 0x8f);
 
-/// Behind words over curves and pictures: these may show through, but must not compete.
+/// Background of text over curves and pictures, which may show through without competing with it.
 pub fn behind_words() -> Color32 {
     WELL.gamma_multiply(0.92)
 }
@@ -48,12 +48,12 @@ pub fn head() -> FontId {
     FontId::new(11.5, FontFamily::Proportional)
 }
 
-/// Names that stand out.
+/// Font of prominent names.
 pub fn strong() -> FontId {
     FontId::new(12.5, FontFamily::Proportional)
 }
 
-/// Puts the look on a window.
+/// Applies the look to a window.
 pub fn apply(context: &egui::Context) {
     context.all_styles_mut(|style| {
         style.text_styles = [

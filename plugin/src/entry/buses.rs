@@ -1,8 +1,8 @@
-//! Channel pointers that are always there.
+//! Channel pointers that are never null.
 //!
 //! Hosts pass buses with channels and null pointers, fewer buses than were declared, or fewer channels. The framework
-//! reads what is promised. So every channel that is missing is given silence to read from, or a place to write to
-//! that nobody hears. Both are allocated at activation.
+//! reads all declared channels. So every missing channel is replaced by silence to read from, or by unused memory to
+//! write to. Both are allocated at activation.
 
 use crate::channels::MAX_CHANNELS;
 
@@ -12,7 +12,7 @@ pub const MAX_INPUTS: usize = 2;
 /// Channels of the buses as the plug-in has them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Declared {
-    /// Channels of the inputs, main first; 0 where there is no such bus.
+    /// Channels of the inputs, main first; 0 for a bus that does not exist.
     pub inputs: [usize; MAX_INPUTS],
     /// Channels of the output.
     pub output: usize,
@@ -21,26 +21,26 @@ pub struct Declared {
 /// Channel pointers of one bus, as many as declared.
 pub type Pointers = [*mut f32; MAX_CHANNELS];
 
-/// Memory that stands in for what a host leaves out, and the pointers of the block under way.
+/// Memory that replaces missing channels, and the pointers of the current block.
 pub struct Buses {
     declared: Declared,
     max_block: usize,
-    /// Never written to. Inputs that are missing share it.
+    /// Never written to. Missing inputs share it.
     silence: Vec<f32>,
-    /// Nobody reads it.
+    /// Never read.
     unheard: Vec<Vec<f32>>,
-    /// Of the block under way.
+    /// Inputs of the current block.
     pub inputs: [Pointers; MAX_INPUTS],
-    /// Of the block under way.
+    /// Output of the current block.
     pub output: Pointers,
 }
 
-// SAFETY: the pointers are to this object's own memory or to that of the block under way, which is used by the one
-// thread that holds this object exclusively; between blocks nobody follows them.
+// SAFETY: the pointers are to this object's own memory or to that of the current block, which is used by the one thread
+// that holds this object exclusively; between blocks nothing dereferences them.
 unsafe impl Send for Buses {}
 
 impl Buses {
-    /// Stands in for up to `max_block` samples; allocates.
+    /// Replacement channels for up to `max_block` samples; allocates.
     pub fn new(declared: Declared, max_block: usize) -> Self {
         let clamp = |channels: usize| channels.min(MAX_CHANNELS);
         let declared = Declared { inputs: declared.inputs.map(clamp), output: clamp(declared.output) };
@@ -60,13 +60,13 @@ impl Buses {
         self.declared
     }
 
-    /// Longest block, in samples, that it can stand in for.
+    /// Length of the replacement channels, in samples.
     pub fn max_block(&self) -> usize {
         self.max_block
     }
 
-    /// Takes an input's channels, `given` by the host; real-time safe. Where one of them is missing the whole bus is
-    /// silent: hosts built on JUCE that run out of channels give a null pointer and then whatever lies behind it.
+    /// Sets an input's channels, `given` by the host; real-time safe. Where one of them is missing the whole bus is
+    /// silent: hosts built on JUCE that run out of channels pass a null pointer followed by arbitrary ones.
     pub fn set_input(&mut self, bus: usize, given: impl Fn(usize) -> *mut f32) {
         let channels = &mut self.inputs[bus][..self.declared.inputs[bus]];
         for (index, channel) in channels.iter_mut().enumerate() {
@@ -78,7 +78,7 @@ impl Buses {
         }
     }
 
-    /// The same for the output; whether the host gave any channel at all.
+    /// Sets the output's channels; returns false if the host gave none at all.
     pub fn set_output(&mut self, given: impl Fn(usize) -> *mut f32) -> bool {
         let mut is_heard = false;
         for (channel, unheard) in self.unheard.iter_mut().enumerate() {

@@ -1,26 +1,26 @@
-//! What the host says about parameters: which are mapped to a controller, which are automated.
+//! State of parameters as reported by the host: mapped to a controller, automated.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use pyrophone_settings::PARAMETERS;
 
-/// Set where a controller is mapped.
+/// Bit that is set where a controller is mapped.
 const MAPPED: u32 = 1 << 31;
 /// Bits of the automation's state.
 const AUTOMATION: u32 = 0xff;
 
-/// How a parameter is automated at present.
+/// Automation state of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Automation {
     /// Not at all.
     None,
     /// There is automation, and it does not play.
     Present,
-    /// It plays.
+    /// The automation plays.
     Playing,
-    /// It is being recorded.
+    /// The automation is being recorded.
     Recording,
-    /// The user holds the parameter against it.
+    /// The user overrides the automation.
     Overriding,
 }
 
@@ -44,7 +44,7 @@ impl Default for Indications {
 }
 
 impl Indications {
-    /// Notes whether a controller is mapped to the parameter at `index` of the table.
+    /// Sets whether a controller is mapped to the parameter at `index` of the table.
     pub fn set_mapped(&self, index: usize, mapped: bool) {
         if mapped {
             self.0[index].fetch_or(MAPPED, Ordering::Relaxed);
@@ -53,18 +53,18 @@ impl Indications {
         }
     }
 
-    /// Notes how the parameter at `index` of the table is automated.
+    /// Sets the automation state of the parameter at `index` of the table.
     pub fn set_automation(&self, index: usize, automation: Automation) {
         let mapped = self.0[index].load(Ordering::Relaxed) & MAPPED;
         self.0[index].store(mapped | automation as u32, Ordering::Relaxed);
     }
 
-    /// Whether a controller is mapped to the parameter.
+    /// True if a controller is mapped to the parameter.
     pub fn is_mapped(&self, index: usize) -> bool {
         self.0[index].load(Ordering::Relaxed) & MAPPED != 0
     }
 
-    /// How the parameter is automated.
+    /// The automation state of the parameter.
     pub fn automation(&self, index: usize) -> Automation {
         Automation::from_clap(self.0[index].load(Ordering::Relaxed) & AUTOMATION)
     }

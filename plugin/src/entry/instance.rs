@@ -1,4 +1,4 @@
-//! What a guard knows of the effect that the framework has made inside its own object.
+//! Shared parts of an effect that the framework creates inside its own object.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -18,22 +18,22 @@ pub struct Instance {
 }
 
 thread_local! {
-    /// The framework makes the effect by `Default` and keeps it to itself; it does so on the thread that asked for it.
+    /// The framework creates the effect by `Default` and keeps it private; it does so on the calling thread.
     static LAST_MADE: RefCell<Option<Instance>> = const { RefCell::new(None) };
 }
 
-/// Tells the guard on this thread which effect has just been made.
+/// Hands an effect just created to the guard on this thread.
 pub fn announce(instance: Instance) {
     LAST_MADE.with(|last| last.replace(Some(instance)));
 }
 
-/// The effect that was made last on this thread, once.
+/// The effect created last on this thread, once.
 pub fn take_announced() -> Option<Instance> {
     LAST_MADE.with(RefCell::take)
 }
 
-/// Numeric id of a parameter in both formats, as nice-plug derives it: a polynomial hash of its id, without the
-/// top bit, which VST3 keeps for hosts.
+/// Numeric id of a parameter in both formats, as nice-plug derives it: a polynomial hash of its id, without the top
+/// bit, which VST3 reserves for hosts.
 pub const fn numeric_id(id: &str) -> u32 {
     let (bytes, mut hash, mut index) = (id.as_bytes(), 0u32, 0);
     while index < bytes.len() {
@@ -53,7 +53,7 @@ pub static NUMERIC_IDS: [u32; COUNT] = {
     ids
 };
 
-/// Place in the table of the parameter with this numeric id; real-time safe.
+/// Index in the table of the parameter with this numeric id; real-time safe.
 pub fn index_of_numeric(id: u32) -> Option<usize> {
     NUMERIC_IDS.iter().position(|known| *known == id)
 }

@@ -1,15 +1,15 @@
-//! The entry points that hosts find in the library, and guards around the framework's own objects.
+//! The library's entry points for hosts, and guards around the framework's own objects.
 //!
-//! nice-plug 0.4.2 makes the objects; each is wrapped in one of ours, which passes calls on and mends what the
-//! framework leaves open: null channel pointers, values set between two blocks, latency announced at the wrong
-//! moment, run-loop handlers that are never signed off, and extensions that it does not have.
+//! nice-plug 0.4.2 creates the objects; each is wrapped in one of ours, which forwards calls and fixes the framework's
+//! gaps: null channel pointers, values set between two blocks, latency reported at the wrong moment, run-loop handlers
+//! that are never unregistered, and missing extensions.
 //!
-//! | module | is |
+//! | module | content |
 //! |---|---|
-//! | [`instance`] | what a guard knows of the effect inside it |
-//! | [`buses`] | channel pointers that are always there |
+//! | [`instance`] | shared parts of the effect inside a guard |
+//! | [`buses`] | channel pointers that are never null |
 //! | [`state`] | saved bytes that do not change by loading and saving |
-//! | [`indication`] | what the host says about a parameter: mapped, automated |
+//! | [`indication`] | state of a parameter as reported by the host: mapped, automated |
 //! | `clap` | the CLAP entry: plug-in, extensions, preset discovery |
 //! | `vst3` | the VST3 factory: component, controller, view |
 

@@ -1,7 +1,7 @@
 //! Saved bytes: the same values always give the same bytes.
 //!
-//! The framework saves 32-bit values as the host last set them, which lie beside the table's grid (232.90001), and
-//! reads them back on it (232.9): a state would change by being loaded and saved.
+//! The framework saves 32-bit values as the host last set them, slightly off the table's grid (232.90001), and reads
+//! them back on the grid (232.9): a state would change by being loaded and saved.
 
 use nice_plug::prelude::PluginState;
 use nice_plug_core::plugin::ParamValue;
@@ -9,11 +9,11 @@ use pyrophone_settings::{Kind, PARAMETERS};
 
 use crate::parameters::sanitize;
 
-/// A parameter's place in the table, and the plain value that the host has set and no block has carried yet.
+/// A parameter's index in the table, and the plain value that the host has set and no block has carried yet.
 pub type Pending = (usize, f64);
 
-/// The framework's JSON with every value on the table's grid, and `pending` values in place of those that the
-/// engines still have; as it was where it is no state.
+/// The framework's JSON with every value on the table's grid, and `pending` values in place of those still held by the
+/// engines; unchanged if it is not a state.
 pub fn normalise(json: &[u8], pending: &[Pending]) -> Vec<u8> {
     let Ok(mut state) = serde_json::from_slice::<PluginState>(json) else { return json.to_owned() };
     for (index, plain) in pending {

@@ -1,5 +1,5 @@
-//! What instances of one process share: each thing is made once and lives as long as somebody
-//! uses it. Only loaders touch it.
+//! Things shared by instances of one process: each is created once and lives as long as it is in use. Only loaders
+//! access it.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -10,13 +10,13 @@ use pyrophone_recording::Recording;
 use pyrophone_synthesis::texture::Dictionary;
 use pyrophone_training::DictionaryKey;
 
-/// How often a loader that waits for another one looks whether it was called off.
+/// Polling interval for cancellation of a loader that waits for another one.
 const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Decoded recordings by content hash.
 pub static RECORDINGS: LazyLock<Cache<String, Recording>> = LazyLock::new(Cache::default);
 
-/// Dictionaries by what they are made of.
+/// Dictionaries by their origin.
 pub static DICTIONARIES: LazyLock<Cache<DictionaryKey, Dictionary>> = LazyLock::new(Cache::default);
 
 enum Entry<V> {
@@ -43,7 +43,7 @@ impl<K, V> Cache<K, V> {
     }
 }
 
-/// Takes the mark "under way" away again, whichever way the making ends.
+/// Mark of a value in the making, removed however that ends.
 struct Claim<'a, K: Eq + Hash, V> {
     cache: &'a Cache<K, V>,
     key: &'a K,
@@ -61,8 +61,8 @@ impl<K: Eq + Hash, V> Drop for Claim<'_, K, V> {
 }
 
 impl<K: Eq + Hash + Clone, V> Cache<K, V> {
-    /// The value of `key`: one that is alive, or one that another loader is making, or else what
-    /// `make` makes. `None` where `is_called_off` while waiting.
+    /// The value of `key`: an existing one, or one that another loader is creating, or otherwise the result of `make`.
+    /// `None` if `is_called_off` while waiting.
     pub fn get_or_make<E>(
         &self,
         key: &K,

@@ -1,4 +1,4 @@
-//! What the loader must know of the engines that run.
+//! Properties of the running engines that the loader needs.
 
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::Channels;
@@ -10,6 +10,6 @@ pub struct Engine {
     pub sample_rate_hz: f64,
     /// Structure.
     pub structure: EngineConfig,
-    /// Channels, for the latency of an engine to come.
+    /// Channels, for the latency of a future engine.
     pub channels: Channels,
 }

@@ -1,19 +1,19 @@
-//! How things change hands between the loader and the audio thread.
+//! Exchange of objects between the loader and the audio thread.
 //!
 //! What is new travels one way, what it replaces the other way: the audio thread takes something
 //! only when there is room to give back what it may replace, so it never frees anything and never
 //! waits. Written over any pair of rings, so that every interleaving of the two threads can be
 //! checked (`tests/it/exchange.rs`).
 
-/// The end of a ring that things are put into.
+/// The writing end of a ring.
 pub trait Push<T> {
-    /// Puts it in, or hands it back when there is no room.
+    /// Appends an item, or hands it back when there is no room.
     fn push(&mut self, item: T) -> Result<(), T>;
-    /// Whether there is no room; once there is, it stays until something is put in.
+    /// True if there is no room; otherwise there is room at least until the next push.
     fn is_full(&self) -> bool;
 }
 
-/// The end of a ring that things are taken out of.
+/// The reading end of a ring.
 pub trait Pop<T> {
     /// The oldest, if there is one.
     fn pop(&mut self) -> Option<T>;
@@ -34,12 +34,12 @@ pub struct Receiver<U, R> {
 }
 
 impl<U, R> Sender<U, R> {
-    /// Sends through `updates`; what comes back through `retired` is freed here.
+    /// Sends through `updates`; objects returned through `retired` are freed here.
     pub fn new(updates: U, retired: R) -> Self {
         Self { updates, retired }
     }
 
-    /// Sends something new; whether there was room.
+    /// Sends an object; returns false if there was no room.
     pub fn send<T>(&mut self, update: T) -> bool
     where
         U: Push<T>,
@@ -47,7 +47,7 @@ impl<U, R> Sender<U, R> {
         self.updates.push(update).is_ok()
     }
 
-    /// Frees what the audio thread has given up.
+    /// Frees the objects returned by the audio thread.
     pub fn free_retired<T>(&mut self)
     where
         R: Pop<T>,
@@ -57,12 +57,12 @@ impl<U, R> Sender<U, R> {
 }
 
 impl<U, R> Receiver<U, R> {
-    /// Takes from `updates`, gives back through `retired`.
+    /// Receives from `updates`, returns objects through `retired`.
     pub fn new(updates: U, retired: R) -> Self {
         Self { updates, retired }
     }
 
-    /// The next new thing, as long as there is room to give back what it replaces.
+    /// The next new object, as long as there is room to return what it replaces.
     pub fn receive<T, Old>(&mut self) -> Option<T>
     where
         U: Pop<T>,
@@ -71,13 +71,13 @@ impl<U, R> Receiver<U, R> {
         if self.retired.is_full() { None } else { self.updates.pop() }
     }
 
-    /// Gives up what the last thing [received](Self::receive) has replaced.
+    /// Returns the object replaced by the one last [received](Self::receive).
     pub fn retire<Old>(&mut self, old: Old)
     where
         R: Push<Old>,
     {
-        // `receive` has made sure of the room; were there none after all, leaking is the only
-        // thing that neither waits nor frees.
+        // `receive` has ensured that there is room; if there were none after all, leaking is the only option that
+        // neither waits nor frees.
         if let Err(unsent) = self.retired.push(old) {
             std::mem::forget(unsent);
         }

@@ -1,4 +1,4 @@
-//! One attempt of the loader's thread to do what is missing: whether it still makes sense, and how far it has come.
+//! One attempt of the loader's thread to do the missing work: its validity and its progress.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -9,7 +9,7 @@ use super::mailbox::Mailbox;
 use super::status::Status;
 use crate::parameters::EffectParams;
 
-/// One attempt to do what is missing.
+/// One attempt to do the missing work.
 pub struct Job {
     mailbox: Arc<Mailbox>,
     status: Arc<Status>,
@@ -21,7 +21,7 @@ pub struct Job {
 }
 
 impl Job {
-    /// An attempt to carry out the orders up to `epoch` for the structure that the parameters say.
+    /// An attempt to carry out the orders up to `epoch` for the structure given by the parameters.
     pub fn new(mailbox: &Arc<Mailbox>, status: &Arc<Status>, params: &Arc<EffectParams>, epoch: u64) -> Self {
         Self {
             wanted: params.values().structure(),
@@ -33,17 +33,17 @@ impl Job {
         }
     }
 
-    /// The structure that the parameters said when it began.
+    /// The structure given by the parameters at the start.
     pub fn wanted(&self) -> &EngineConfig {
         &self.wanted
     }
 
-    /// Whether a later order makes the work useless.
+    /// True if a later order makes the work useless.
     pub fn is_called_off(&self) -> bool {
         self.mailbox.is_called_off(self.epoch)
     }
 
-    /// Shows progress (0-1); whether to go on.
+    /// Shows progress (0-1); returns false if the work should stop.
     pub fn goes_on(&self, what: &str, done: f32) -> bool {
         let percent = (done * 100.0) as u32 + 1;
         if self.shown.swap(percent, Ordering::Relaxed) != percent {
@@ -52,12 +52,12 @@ impl Job {
         !self.is_called_off()
     }
 
-    /// The same for work that depends on the structure.
+    /// As `goes_on`, for work that depends on the structure.
     pub fn goes_on_indexing(&self, what: &str, done: f32) -> bool {
         self.goes_on(what, done) && self.params.values().structure() == self.wanted
     }
 
-    /// Takes away what was shown of its progress.
+    /// Clears the displayed progress.
     pub fn end(&self) {
         if self.shown.load(Ordering::Relaxed) != 0 {
             self.status.update(|view| view.progress = None);

@@ -1,5 +1,5 @@
-//! Learning the distribution of the drive's amplitudes from one pass or from a file, and handing it to the
-//! engine it holds for.
+//! Learning the distribution of the drive's amplitudes from one pass or from a file, and sending it to the engine for
+//! which it is valid.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,22 +21,22 @@ use super::status::Status;
 /// Most amplitudes of one pass: about an hour and a half at 44.1 kHz and six levels.
 const MAX_VALUES: usize = 1 << 23;
 
-/// A pass that is being learned, and whether the engine has what was learned.
+/// A pass that is being learned, and the state of the learned distribution.
 #[derive(Default)]
 pub struct Learner {
     /// The amplitudes so far, while learning.
     values: Option<Vec<f64>>,
-    /// Whether learning was switched off and only the rest on the way is awaited.
+    /// True after learning was switched off, while the last amplitudes are awaited.
     is_closing: bool,
     is_sent: bool,
     /// A file to learn from instead of a pass.
     file: Option<PathBuf>,
 }
 
-/// Steps of probability at which a distribution is drawn.
+/// Steps of probability in a drawn distribution.
 const SHOWN: usize = 65;
 
-/// What is drawn of a distribution; none of one that is empty.
+/// Points of a distribution for drawing; none for an empty one.
 pub fn shown_amplitudes(distribution: &Distribution) -> Option<Arc<[f32]>> {
     let at = |step: usize| distribution.amplitude(step as f64 / (SHOWN - 1) as f64) as f32;
     (!distribution.quantiles().is_empty()).then(|| (0..SHOWN).map(at).collect())
@@ -48,7 +48,7 @@ impl Learner {
         self.file = Some(path);
     }
 
-    /// Whether a file is still to be learned from.
+    /// True if a file is still waiting to be learned from.
     pub fn is_awaited(&self) -> bool {
         self.file.is_some()
     }
@@ -58,7 +58,7 @@ impl Learner {
         self.file = None;
     }
 
-    /// Learns from the file, if there is one; whether that has changed the session.
+    /// Learns from the file, if there is one; returns true if that has changed the session.
     pub fn work(
         &mut self,
         session: &mut Session,
@@ -82,7 +82,7 @@ impl Learner {
         self.is_sent = false;
     }
 
-    /// Takes in what has passed; whether a pass has ended and changed the session.
+    /// Takes over new amplitudes; returns true if a pass has ended and changed the session.
     pub fn follow(
         &mut self,
         link: &mut LoaderLink,
@@ -111,7 +111,7 @@ impl Learner {
         if is_on {
             return false;
         }
-        // What was on its way when the switch went off arrives by the next look.
+        // Amplitudes in transit when the switch goes off arrive by the next tick.
         if !std::mem::replace(&mut self.is_closing, true) {
             return false;
         }
@@ -138,7 +138,7 @@ impl Learner {
         }
     }
 
-    /// Sends the session's distribution to the engine, if it holds for that engine.
+    /// Sends the session's distribution to the engine, if it is valid for that engine.
     pub fn send(&mut self, link: &mut LoaderLink, session: &Session, engine: &Engine, status: &Status) {
         if self.is_sent {
             return;
@@ -152,8 +152,9 @@ impl Learner {
                 if learned.sample_rate_hz != engine.sample_rate_hz || learned.levels != engine.structure.levels =>
             {
                 let Learned { sample_rate_hz, levels, .. } = learned;
-                let text =
-                    format!("learned at {sample_rate_hz} Hz and {levels} levels, which is not what runs: learn again");
+                let text = format!(
+                    "learned at {sample_rate_hz} Hz and {levels} levels, unlike the present settings: learn again"
+                );
                 (None, Some(text))
             }
             Some(learned) => match Distribution::from_quantiles(learned.quantiles.clone()) {
@@ -172,7 +173,7 @@ impl Learner {
     }
 }
 
-/// What one pass of the file through the effect, as it is set, would have taught.
+/// The distribution that one pass of the file through the effect, as currently set, would have given.
 fn learned_from(path: &Path, engine: &Engine, values: &Values, job: &Job) -> Result<Learned, Failure> {
     let sound = decode(path, &|done| job.goes_on("Reading", 0.5 * done))?;
     let resampling = |done: f32| job.goes_on("Resampling", 0.5 + 0.3 * done);

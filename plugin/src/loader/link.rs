@@ -1,5 +1,5 @@
-//! Rings between the loader's thread and the audio thread. What the audio thread gives up goes
-//! back through a ring and is freed by the loader.
+//! Rings between the loader's thread and the audio thread. Objects that the audio thread no longer needs go back
+//! through a ring and are freed by the loader.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -13,7 +13,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 use super::exchange::{Pop, Push, Receiver, Sender};
 use crate::audio::audition::AuditionClip;
 
-/// Something new for the engines.
+/// New object for the engines.
 pub enum Update {
     /// The dictionary of a slot's recording, or none.
     Dictionary(usize, Option<Arc<Dictionary>>),
@@ -21,11 +21,11 @@ pub enum Update {
     Distribution(Option<Arc<Distribution>>),
     /// The speed field, or none.
     Field(Option<Arc<SpeedField>>),
-    /// The recording to be listened to, or none.
+    /// The recording for monitoring, or none.
     Tape(Option<AuditionClip>),
 }
 
-/// Something that the audio thread no longer needs.
+/// Object that the audio thread no longer needs.
 pub enum Retired {
     /// A dictionary.
     Dictionary(Arc<Dictionary>),
@@ -37,12 +37,12 @@ pub enum Retired {
     Tape(AuditionClip),
 }
 
-/// Updates that may be under way; a few suffice, since the loader tries again.
+/// Maximum number of pending updates; a few suffice, since the loader tries again.
 const UPDATES: usize = 16;
-/// Retired things that may be under way.
+/// Maximum number of pending retired objects.
 const RETIRED: usize = 32;
-/// Magnitudes that may be under way: three quarters of a minute at 44.1 kHz and six levels, for a
-/// host that renders faster than the loader looks.
+/// Maximum number of pending magnitudes: three quarters of a minute at 44.1 kHz and six levels, for a host that renders
+/// faster than the loader polls.
 const MAGNITUDES: usize = 1 << 16;
 
 impl<T> Push<T> for HeapProd<T> {
@@ -61,23 +61,23 @@ impl<T> Pop<T> for HeapCons<T> {
     }
 }
 
-/// Switches that both threads look at.
+/// Switches read by both threads.
 #[derive(Debug, Default)]
 pub struct Shared {
-    /// Whether the amplitudes that pass are to be learned.
+    /// True if passing amplitudes are to be learned.
     pub learning: AtomicBool,
-    /// Samples that were learned from so far.
+    /// Number of samples learned from so far.
     pub learned_samples: AtomicU64,
-    /// Whether some of them were lost on the way.
+    /// True if some of them were lost in transit.
     pub magnitudes_lost: AtomicBool,
-    /// Whether a window is open: what is drawn of a recording is made for it alone.
+    /// True while a window is open: pictures of a recording are drawn for it alone.
     pub is_watched: AtomicBool,
     prepared: AtomicU64,
     prepared_latency_samples: AtomicU32,
 }
 
 impl Shared {
-    /// Tells that everything is ready for engines of this structure.
+    /// Announces that everything is ready for engines of this structure.
     pub fn set_prepared(&self, structure: &EngineConfig, latency_samples: u32) {
         self.prepared_latency_samples.store(latency_samples, Ordering::Relaxed);
         self.prepared.store(fingerprint(structure), Ordering::Release);
@@ -90,7 +90,7 @@ impl Shared {
     }
 }
 
-/// A number that tells structures apart; never 0.
+/// A number that identifies a structure; never 0.
 pub fn fingerprint(structure: &EngineConfig) -> u64 {
     let EngineConfig { levels, window, feature, falloff, half_width, fit_width_hz, dynamics } = *structure;
     let fields = [
@@ -136,12 +136,12 @@ pub fn pair() -> (LoaderLink, AudioLink) {
 }
 
 impl LoaderLink {
-    /// Sends an update; whether there was room.
+    /// Sends an update; returns false if there was no room.
     pub fn send(&mut self, update: Update) -> bool {
         self.exchange.send(update)
     }
 
-    /// Frees what the audio thread has given up.
+    /// Frees the objects returned by the audio thread.
     pub fn free_retired(&mut self) {
         self.exchange.free_retired();
     }
@@ -153,12 +153,12 @@ impl LoaderLink {
 }
 
 impl AudioLink {
-    /// The next update, as long as there is room to give back what it replaces; real-time safe.
+    /// The next update, as long as there is room to return what it replaces; real-time safe.
     pub fn receive(&mut self) -> Option<Update> {
         self.exchange.receive()
     }
 
-    /// Gives something up after a [`receive`](Self::receive); real-time safe.
+    /// Returns an object after a [`receive`](Self::receive); real-time safe.
     pub fn retire(&mut self, retired: Retired) {
         self.exchange.retire(retired);
     }

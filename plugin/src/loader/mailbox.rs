@@ -1,6 +1,6 @@
 //! Orders to the loader's thread.
 //!
-//! The latest order of a kind wins. Orders that make the work under way useless call it off.
+//! The latest order of a kind wins. Orders that make current work useless cancel it.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,48 +11,48 @@ use pyrophone_settings::session::Cut;
 
 use super::engine::Engine;
 
-/// Something for the loader to do.
+/// Order to the loader.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Order {
     /// Load this file.
     Load(PathBuf),
     /// Do without a recording.
     Unload,
-    /// Give up what is under way.
+    /// Cancel the current work.
     Cancel,
     /// Learn from this part of the recording.
     Cut(Cut),
     /// Read the session that the host has loaded.
     ReadSession,
-    /// This engine runs from now on.
+    /// Work for this engine from now on.
     Engine(Engine),
-    /// Keep the recording itself in the session.
+    /// Embed the recording in the session, or not.
     Embed(bool),
     /// Learn the drive's distribution from this file.
     LearnFrom(PathBuf),
-    /// Save the part of the recording that is learnt from as this file.
+    /// Save the part of the recording used for learning as this file.
     SavePart(PathBuf),
     /// Forget the learned distribution.
     ForgetLearned,
-    /// Have the recording ready to be listened to, or not.
+    /// Prepare the recording for monitoring, or not.
     Audition(bool),
-    /// Take the speed field from this file.
+    /// Load the speed field from this file.
     LoadField(PathBuf),
     /// Do without a speed field.
     UnloadField,
 }
 
-/// A place in the sequence of orders.
+/// A position in the sequence of orders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Ticket(u64);
 
-/// The orders not yet taken, and how far the loader has come.
+/// The pending orders, and the loader's progress through them.
 #[derive(Default)]
 pub struct Mailbox {
     inner: Mutex<Inner>,
     arrived: Condvar,
     settled: Condvar,
-    /// Counts what calls off the work under way.
+    /// Number of orders so far that cancel current work.
     epoch: AtomicU64,
 }
 
@@ -65,25 +65,25 @@ struct Inner {
     quit: bool,
 }
 
-/// What the loader takes at once.
+/// Orders for the loader to carry out together.
 pub struct Batch {
     /// The orders in their sequence.
     pub orders: Vec<Order>,
-    /// The place of the last of them.
+    /// The position of the last of them.
     pub ticket: Ticket,
-    /// The count of what calls off work, at the time of taking.
+    /// The number of cancelling orders at that time.
     pub epoch: u64,
-    /// Whether to end.
+    /// True if the loader is to end.
     pub quit: bool,
 }
 
 impl Mailbox {
-    /// Gives an order.
+    /// Posts an order.
     pub fn post(&self, order: Order) {
         self.post_ticketed(order);
     }
 
-    /// Gives an order that can be waited for.
+    /// Posts an order whose completion can be awaited.
     pub fn post_ticketed(&self, order: Order) -> Ticket {
         let mut inner = self.lock();
         let calls_off = match &order {
@@ -106,7 +106,7 @@ impl Mailbox {
         Ticket(inner.posted)
     }
 
-    /// Asks the loader to end; calls off its work.
+    /// Asks the loader to end; cancels its work.
     pub fn quit(&self) {
         self.lock().quit = true;
         self.epoch.fetch_add(1, Ordering::Relaxed);
@@ -114,7 +114,7 @@ impl Mailbox {
         self.settled.notify_all();
     }
 
-    /// Whether work taken at `epoch` has been called off.
+    /// True if work begun at `epoch` has been cancelled.
     pub fn is_called_off(&self, epoch: u64) -> bool {
         self.epoch.load(Ordering::Relaxed) != epoch
     }
@@ -132,13 +132,13 @@ impl Mailbox {
         }
     }
 
-    /// Tells that everything up to `ticket` is done.
+    /// Announces that everything up to `ticket` is done.
     pub fn settle(&self, ticket: Ticket) {
         self.lock().settled = ticket.0;
         self.settled.notify_all();
     }
 
-    /// Waits until everything up to `ticket` is done, or `limit` is over; whether it is done.
+    /// Waits until everything up to `ticket` is done, or `limit` is over; returns whether it is done.
     pub fn wait(&self, ticket: Ticket, limit: Option<Duration>) -> bool {
         let waits = |inner: &mut Inner| inner.settled < ticket.0 && !inner.quit;
         let inner = match limit {
@@ -151,7 +151,7 @@ impl Mailbox {
         inner.settled >= ticket.0
     }
 
-    /// Waits until everything ordered so far is done; whether it is done.
+    /// Waits until everything ordered so far is done; returns whether it is done.
     pub fn wait_for_all(&self) -> bool {
         let posted = Ticket(self.lock().posted);
         self.wait(posted, None)

@@ -1,20 +1,19 @@
-//! Everything that takes time: decoding, resampling, indexing, learning. One thread per instance,
-//! joined when the instance goes.
+//! Slow work: decoding, resampling, indexing, learning. One thread per instance, joined when the instance is dropped.
 //!
-//! | module | is |
+//! | module | content |
 //! |---|---|
-//! | [`mailbox`] | orders to the thread, and waiting for them |
+//! | [`mailbox`] | orders to the thread, and waiting for their completion |
 //! | [`worker`] | the thread |
-//! | [`job`] | one attempt of it, and how far that has come |
-//! | [`engine`] | what runs |
-//! | [`slot`] | what there is of one recording |
+//! | [`job`] | one attempt at the missing work, and its progress |
+//! | [`engine`] | properties of the running engines |
+//! | [`slot`] | the loader's state of one recording |
 //! | [`source`] | from a path or a session to a decoded recording |
-//! | [`cache`] | what instances of one process share |
+//! | [`cache`] | things shared by instances of one process |
 //! | [`learner`] | the learned distribution |
 //! | [`motion`] | the speed field |
-//! | [`tape`] | the recording to be listened to |
+//! | [`tape`] | the recording for monitoring |
 //! | [`link`] | rings between the thread and the audio thread |
-//! | [`status`] | what the editor shows of it |
+//! | [`status`] | the thread's state as shown by the editor |
 
 pub mod cache;
 pub mod engine;
@@ -51,22 +50,22 @@ use worker::Worker;
 #[derive(Clone)]
 pub struct LoaderHandle {
     mailbox: Arc<Mailbox>,
-    /// What it is doing.
+    /// State of the thread.
     pub status: Arc<Status>,
     /// The switches it shares with the audio thread.
     pub shared: Arc<Shared>,
 }
 
-/// The loader's thread; dropping it calls off its work and waits for its end.
+/// The loader's thread; dropping it cancels its work and waits for its end.
 pub struct Loader {
     handle: LoaderHandle,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Loader {
-    /// Starts the thread; answers the parameters it follows and the audio thread's ends of its
-    /// rings. Where no thread can be started, recordings cannot be loaded, and the status says so.
-    /// `recent` is where recordings that the user loads are listed.
+    /// Starts the thread; returns the parameters it follows and the audio thread's ends of its rings. If no thread can
+    /// be started, recordings cannot be loaded, and the status says so. `recent` is the list of recordings loaded by
+    /// the user.
     pub fn start(notifier: RepaintNotifier, recent: Option<Recent>) -> (Self, Arc<EffectParams>, AudioLink) {
         let mailbox = Arc::new(Mailbox::default());
         let session = {
@@ -80,7 +79,9 @@ impl Loader {
         let worker = Worker::new(mailbox, params.clone(), status.clone(), link, recent);
         let thread = std::thread::Builder::new().name("pyrophone-loader".to_owned()).spawn(move || worker.run());
         if let Err(error) = &thread {
-            status.fail(format!("no recordings can be loaded: the system refuses a thread ({error}); close something"));
+            status.fail(format!(
+                "no recordings can be loaded, because the system refuses a thread ({error}); close other programs"
+            ));
         }
         (Self { handle, thread: thread.ok() }, params, audio_link)
     }
@@ -90,20 +91,20 @@ impl Loader {
         self.handle.clone()
     }
 
-    /// Tells what engine runs from now on; its dictionary and distribution are sent again.
+    /// Sets the running engine; its dictionary and distribution are sent again.
     pub fn set_engine(&self, engine: Engine) -> Ticket {
         self.handle.mailbox.post_ticketed(Order::Engine(engine))
     }
 
-    /// Waits until everything ordered up to `ticket` is done, or `limit` is over (`None`: no
-    /// limit); whether it is done.
+    /// Waits until everything ordered up to `ticket` is done, or `limit` is over (`None`: no limit); returns whether it
+    /// is done.
     pub fn wait(&self, ticket: Ticket, limit: Option<Duration>) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) && self.handle.mailbox.wait(ticket, limit)
     }
 }
 
 impl Loader {
-    /// Waits until everything ordered so far is done, without a limit; whether it is done.
+    /// Waits until everything ordered so far is done, without a limit; returns whether it is done.
     pub fn wait_for_all(&self) -> bool {
         self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) && self.handle.mailbox.wait_for_all()
     }
@@ -115,12 +116,12 @@ impl LoaderHandle {
         self.mailbox.post(Order::Load(path));
     }
 
-    /// Takes the recording away.
+    /// Removes the recording.
     pub fn unload(&self) {
         self.mailbox.post(Order::Unload);
     }
 
-    /// Gives up the loading or indexing under way; what sounds goes on.
+    /// Cancels loading or indexing; the current sound continues.
     pub fn cancel(&self) {
         self.mailbox.post(Order::Cancel);
     }
@@ -135,22 +136,22 @@ impl LoaderHandle {
         self.mailbox.post(Order::LearnFrom(path));
     }
 
-    /// Saves the part of the recording that is learnt from, at its level, as a WAV file.
+    /// Saves the part of the recording used for learning, at its level, as a WAV file.
     pub fn save_part(&self, path: PathBuf) {
         self.mailbox.post(Order::SavePart(path));
     }
 
-    /// Has the recording ready to be listened to, or not.
+    /// Prepares the recording for monitoring, or not.
     pub fn audition(&self, wanted: bool) {
         self.mailbox.post(Order::Audition(wanted));
     }
 
-    /// Keeps the recording itself in the session, or not.
+    /// Embeds the recording in the session, or not.
     pub fn set_embed(&self, embed: bool) {
         self.mailbox.post(Order::Embed(embed));
     }
 
-    /// Takes the speed field of vortex sound from a file.
+    /// Loads the speed field of vortex sound from a file.
     pub fn load_field(&self, path: PathBuf) {
         self.mailbox.post(Order::LoadField(path));
     }

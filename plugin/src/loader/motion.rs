@@ -15,7 +15,7 @@ use super::status::Status;
 pub struct Motion {
     field: Option<Arc<SpeedField>>,
     is_sent: bool,
-    /// What is wrong with the session's field, until it is told.
+    /// Error in the session's field, until it is reported.
     error: Option<String>,
 }
 
@@ -25,20 +25,20 @@ impl Motion {
         self.is_sent = false;
     }
 
-    /// Takes the field from a file into the session; where it fails the old one stays, and the reason is answered.
+    /// Loads the field from a file into the session; on failure the old one stays, and the reason is returned.
     pub fn load(&mut self, path: &Path, session: &mut Session, status: &Status) -> Result<(), String> {
         let shown = path.display();
         let cannot = |error: std::io::Error| format!("{shown}: {}; choose a readable file", error.kind());
-        // Nobody may wait for a pipe.
+        // Reading a pipe could block for ever.
         if !path.metadata().map_err(cannot)?.is_file() {
-            return Err(format!("{shown}: this is no file; choose a speed field"));
+            return Err(format!("{shown}: this is not a file; choose a speed field"));
         }
         let mut bytes = vec![];
         let file = std::fs::File::open(path).map_err(cannot)?;
         file.take(MAX_FIELD_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(cannot)?;
         if bytes.len() > MAX_FIELD_BYTES {
             let most = MAX_FIELD_BYTES >> 20;
-            return Err(format!("{shown}: a speed field has at most {most} MB; export fewer seconds"));
+            return Err(format!("{shown}: a speed field may have at most {most} MB; export fewer seconds"));
         }
         let field = SpeedField::from_bytes(&bytes).map_err(|error| format!("{shown}: {error}"))?;
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).to_string_lossy().into_owned();
@@ -47,7 +47,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Takes the field that the session has, or none.
+    /// Reads the session's field, if any.
     pub fn read(&mut self, session: &Session, status: &Status) {
         let field = session.field.as_ref().map(|field| SpeedField::from_bytes(&field.bytes));
         match field.transpose() {
@@ -59,7 +59,7 @@ impl Motion {
         }
     }
 
-    /// What was wrong with the session's field, once.
+    /// The error in the session's field, once.
     pub fn take_error(&mut self) -> Option<String> {
         self.error.take()
     }

@@ -1,4 +1,4 @@
-//! What the loader has of one recording.
+//! State of one recording in the loader.
 
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -10,31 +10,31 @@ use pyrophone_training::DictionaryKey;
 
 use crate::analysis::Portrait;
 
-/// A recording that is to be fetched.
+/// Recording to be fetched.
 pub enum Pending {
-    /// The user's choice; where it fails, the old one stays.
+    /// The user's choice; on failure, the old one stays.
     File(PathBuf),
-    /// The session's; where it fails, there is none.
+    /// The session's; on failure, there is none.
     Session,
 }
 
 /// One slot.
 pub struct Slot {
-    /// What is to be fetched.
+    /// Recording to be fetched.
     pub pending: Option<Pending>,
     /// The decoded recording.
     pub recording: Option<Arc<Recording>>,
-    /// What is drawn of it, and whether that is not what it should be.
+    /// Picture of the recording, and whether it is outdated.
     pub portrait: Option<Arc<Portrait>>,
     /// See `portrait`.
     pub portrait_is_due: bool,
-    /// The dictionary that was made last.
+    /// The dictionary built last.
     pub dictionary: Option<(DictionaryKey, Arc<Dictionary>)>,
-    /// Whether the dictionary was made here and is not kept yet.
+    /// True if the dictionary was built here and is not on disk yet.
     pub is_unkept: Cell<bool>,
-    /// What could not be indexed, so that it is not tried again.
+    /// Key of a dictionary that could not be built, so that it is not tried again.
     pub failed: Option<DictionaryKey>,
-    /// Whether the engine has the dictionary.
+    /// True if the engine has the dictionary.
     pub is_sent: bool,
 }
 
@@ -48,15 +48,15 @@ impl Default for Slot {
             dictionary: None,
             is_unkept: Cell::new(false),
             failed: None,
-            // There is nothing to be sent.
+            // There is nothing to send.
             is_sent: true,
         }
     }
 }
 
 impl Slot {
-    /// The recording as it is shown: name, length, rate, channels. `path` is where the session has it from: the same bytes
-    /// may have been read from another place before, under another name.
+    /// The recording's description: name, length, rate, channels. `path` is the session's path: the same bytes may have
+    /// been read from another path before, under another name.
     pub fn description(&self, path: Option<&str>) -> Option<String> {
         let recording = self.recording.as_ref()?;
         let name = path.and_then(|path| Path::new(path).file_name()).map(|name| name.to_string_lossy().into_owned());

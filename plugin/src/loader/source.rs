@@ -1,4 +1,4 @@
-//! From a path or a session's reference to a decoded recording.
+//! Decoding of recordings from a path or a session's reference.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ pub struct Located {
     /// [`content_hash`] of its bytes.
     pub content_hash: String,
     name: String,
-    /// What the user should know although it was found.
+    /// Notice to the user although it was found.
     notice: Option<String>,
 }
 
@@ -23,18 +23,18 @@ pub struct Located {
 pub struct Found {
     /// The decoded recording, shared with other instances.
     pub recording: Arc<Recording>,
-    /// How the session names it.
+    /// Its reference in the session.
     pub reference: RecordingReference,
-    /// What the user should know although it was found.
+    /// Notice to the user although it was found.
     pub notice: Option<String>,
 }
 
-/// Why there is no recording.
+/// Reason why there is no recording.
 #[derive(Debug, PartialEq)]
 pub enum Failure {
     /// A later order made it useless.
     CalledOff,
-    /// It cannot be used; in the user's words.
+    /// It cannot be used; message for the user.
     Message(String),
 }
 
@@ -56,8 +56,8 @@ impl From<pyrophone_training::Error> for Failure {
     }
 }
 
-/// Opens the file that the user has chosen. With `keep`, the file itself goes into the reference
-/// where it is small enough.
+/// Opens the file chosen by the user. With `keep`, the file itself is embedded in the reference where it is small
+/// enough.
 pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
     let bytes = read(path)?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -73,8 +73,8 @@ pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
     Ok(Found { recording, reference, notice })
 }
 
-/// Finds the file that a session names: the very file at its place, else the one inside the session, else whatever lies at
-/// its place now.
+/// Finds the file named by a session: the identical file at its path, otherwise the embedded one, otherwise whichever
+/// file is now at that path.
 pub fn locate(reference: &RecordingReference) -> Result<Located, Failure> {
     let path = Path::new(&reference.path);
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -104,7 +104,7 @@ impl Located {
     }
 }
 
-/// Packs the file of a reference for keeping inside the session, if it still is that file.
+/// Packs the file of a reference for embedding in the session, if it is still the same file.
 pub fn pack(reference: &RecordingReference) -> Result<String, String> {
     let bytes = read(Path::new(&reference.path)).map_err(|error| error.to_string())?;
     if content_hash(&bytes) != reference.content_hash {
@@ -113,7 +113,7 @@ pub fn pack(reference: &RecordingReference) -> Result<String, String> {
     embed(&bytes).map_err(|error| error.to_string())
 }
 
-/// What the user should know of a recording.
+/// Notices to the user about a recording.
 fn notes(recording: &Recording) -> Option<String> {
     let notes: Vec<String> = recording.notes.iter().map(ToString::to_string).collect();
     (!notes.is_empty()).then(|| format!("{}: {}", recording.name, notes.join("; ")))

@@ -1,4 +1,4 @@
-//! What the editor shows of the loader's work.
+//! State of the loader as shown by the editor.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -15,37 +15,37 @@ pub struct View {
     pub slot: usize,
     /// Recordings by slot, as [`recording`](Self::recording) is.
     pub slots: [Option<String>; SLOTS],
-    /// Whether the session names a recording, by slot, be it found or not.
+    /// True for each slot with a recording in the session, whether or not it was found.
     pub is_named: [bool; SLOTS],
     /// The recording that sounds: name, length, rate, channels.
     pub recording: Option<String>,
-    /// What is drawn of it.
+    /// Its picture.
     pub portrait: Option<Arc<Portrait>>,
-    /// Which part of it is learnt from.
+    /// Part of it used for learning.
     pub cut: Cut,
-    /// Amplitudes at equal steps of probability of what is matched: of the recording, and of the drive where it was learned.
+    /// Matched amplitudes at equal steps of probability: those of the recording, and of the drive if learned.
     pub amplitudes: [Option<Arc<[f32]>>; 2],
-    /// Crackles a second that were split off it, where there are any.
+    /// Crackles a second separated from it, if any.
     pub crackles_per_s: Option<f32>,
-    /// Whether it is ready to be listened to.
+    /// True if it is ready for monitoring.
     pub has_tape: bool,
-    /// Recordings that were loaded of late, the latest first.
+    /// Recently loaded recordings, the latest first.
     pub recent: Vec<String>,
-    /// Path of the recording that the session names, whether or not it was found.
+    /// Path of the session's recording, whether or not it was found.
     pub path: Option<String>,
-    /// What is under way, and how much of it is done (0-1).
+    /// Current work, and its progress (0-1).
     pub progress: Option<(String, f32)>,
-    /// The last thing that went wrong, until something goes right.
+    /// The last error, until something succeeds.
     pub error: Option<String>,
-    /// What was done and is worth a word.
+    /// Notice about completed work.
     pub notice: Option<String>,
-    /// The learned distribution, or that there is none.
+    /// Description of the learned distribution, or of its absence.
     pub learned: Option<String>,
     /// Amplitudes learned so far, while learning.
     pub learning: Option<usize>,
     /// The speed field: name, length, sources.
     pub field: Option<String>,
-    /// Whether the recording itself is kept in the session.
+    /// True if the recording is embedded in the session.
     pub embed: bool,
 }
 
@@ -72,7 +72,7 @@ impl Status {
         self.notifier.request_repaint();
     }
 
-    /// Says what went wrong.
+    /// Sets the error message.
     pub fn fail(&self, message: String) {
         nice_plug::prelude::nice_warn!("{message}");
         self.update(|view| view.error = Some(message));

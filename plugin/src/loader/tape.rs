@@ -1,4 +1,4 @@
-//! The recording to be listened to: the part that is learnt from, at the engine's rate.
+//! The recording for monitoring: the part used for learning, at the engine's rate.
 
 use std::sync::Arc;
 
@@ -10,10 +10,10 @@ use super::source::Failure;
 use super::status::Status;
 use crate::audio::audition;
 
-/// What a tape was made of: the recording's hash, the part, the rate in Hz.
+/// Origin of a clip: the recording's hash, the part, the rate in Hz.
 type Key = (String, Cut, u32);
 
-/// The tape, as long as somebody wants to listen, and whether the engine has it.
+/// The clip, while monitoring is wanted, and whether the engine has it.
 #[derive(Default)]
 pub struct ClipLoader {
     is_wanted: bool,
@@ -22,7 +22,7 @@ pub struct ClipLoader {
 }
 
 impl ClipLoader {
-    /// Whether somebody wants to listen.
+    /// Sets whether monitoring is wanted.
     pub fn want(&mut self, wanted: bool) {
         self.is_sent &= self.is_wanted == wanted;
         self.is_wanted = wanted;
@@ -33,7 +33,7 @@ impl ClipLoader {
         self.is_sent = false;
     }
 
-    /// Makes what is wanted and not there yet.
+    /// Creates the clip if it is wanted and missing.
     pub fn make(&mut self, of: Option<(&Recording, &Cut)>, rate_hz: u32, job: &Job) -> Result<(), Failure> {
         let Some((recording, cut)) = of.filter(|_| self.is_wanted) else {
             self.is_sent &= self.made.take().is_none();
@@ -42,7 +42,7 @@ impl ClipLoader {
         let key = (recording.content_hash.clone(), *cut, rate_hz);
         if self.made.as_ref().is_none_or(|(made, _)| *made != key) {
             let part = cut.of(recording)?;
-            let progress = |done: f32| job.goes_on("Winding the tape", done);
+            let progress = |done: f32| job.goes_on("Preparing playback", done);
             let resampled = pyrophone_recording::resample(&part, rate_hz, &progress)?;
             self.made = Some((key, Arc::new(resampled.channels)));
             self.is_sent = false;

@@ -1,8 +1,8 @@
-//! The loader's thread: brings what the engines have towards what is wanted.
+//! The loader's thread: it brings the engines' data to the desired state.
 //!
-//! Wanted are the recordings of the user or the session, by slot, for the engine that runs and for the
-//! structure that the parameters say. After each order, and twenty times a second, the worker
-//! does what is missing, for the slot that sounds first. What the user does to a recording is done to that of this slot.
+//! Desired are the recordings of the user or the session, by slot, for the running engine and for the structure given
+//! by the parameters. After each order, and twenty times a second, the worker does the missing work, the active slot
+//! first. The user's actions on a recording apply to this slot.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -33,10 +33,10 @@ use crate::analysis::Portrait;
 use crate::parameters::EffectParams;
 use crate::persist;
 
-/// How often the worker looks at parameters and rings when there are no orders.
+/// Interval at which the worker polls parameters and rings when there are no orders.
 const TICK: Duration = Duration::from_millis(50);
 
-/// The thread's own things.
+/// The thread's own state.
 pub struct Worker {
     mailbox: Arc<Mailbox>,
     params: Arc<EffectParams>,
@@ -47,7 +47,7 @@ pub struct Worker {
     /// The slot that is shown.
     shown: usize,
     engine: Option<Engine>,
-    /// Where dictionaries are kept from one session to the next.
+    /// Folder of dictionaries that last from one session to the next.
     store: Option<Store>,
     prepared: Option<Engine>,
     learner: Learner,
@@ -121,7 +121,7 @@ impl Worker {
         }
     }
 
-    /// Shows another slot where the parameters name another one.
+    /// Switches the displayed slot when the parameter changes.
     fn follow_shown(&mut self) {
         let shown = (self.params.value(Id::RecordingSlot as usize) as usize).min(SLOTS - 1);
         if shown == self.shown {
@@ -136,7 +136,7 @@ impl Worker {
         self.show_cut();
     }
 
-    /// Slots in the order in which they are attended to.
+    /// Slots in order of priority.
     fn order(&self) -> impl Iterator<Item = usize> + use<> {
         let shown = self.shown;
         std::iter::once(shown).chain((0..SLOTS).filter(move |slot| *slot != shown))
@@ -158,7 +158,7 @@ impl Worker {
                 self.engine = Some(engine);
                 for slot in &mut self.slots {
                     slot.failed = None;
-                    // New engines have no recordings: empty slots need not be told.
+                    // New engines have no recordings, so empty slots need no update.
                     slot.is_sent = slot.recording.is_none() && slot.dictionary.is_none();
                 }
                 self.learner.resend();
@@ -197,15 +197,15 @@ impl Worker {
         }
     }
 
-    /// Gives up what is under way. What could not be fetched is named as it would be if it had not been found; what could not
-    /// be indexed is not tried again until something changes.
+    /// Cancels the current work. Recordings not fetched are listed as if not found; dictionaries not built are not
+    /// tried again until something changes.
     fn cancel(&mut self) {
         let Some(what) =
             self.give_up_fetching().or_else(|| self.give_up_learning()).or_else(|| self.give_up_indexing())
         else {
             return;
         };
-        self.status.fail(format!("Cancelled: {what}. What was there before plays on; load it again when you like."));
+        self.status.fail(format!("Cancelled: {what}. The previous sound continues; load it again at any time."));
     }
 
     fn give_up_fetching(&mut self) -> Option<String> {
@@ -255,19 +255,19 @@ impl Worker {
         }
     }
 
-    /// Where the session has a slot's recording from.
+    /// The path of a slot's recording in the session.
     fn path(&self, slot: usize) -> Option<&str> {
         self.session.recording_in(slot).map(|reference| reference.path.as_str())
     }
 
-    /// The part of a slot's recording that is learnt from.
+    /// The part of a slot's recording used for learning.
     fn cut(&self, slot: usize) -> Cut {
         let session::Cut { region_s, gain_db, normalise } = self.session.cut_in(slot);
         Cut { region_s, gain_db, normalise }
     }
 
-    /// Takes over the session that the host has loaded. One that cannot be understood changes
-    /// nothing; a later version's is kept for saving, a damaged one is not.
+    /// Takes over the session that the host has loaded. An unreadable one changes nothing; a later version's is kept
+    /// for saving, a damaged one is not.
     fn read_session(&mut self) {
         let Some(field) = self.params.session.take_arrived() else { return };
         match persist::decode(&field) {
@@ -320,7 +320,7 @@ impl Worker {
         });
     }
 
-    /// Fetches the recordings that are to be fetched.
+    /// Fetches the pending recordings.
     fn fetch(&mut self, job: &Job) -> Result<(), Failure> {
         if self.slots.iter().all(|slot| slot.pending.is_none()) {
             return Ok(());
@@ -345,7 +345,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Takes over what was fetched; what the user should know of it.
+    /// Takes over a fetched recording; returns a notice for the user.
     fn settle(&mut self, slot: usize, pending: &Pending, fetched: Result<Option<Found>, Failure>) -> Option<String> {
         let (recording, notice) = match fetched {
             Ok(Some(Found { recording, notice, .. })) => (Some(recording), notice),
@@ -366,7 +366,7 @@ impl Worker {
         match pending {
             Pending::File(path) => {
                 let found = source::open(path, self.session.embed, job)?;
-                // In another recording the old one's part means nothing; a session's file from its new place keeps it.
+                // The old part means nothing in another recording; the same recording at a new path keeps it.
                 let known = self.session.recording_in(slot);
                 let is_known = known.is_some_and(|known| known.content_hash == found.reference.content_hash);
                 let cut = if is_known { self.cut(slot) } else { Cut { region_s: None, ..self.cut(slot) } };
@@ -386,7 +386,8 @@ impl Worker {
                 None => Ok(None),
                 Some(reference) => {
                     let located = source::locate(&reference)?;
-                    // What is heard comes first; what is shown of the recording can wait until it is decoded.
+                    // The dictionary comes first, because the sound depends on it; the display can wait until the
+                    // recording is decoded.
                     self.recall(slot, &located.content_hash, job);
                     located.decode(&reference, job).map(Some)
                 }
@@ -405,7 +406,7 @@ impl Worker {
         place.failed = None;
         let fits = self.has_fitting_dictionary(slot);
         let place = &mut self.slots[slot];
-        // The engines need not be told of a slot in which there was nothing and is nothing.
+        // The engines need no update for a slot that was empty and still is.
         place.is_sent &= fits || is_empty;
         if place.recording.is_none() {
             place.dictionary = None;
@@ -418,7 +419,7 @@ impl Worker {
         self.show_recording(slot);
     }
 
-    /// Shows the part that is learnt from, and has the recording drawn anew.
+    /// Shows the part used for learning, and has the recording redrawn.
     fn show_recording(&mut self, slot: usize) {
         self.slots[slot].portrait_is_due = true;
         self.show_cut();
@@ -428,8 +429,8 @@ impl Worker {
         self.status.update(|view| view.cut = self.session.cut_in(self.shown));
     }
 
-    /// Draws the recording that is shown, once what sounds is ready, and only for a window: a session of fifty instances
-    /// opens none.
+    /// Draws the active slot's recording, once its sound is ready, and only for an open window: a session of fifty
+    /// instances opens none.
     fn draw(&mut self) {
         let cut = self.cut(self.shown);
         let place = &mut self.slots[self.shown];
@@ -448,8 +449,8 @@ impl Worker {
         self.status.update(|view| view.portrait = portrait);
     }
 
-    /// Makes the dictionaries of the recordings for the structure that is wanted, and tells the audio
-    /// thread when everything is ready for that structure.
+    /// Builds the recordings' dictionaries for the desired structure, and tells the audio thread when everything is
+    /// ready for that structure.
     fn index(&mut self, job: &Job) -> Result<(), Failure> {
         let Some(engine) = self.engine else { return Ok(()) };
         for slot in self.order() {
@@ -466,7 +467,7 @@ impl Worker {
         Ok(())
     }
 
-    /// Fails only where it is called off.
+    /// Builds the dictionary of one slot; fails only if cancelled.
     fn index_one(&mut self, slot: usize, engine: &Engine, job: &Job) -> Result<(), Failure> {
         let Some(recording) = self.slots[slot].recording.clone() else { return Ok(()) };
         let cut = self.cut(slot);
@@ -493,7 +494,7 @@ impl Worker {
         Ok(())
     }
 
-    /// What somebody waits for beside the engines: a file to learn from, a recording to listen to.
+    /// Work beside the engines' data: a file to learn from, a recording to monitor.
     fn attend(&mut self, job: &Job) -> Result<(), Failure> {
         let Some(engine) = self.engine else { return Ok(()) };
         let values = self.params.values();
@@ -519,8 +520,7 @@ impl Worker {
         DictionaryKey::new(&recording.content_hash, cut, sample_rate_hz, structure)
     }
 
-    /// The dictionary of a part of a recording for the structure that is wanted; none as long as no sample
-    /// rate is known.
+    /// The dictionary of a part of a recording for the desired structure; none until a sample rate is known.
     fn build(
         &self,
         slot: usize,
@@ -550,7 +550,7 @@ impl Worker {
         }
     }
 
-    /// Keeps the dictionaries for the next session, now that nobody waits any longer.
+    /// Stores the dictionaries on disk for the next session, now that nobody is waiting.
     fn keep(&self) {
         let Some(store) = &self.store else { return };
         for slot in &self.slots {
@@ -562,7 +562,7 @@ impl Worker {
         }
     }
 
-    /// Takes the dictionary of a recording that is not decoded yet from another instance or from the disk, and sends it.
+    /// Fetches the dictionary of a recording not yet decoded, from another instance or from the disk, and sends it.
     fn recall(&mut self, slot: usize, content_hash: &str, job: &Job) {
         let (Some(engine), Some(store)) = (self.engine, &self.store) else { return };
         let key = DictionaryKey::new(content_hash, &self.cut(slot), engine.sample_rate_hz, job.wanted());
@@ -575,7 +575,7 @@ impl Worker {
         }
     }
 
-    /// Whether the dictionary is that of the slot's recording for the engine that runs.
+    /// True if the dictionary is that of the slot's recording for the running engine.
     fn has_fitting_dictionary(&self, slot: usize) -> bool {
         let place = &self.slots[slot];
         let (Some(recording), Some(engine), Some((key, _))) = (&place.recording, self.engine, &place.dictionary) else {
@@ -591,7 +591,7 @@ impl Worker {
         }
     }
 
-    /// Shows what is known of the dictionary of the slot that is shown.
+    /// Shows the properties of the active slot's dictionary.
     fn show_dictionary(&self) {
         let dictionary = self.slots[self.shown].dictionary.as_ref().map(|(_, dictionary)| dictionary);
         let amplitudes = dictionary.and_then(|dictionary| shown_amplitudes(dictionary.distribution()));
@@ -605,8 +605,8 @@ impl Worker {
         });
     }
 
-    /// Sends what the running engine lacks of a slot. A dictionary for a structure that it does not have yet
-    /// waits until it has.
+    /// Sends the data of a slot that the running engine lacks. A dictionary for a structure not running yet waits until
+    /// it does.
     fn send_slot(&mut self, slot: usize) {
         if self.engine.is_none() || self.slots[slot].is_sent {
             return;
@@ -626,7 +626,7 @@ impl Worker {
         }
     }
 
-    /// Sends what the running engine lacks.
+    /// Sends all data that the running engine lacks.
     fn send(&mut self) {
         let Some(engine) = self.engine else { return };
         for slot in self.order() {

@@ -10,7 +10,7 @@ use crate::flac_tags;
 /// Least bytes of a `bext` chunk that state its position: all up to the version.
 const LEAST_BEXT_BYTES: usize = 346;
 
-/// Chunks that are looked at before the search is given up.
+/// Number of chunks after which the search ends.
 const MOST_CHUNKS: usize = 4096;
 
 impl Broadcast {
@@ -31,7 +31,7 @@ impl Broadcast {
     }
 }
 
-/// Walks the chunks from behind the first four bytes of the file on.
+/// Walks the chunks that follow the first four bytes of the file.
 fn read_wav(file: &mut (impl Read + Seek)) -> Option<Broadcast> {
     file.seek(SeekFrom::Start(12)).ok()?;
     let (mut long_data_bytes, mut broadcast, mut ixml) = (None, None, None);
@@ -64,7 +64,7 @@ fn read_wav(file: &mut (impl Read + Seek)) -> Option<Broadcast> {
                 rest -= 16;
             }
             b"data" if size == u64::from(u32::MAX) => {
-                // Sound of unknown length: nothing behind it can be found.
+                // Sound of unknown length: nothing after it can be found.
                 let Some(bytes) = long_data_bytes.and_then(|bytes: u64| bytes.checked_next_multiple_of(2)) else {
                     break;
                 };

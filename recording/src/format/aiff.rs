@@ -29,7 +29,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
     let common = common.ok_or_else(|| damaged(name, "no COMM chunk"))?;
     let sound = match sound {
         Some(sound) => sound,
-        // Without sound the chunk may be left out.
+        // Without sound the chunk may be omitted.
         None if common.frames == 0 => return Err(Error::NoSamples { name: name.into() }),
         None => return Err(damaged(name, "no SSND chunk")),
     };
@@ -40,7 +40,7 @@ impl Common {
     fn read(chunk: &Chunk, is_compressed: bool, name: &str) -> Result<Self, Error> {
         let body = chunk.body;
         if body.len() < 18 {
-            return Err(damaged(name, "a format chunk that breaks off"));
+            return Err(damaged(name, "a truncated format chunk"));
         }
         let channels = usize::from(u16::from_be_bytes([body[0], body[1]]));
         let frames = u64::from(u32::from_be_bytes([body[2], body[3], body[4], body[5]]));
@@ -54,7 +54,7 @@ impl Common {
         Ok(Self { channels, sample_rate_hz, frames, coding, is_big_endian })
     }
 
-    /// The frames that are counted, behind the offset that block-aligned files have.
+    /// The counted frames, after the offset that block-aligned files have.
     fn sound<'a>(self, chunk: &Chunk<'a>, name: &str) -> Result<(Described, Sound<'a>), Error> {
         let frame_bytes = (self.coding.bytes() * self.channels) as u64;
         let is_open = chunk.declared >= UNKNOWN_SIZE && !chunk.is_complete();
@@ -81,8 +81,8 @@ impl Common {
     }
 }
 
-/// AIFF-C's codings of plain samples. Those with a size of their own have it whatever depth the file declares: mu-law
-/// most often says 16, which is what it decodes to.
+/// AIFF-C's codings of plain samples. Those with a fixed size have it whatever depth the file declares: mu-law usually
+/// states 16, the depth of its decoded samples.
 fn compressed(kind: &[u8], bits: usize, name: &str) -> Result<(Coding, bool), Error> {
     Ok(match kind {
         b"NONE" | b"twos" => (integer(bits, name)?, true),
@@ -111,7 +111,7 @@ fn integer(bits: usize, name: &str) -> Result<Coding, Error> {
     }
 }
 
-/// The rate stands as an 80-bit float: sign and exponent (bias 16383), then a 64-bit mantissa with its leading one.
+/// The rate is an 80-bit float: sign and exponent (bias 16383), then a 64-bit mantissa with its leading one.
 fn rate_hz(comm: &[u8]) -> u32 {
     let exponent = i32::from(u16::from_be_bytes([comm[8], comm[9]]) & 0x7fff) - 16383;
     let mantissa = comm[10..18].iter().fold(0u64, |sum, byte| sum << 8 | u64::from(*byte));

@@ -20,7 +20,7 @@ struct Format {
     bits: usize,
     /// Bytes of one sample in the file.
     sample_bytes: usize,
-    /// Of telephony's codings, where it is one.
+    /// Telephony coding, if it is one.
     law: Option<Coding>,
 }
 
@@ -42,7 +42,7 @@ impl Format {
     fn read(chunk: &Chunk, name: &str) -> Result<Self, Error> {
         let body = chunk.body;
         if body.len() < 32 {
-            return Err(damaged(name, "a format chunk that breaks off"));
+            return Err(damaged(name, "a truncated format chunk"));
         }
         let u32_at = |at: usize| u32::from_be_bytes([body[at], body[at + 1], body[at + 2], body[at + 3]]);
         let law = match &body[8..12] {
@@ -92,7 +92,7 @@ impl Format {
             }
             (None, false) => Coding::integer(self.bits),
         };
-        // That the size is left open is the format's own way, but a cut file cannot be told from a whole one.
+        // An open size is normal for this format, but a truncated file cannot be distinguished from a complete one.
         let frames = data.len() / (self.sample_bytes * self.channels);
         let found_s = frames as f64 / f64::from(self.sample_rate_hz);
         let notes = if is_open { vec![Note::UnknownLength { found_s }] } else { vec![] };

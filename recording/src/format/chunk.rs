@@ -1,9 +1,9 @@
-//! Chunks: the name, the size and the bytes of each part of a WAV, AIFF, CAF or Wave64 file.
+//! Chunks: name, size and bytes of each part of a WAV, AIFF, CAF or Wave64 file.
 
 use crate::Error;
 
-/// Sizes from here on are what writers put where they do not know the size: all bits set, or as much as players of old
-/// took. A file so large is not read anyway.
+/// Sizes from which writers mean that the size is unknown: all bits set, or the limit of old players. So large a file
+/// is not read anyway.
 pub(crate) const UNKNOWN_SIZE: u64 = 0x7fff_0000;
 
 /// A chunk: its name, the bytes of it that are there, and the size that its header declares.
@@ -12,17 +12,17 @@ pub(crate) struct Chunk<'a> {
     pub id: [u8; 4],
     pub body: &'a [u8],
     pub declared: u64,
-    /// All bytes from the body's first to the file's end.
+    /// All bytes from the start of the body to the end of the file.
     pub rest: &'a [u8],
 }
 
 impl Chunk<'_> {
-    /// Whether its header declares no more than there is.
+    /// True if its header declares no more bytes than exist.
     pub fn is_complete(&self) -> bool {
         self.body.len() as u64 >= self.declared
     }
 
-    /// Fails where it is not complete.
+    /// Fails if it is not complete.
     pub fn complete(&self, name: &str) -> Result<(), Error> {
         if self.is_complete() {
             return Ok(());
@@ -61,8 +61,8 @@ impl Kind {
 
 /// The chunks from `start` on.
 ///
-/// A chunk that no decoder needs may have a wrong size: where it runs beyond the file, or what follows it has no name,
-/// the walk goes on at the next of the names in `needed`, if there is one.
+/// A chunk that no decoder needs may have a wrong size: if it extends beyond the file, or is followed by something
+/// without a name, the walk continues at the next of the names in `needed`, if there is one.
 pub(crate) fn chunks<'a>(
     bytes: &'a [u8],
     start: usize,
@@ -88,13 +88,13 @@ pub(crate) fn chunks<'a>(
     })
 }
 
-/// Where the next chunk begins: chunks are padded to even sizes, but not every writer knows.
+/// Start of the next chunk: chunks are padded to even sizes, but not every writer does so.
 fn after(bytes: &[u8], end: usize, is_odd: bool) -> usize {
     let has_pad = bytes.get(end).is_none_or(|pad| *pad == 0) || !is_name_or_end(&bytes[end..]);
     (end + usize::from(is_odd && has_pad)).min(bytes.len())
 }
 
-/// Names are four printable characters; less than a header's bytes at the end are no chunk.
+/// True for a name, which is four printable characters, or at the end, where less than a header's bytes are left.
 fn is_name_or_end(rest: &[u8]) -> bool {
     rest.len() < 8 || rest[..4].iter().all(|byte| (0x20..0x7f).contains(byte))
 }

@@ -11,7 +11,7 @@ pub(crate) struct Described {
 }
 
 impl Described {
-    /// Fails where so many samples per channel are more than are allowed.
+    /// Fails if there are more samples per channel than allowed.
     pub fn check_length(&self, samples: u64, name: &str) -> Result<(), Error> {
         let found = samples.saturating_mul(self.channels as u64);
         let found_s = samples as f64 / f64::from(self.sample_rate_hz.max(1));
@@ -25,7 +25,7 @@ impl Described {
     }
 }
 
-/// Refuses channel counts and rates that no engine takes.
+/// Rejects channel counts and rates that no engine supports.
 pub(crate) fn check_layout(channels: usize, rate_hz: Option<u32>, name: &str) -> Result<(), Error> {
     let name = || name.to_string();
     match (channels, rate_hz) {

@@ -17,7 +17,7 @@ const MARK: &[u8; 4] = b"fLaC";
 /// Bytes of the one block that is needed.
 const STREAM_INFO_BYTES: usize = 34;
 
-/// Places that look like a frame's beginning and are tried: chance makes one in many megabytes.
+/// Number of apparent frame starts that are tried: chance produces one in many megabytes.
 const MOST_CANDIDATES: usize = 64;
 
 /// STREAMINFO, the one block of metadata that is needed.
@@ -26,12 +26,12 @@ pub(super) struct StreamInfo {
     bytes: [u8; STREAM_INFO_BYTES],
     pub sample_rate_hz: u32,
     pub channels: usize,
-    /// Samples per channel; none where the encoder did not know.
+    /// Samples per channel; none if the encoder did not know.
     pub samples: Option<u64>,
 }
 
 impl StreamInfo {
-    /// Of a block's body.
+    /// Reads the body of a block.
     pub fn read(bytes: &[u8]) -> Option<Self> {
         let bytes = *bytes.first_chunk::<STREAM_INFO_BYTES>()?;
         let packed = u64::from_be_bytes(*bytes[10..].first_chunk()?);
@@ -40,7 +40,7 @@ impl StreamInfo {
         Some(Self { bytes, sample_rate_hz, channels, samples })
     }
 
-    /// A decoder's parameters, with room for blocks of any size.
+    /// A decoder's parameters, for blocks of any size.
     pub fn parameters(&self) -> AudioCodecParameters {
         let mut bytes = self.bytes;
         bytes[2..4].copy_from_slice(&u16::MAX.to_be_bytes());
@@ -49,7 +49,7 @@ impl StreamInfo {
         parameters
     }
 
-    /// Refuses a frame that is not of this stream's rate and channels.
+    /// Rejects a frame that does not have this stream's rate and channels.
     pub fn check_frame(&self, frame: &FrameHeader, samples_before: u64, name: &str) -> Result<(), Error> {
         let changes = [
             ("sample rate in Hz", self.sample_rate_hz, frame.sample_rate_hz.unwrap_or(self.sample_rate_hz)),
@@ -63,14 +63,14 @@ impl StreamInfo {
     }
 }
 
-/// Reads all streams that a file holds: most often one, but files can be joined.
+/// Reads all streams in a file: usually one, but files can be joined.
 pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<'a>), Error> {
     let bytes = tags::without_trailing(bytes);
     let (mut at, mut links, mut notes) = (0, vec![], vec![]);
     let mut first: Option<StreamInfo> = None;
     let mut samples = 0;
     while bytes[at..].starts_with(MARK) {
-        let broken = || damaged(name, "its FLAC header breaks off");
+        let broken = || damaged(name, "its FLAC header is truncated");
         let (info, frames_at) = header(bytes, at).ok_or_else(broken)?;
         let first = *first.get_or_insert(info);
         check_layout(first.channels, Some(first.sample_rate_hz), name)?;
@@ -88,13 +88,13 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
     if left > 0 {
         notes.push(Note::Skipped { bytes: bytes.len() - at });
     }
-    let first = first.ok_or_else(|| damaged(name, "its FLAC header breaks off"))?;
+    let first = first.ok_or_else(|| damaged(name, "its FLAC header is truncated"))?;
     let described = Described { channels: first.channels, sample_rate_hz: first.sample_rate_hz, notes };
     Ok((described, Sound::Packets(links)))
 }
 
-/// A stream's information and where its frames begin. Blocks whose sizes lead astray are passed over by looking for the
-/// first frame.
+/// A stream's information and the start of its frames. If the sizes of blocks are misleading, the first frame is
+/// searched for instead.
 fn header(bytes: &[u8], start: usize) -> Option<(StreamInfo, usize)> {
     let mut at = start + MARK.len();
     let mut info = None;
@@ -128,7 +128,7 @@ struct Frames<'a, 'n> {
 }
 
 impl<'a> Frames<'a, '_> {
-    /// The frames from `at` on, and where what follows them begins.
+    /// The frames from `at` on, and the start of whatever follows them.
     fn all(&self, mut at: usize, samples: &mut u64) -> Result<(Packets<'a>, usize), Error> {
         let mut packets = vec![];
         while let Some(header) = FrameHeader::read(&self.bytes[at..]) {
@@ -141,15 +141,15 @@ impl<'a> Frames<'a, '_> {
             *samples += header.samples;
             at = end;
         }
-        // Frames behind what is none have lost those between.
+        // Frames after an invalid one mean that those in between were lost.
         let is_lost = !self.is_boundary(at) && self.has_whole_frame(at + 1, 0);
         if is_lost {
-            return Err(damaged(self.name, format!("the bytes from {at} on are no frame of sound")));
+            return Err(damaged(self.name, format!("the bytes from {at} on are not a frame of sound")));
         }
         Ok((packets, at))
     }
 
-    /// Whether a frame of at least this number begins at `from` or later.
+    /// True if a frame of at least this number begins at `from` or later.
     fn has_whole_frame(&self, from: usize, least_number: u64) -> bool {
         let is_later = |at: &usize| {
             let header = FrameHeader::read(&self.bytes[*at..]);
@@ -159,7 +159,7 @@ impl<'a> Frames<'a, '_> {
         candidates.any(|at| self.end(at).is_some())
     }
 
-    /// The end of a frame: where its checksum comes out and something that can follow begins.
+    /// The end of a frame: where its checksum is correct and something that can follow begins.
     fn end(&self, at: usize) -> Option<usize> {
         let mut crc = Crc16::default();
         self.bytes[at..].iter().enumerate().find_map(|(offset, byte)| {
@@ -174,10 +174,10 @@ impl<'a> Frames<'a, '_> {
         rest.is_empty() || rest.starts_with(MARK) || tags::at_start(rest) > 0 || FrameHeader::read(rest).is_some()
     }
 
-    /// A frame whose checksum never comes out is the last one, broken off or followed by other bytes, or it is damaged.
+    /// A frame whose checksum is never correct is the last one, truncated or followed by other bytes, or it is damaged.
     fn end_of_last(&self, at: usize, header: &FrameHeader) -> Result<usize, Error> {
         if self.has_whole_frame(at + 1, header.number_of_next()) {
-            let reason = format!("the frame of sound at byte {at} is damaged or those behind it are missing");
+            let reason = format!("the frame of sound at byte {at} is damaged, or those after it are missing");
             return Err(damaged(self.name, reason));
         }
         Ok(self.bytes.len())

@@ -3,18 +3,18 @@
 /// Header of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct FrameHeader {
-    /// None where the stream says it.
+    /// Sample rate; none if the stream states it.
     pub sample_rate_hz: Option<u32>,
     pub channels: usize,
     /// Samples per channel.
     pub samples: u64,
-    /// The frame's number, or its first sample's where blocks vary.
+    /// The frame number, or the number of its first sample if blocks vary in size.
     pub number: u64,
     has_varying_blocks: bool,
 }
 
 impl FrameHeader {
-    /// The header that `bytes` begin with, its checksum included.
+    /// The header at the start of `bytes`, including its checksum.
     pub fn read(bytes: &[u8]) -> Option<Self> {
         let [sync, kind, codes, layout] = *bytes.first_chunk::<4>()?;
         if sync != 0xff || kind & 0xfe != 0xf8 || layout & 1 != 0 {
@@ -55,13 +55,13 @@ impl FrameHeader {
         Some(Self { sample_rate_hz, channels, samples: samples.into(), number, has_varying_blocks: kind & 1 != 0 })
     }
 
-    /// The number of the frame behind this one.
+    /// Number of the next frame.
     pub fn number_of_next(&self) -> u64 {
         self.number + if self.has_varying_blocks { self.samples } else { 1 }
     }
 }
 
-/// A number as UTF-8 writes it, extended to seven bytes, and where it ends.
+/// A number coded as in UTF-8, extended to seven bytes, and its end.
 fn number(bytes: &[u8], at: usize) -> Option<(u64, usize)> {
     let first = *bytes.get(at)?;
     let length = match first.leading_ones() {
@@ -80,7 +80,7 @@ fn crc8(bytes: &[u8]) -> u8 {
     bytes.iter().fold(0, |crc, byte| (0..8).fold(crc ^ byte, bit))
 }
 
-/// The checksum over a whole frame (x^16 + x^15 + x^2 + 1), which comes out as zero behind the frame's own.
+/// The checksum over a whole frame (x^16 + x^15 + x^2 + 1), which is zero after the frame's own checksum.
 #[derive(Default)]
 pub(super) struct Crc16(u16);
 

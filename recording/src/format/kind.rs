@@ -29,7 +29,7 @@ const UNSUPPORTED: &[(&[u8], &str)] = &[
     (b"FRM8", "DSD"),
 ];
 
-/// First bytes of what is no sound at all.
+/// First bytes of files that are not sound.
 const NOT_AUDIO: &[(&[u8], &str)] = &[
     (b"\x89PNG", "it is a PNG picture"),
     (b"\xff\xd8\xff", "it is a JPEG picture"),
@@ -37,11 +37,11 @@ const NOT_AUDIO: &[(&[u8], &str)] = &[
     (b"PK\x03\x04", "it is a ZIP archive"),
 ];
 
-/// The format; fails, with what the bytes seem to be instead, where it is none that is read.
+/// The format; the error for an unsupported format states what the bytes appear to be.
 pub(super) fn of(bytes: &[u8], name: &str) -> Result<Kind, Error> {
     match (bytes.get(..4), bytes.get(8..12)) {
         (Some(b"RIFF" | b"RF64" | b"BW64"), Some(b"WAVE")) => return Ok(Kind::Wav),
-        (Some(b"RIFF" | b"RF64" | b"BW64" | b"FORM"), None) => return Err(damaged(name, "the header breaks off")),
+        (Some(b"RIFF" | b"RF64" | b"BW64" | b"FORM"), None) => return Err(damaged(name, "the header is truncated")),
         (Some(b"FORM"), Some(b"AIFF" | b"AIFC")) => return Ok(Kind::Aiff),
         (Some(b"caff"), _) => return Ok(Kind::Caf),
         (Some(b"fLaC"), _) => return Ok(Kind::Flac),

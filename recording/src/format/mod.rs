@@ -1,14 +1,14 @@
-//! From a file's bytes to a clean stream of sound: its format, and where in it the sound is.
+//! From a file's bytes to a clean stream of sound: its format, and the position of its sound.
 //!
-//! | file | reads |
+//! | file | contents |
 //! |---|---|
 //! | `wav`, `w64`, `aiff`, `caf` | chunks, up to plain samples |
-//! | `flac`, `mp3` | frames, with the tags and headers round them passed over |
+//! | `flac`, `mp3` | frames, skipping tags and headers around them |
 //! | `ogg` | pages, then packets of Vorbis or FLAC |
 //! | `described`, `sound` | the types that all of them return |
 //!
-//! No count is believed before it has been compared with the bytes that are there, and nothing that is not sound can
-//! keep sound from being read.
+//! No count is trusted before it has been compared with the bytes present, and anything that is not sound cannot
+//! prevent sound from being read.
 
 mod aiff;
 mod caf;
@@ -36,7 +36,7 @@ pub(crate) use self::sound::{Link, Sound};
 
 /// Finds the sound in a file.
 pub(crate) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<'a>), Error> {
-    // What makes of a FLAC or MP3 file a tagged one may stand before others, too.
+    // The tags of FLAC or MP3 files may also precede other formats.
     let start = tags::all_at_start(bytes);
     let sound = &bytes[start..];
     match kind::of(sound, name)? {

@@ -1,7 +1,7 @@
-//! MPEG audio: frames one after the other, with tags and encoders' headers between them.
+//! MPEG audio: consecutive frames, with tags and encoders' headers between them.
 //!
-//! Every header frame begins a link of its own, so that joined files are read whole. A header's count never ends the
-//! sound; where it is right, the encoder's delay and padding are taken off.
+//! Every header frame begins a new link, so that joined files are read completely. A header's count never ends the
+//! sound; if it is correct, the encoder's delay and padding are removed.
 
 use std::borrow::Cow;
 
@@ -14,13 +14,13 @@ use super::sound::{Link, Sound, SoundBounds};
 use super::tags;
 use crate::{Error, Note};
 
-/// Frames in a row that must fit together before the stream resumes after bytes that are none.
+/// Number of consecutive frames that must match before the stream resumes after other bytes.
 const RESUMING_FRAMES: usize = 2;
 
 /// One item of the stream.
 enum Here {
     Frame(Header),
-    /// A tag, or bytes that are nothing: so many, and whether to mention them.
+    /// A tag, or unknown bytes: their number, and whether to mention them.
     Other(usize, bool),
     Cut,
 }
@@ -35,7 +35,7 @@ struct Part<'a> {
 /// Reads all frames.
 pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<'a>), Error> {
     let bytes = tags::without_trailing(bytes);
-    let (start, first) = mpeg::first(bytes).ok_or_else(|| damaged(name, "not one whole frame"))?;
+    let (start, first) = mpeg::first(bytes).ok_or_else(|| damaged(name, "no complete frame"))?;
     check_layout(first.channels, Some(first.sample_rate_hz), name)?;
     let (mut parts, mut notes, mut skipped) = (vec![Part::default()], vec![], 0);
     let (mut at, mut samples) = (start, 0);
@@ -70,7 +70,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
 fn here(bytes: &[u8], at: usize, first: &Header) -> Here {
     let rest = &bytes[at..];
     match Header::read(rest) {
-        // Another kind of frame is only one if the stream goes on with it.
+        // A different kind of frame counts only if the stream continues with it.
         Some(header) if header.is_like(first) || header.is_followed(bytes, at, RESUMING_FRAMES) => {
             return if header.frame_bytes <= rest.len() { Here::Frame(header) } else { Here::Cut };
         }
@@ -86,7 +86,7 @@ fn here(bytes: &[u8], at: usize, first: &Header) -> Here {
             || tags::at_start(&rest[*offset..]) > 0
     };
     let length = (1..rest.len()).find(resumes).unwrap_or(rest.len());
-    // Zeros fill up what a recorder had reserved, and a tag of ID3v1 was the end of a file that is now in the middle.
+    // Zeros fill space that a recorder reserved, and an ID3v1 tag was the end of a file that is now in the middle.
     let is_filling = rest[..length].iter().all(|byte| *byte == 0) || rest.starts_with(b"TAG");
     Here::Other(length, !is_filling)
 }

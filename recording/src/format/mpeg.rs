@@ -3,13 +3,13 @@
 /// Bytes of a header.
 pub(super) const HEADER_BYTES: usize = 4;
 
-/// Frames in a row that must fit together before bytes are taken for MPEG audio.
+/// Number of consecutive frames that must match before bytes count as MPEG audio.
 const CERTAIN_FRAMES: usize = 4;
 
 /// Bytes that are searched for the first frame.
 const MOST_JUNK_BYTES: usize = 1 << 16;
 
-/// kbit/s by index, of layers 1, 2, 3 of MPEG 1, then of layer 1 and of layers 2 and 3 of MPEG 2.
+/// kbit/s by index, for layers 1, 2, 3 of MPEG 1, then for layer 1 and for layers 2 and 3 of MPEG 2.
 const BIT_RATES: [[u32; 14]; 5] = [
     [32, 64, 96, 128, 160, 192, 224, 256, 288, 320, 352, 384, 416, 448],
     [32, 48, 56, 64, 80, 96, 112, 128, 160, 192, 224, 256, 320, 384],
@@ -29,12 +29,12 @@ pub(super) struct Header {
     pub frame_bytes: usize,
     /// Samples per channel.
     pub samples: usize,
-    /// Bytes of side information behind the header.
+    /// Bytes of side information after the header.
     pub side_bytes: usize,
 }
 
 impl Header {
-    /// The header that `bytes` begin with. Frames of free bit rate are none: nobody makes them.
+    /// The header at the start of `bytes`. Frames of free bit rate are not accepted: nobody makes them.
     pub fn read(bytes: &[u8]) -> Option<Self> {
         let [sync, kind, rates, mode] = *bytes.first_chunk::<HEADER_BYTES>()?;
         if sync != 0xff || kind & 0xe0 != 0xe0 {
@@ -79,12 +79,12 @@ impl Header {
         Some(Self { layer, sample_rate_hz, channels, frame_bytes, samples, side_bytes })
     }
 
-    /// Whether one stream can hold both.
+    /// True if one stream can contain both.
     pub fn is_like(&self, other: &Self) -> bool {
         (self.layer, self.sample_rate_hz, self.channels) == (other.layer, other.sample_rate_hz, other.channels)
     }
 
-    /// Whether `count` frames in a row begin here, or as many as there are up to the end.
+    /// True if `count` consecutive frames begin here, or as many as there are up to the end.
     pub fn is_followed(&self, bytes: &[u8], at: usize, count: usize) -> bool {
         let mut at = at + self.frame_bytes;
         for _ in 1..count {
@@ -106,26 +106,26 @@ pub(super) fn first(bytes: &[u8]) -> Option<(usize, Header)> {
     })
 }
 
-/// Whether the bytes begin as AAC in ADTS does: the same mark, and a layer that does not exist.
+/// True if the bytes begin like AAC in ADTS: the same mark, and a layer that does not exist.
 pub(super) fn is_adts(bytes: &[u8]) -> bool {
     matches!(bytes, [0xff, kind, rates, ..] if kind & 0xf6 == 0xf0 && rates >> 2 & 15 < 13)
 }
 
-/// The header frame of an encoder: no sound, but what is known of the sound behind it.
+/// The header frame of an encoder: no sound, but information about the sound after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Info {
-    /// Frames that follow, where it counts them.
+    /// Number of frames that follow, if it counts them.
     pub frames: Option<u32>,
-    /// Samples of the encoder's own at the start and at the end.
+    /// Samples added by the encoder at the start and at the end.
     pub delay: u64,
     pub padding: u64,
 }
 
-/// Samples that every decoder of layer 3 lags behind.
+/// Delay in samples of every decoder of layer 3.
 const DECODER_DELAY: u64 = 529;
 
 impl Info {
-    /// Of a frame that is one (Xing's, LAME's or Fraunhofer's).
+    /// Reads a frame that is an encoder's header (Xing's, LAME's or Fraunhofer's).
     pub fn read(frame: &[u8], header: &Header) -> Option<Self> {
         if header.layer != 3 {
             return None;

@@ -1,7 +1,7 @@
 //! Ogg (RFC 3533): pages, and the packets of Vorbis or FLAC that they carry.
 //!
-//! Pages are checked by checksum and number, so that nothing is lost in silence. A stream behind the end of another is a
-//! link of its own; streams beside it are left out.
+//! Pages are checked by checksum and number, so that nothing is lost silently. A stream after the end of another begins
+//! a new link; parallel streams are left out.
 
 use std::borrow::Cow;
 
@@ -17,7 +17,7 @@ use crate::{Error, Note};
 const UNSUPPORTED: &[(&[u8], &str)] = &[
     (b"OpusHead", "Ogg with Opus coding"),
     (b"Speex   ", "Ogg with Speex coding"),
-    (b"\x80theora", "a film (Theora)"),
+    (b"\x80theora", "a video (Theora)"),
 ];
 
 /// Codings that are read.
@@ -64,11 +64,11 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
         }
     }
     if streams.is_empty() {
-        let found = refused.unwrap_or("Ogg without a beginning");
+        let found = refused.unwrap_or("Ogg without its first page");
         return Err(if refused.is_some() {
             unsupported(name, found)
         } else {
-            damaged(name, "its Ogg header breaks off")
+            damaged(name, "its Ogg header is truncated")
         });
     }
     if streams.iter().any(|stream| !stream.has_ended) && notes.is_empty() {
@@ -101,13 +101,13 @@ impl<'a> Stream<'a> {
     fn add(&mut self, page: &Page<'a>, name: &str) -> Result<(), Error> {
         if page.number != self.next_page {
             let (found, expected) = (page.number, self.next_page);
-            return Err(damaged(name, format!("page {found} follows where page {expected} is due")));
+            return Err(damaged(name, format!("page {found} follows where page {expected} is expected")));
         }
         self.next_page = page.number.wrapping_add(1);
         let mut is_continued = page.is_continued;
         for (piece, is_whole) in page.pieces() {
             let open = self.open.take().filter(|_| is_continued);
-            // What goes on from a page that was cut off before the start is no packet.
+            // The continuation of a page from before the start is not a packet.
             let has_start = !is_continued || open.is_some();
             is_continued = false;
             let packet = match open {
@@ -132,7 +132,7 @@ impl<'a> Stream<'a> {
 
     /// Rate, channels and packets.
     fn link(self, name: &str) -> Result<(u32, usize, Link<'a>), Error> {
-        let broken = || damaged(name, "its Ogg header breaks off");
+        let broken = || damaged(name, "its Ogg header is truncated");
         match self.coding {
             Coding::Vorbis => {
                 let (rate_hz, channels) =
@@ -141,7 +141,7 @@ impl<'a> Stream<'a> {
                 Ok((rate_hz, channels, link))
             }
             Coding::Flac => {
-                // Behind the mark and the versions stand a native stream's mark and its first block with a header.
+                // After the mark and the versions come a native stream's mark and its first block with a header.
                 let info =
                     self.packets.first().and_then(|head| StreamInfo::read(head.get(17..)?)).ok_or_else(broken)?;
                 let is_frame = |packet: &Cow<[u8]>| packet.first() == Some(&0xff);
@@ -154,7 +154,7 @@ impl<'a> Stream<'a> {
     }
 }
 
-/// The streams one after the other, which must be of one layout.
+/// The streams in sequence, which must all have one layout.
 fn join<'a>(streams: Vec<Stream<'a>>, notes: Vec<Note>, name: &str) -> Result<(Described, Sound<'a>), Error> {
     let mut links = vec![];
     let mut layout: Option<(u32, usize)> = None;
@@ -167,11 +167,11 @@ fn join<'a>(streams: Vec<Stream<'a>>, notes: Vec<Note>, name: &str) -> Result<(D
             ("number of channels", first_channels as u32, channels as u32),
         ];
         if let Some((what, from, to)) = changes.into_iter().find(|(_, from, to)| from != to) {
-            // Where the second stream begins is not known before the first is decoded.
+            // The position of the second stream is unknown before the first is decoded.
             return Err(Error::ChangesBetween { name: name.into(), what, from, to });
         }
         links.push(link);
     }
-    let (sample_rate_hz, channels) = layout.ok_or_else(|| damaged(name, "its Ogg header breaks off"))?;
+    let (sample_rate_hz, channels) = layout.ok_or_else(|| damaged(name, "its Ogg header is truncated"))?;
     Ok((Described { channels, sample_rate_hz, notes }, Sound::Packets(links)))
 }

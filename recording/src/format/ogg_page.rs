@@ -14,7 +14,7 @@ pub(super) struct Page<'a> {
     pub is_continued: bool,
     pub is_first: bool,
     pub is_last: bool,
-    /// The position behind the last packet that ends here; none where none ends.
+    /// The position after the last packet that ends here; none if none ends.
     pub position: Option<i64>,
     pub serial: u32,
     pub number: u32,
@@ -24,13 +24,13 @@ pub(super) struct Page<'a> {
 
 /// A page that cannot be used.
 pub(super) struct PageFault {
-    /// Its first byte.
+    /// Offset of its first byte.
     pub at: usize,
-    /// Whether no other page follows.
+    /// True if no other page follows.
     pub is_at_end: bool,
 }
 
-/// The pages of a file. Bytes between them are passed over: whatever they are, no page is lost unless its number is
+/// The pages of a file. Bytes between them are skipped: whatever they are, no page is lost unless its number is
 /// missing.
 pub(super) fn pages(bytes: &[u8]) -> impl Iterator<Item = Result<Page<'_>, PageFault>> {
     let mut from = 0;
@@ -78,7 +78,7 @@ fn page(bytes: &[u8]) -> Option<(Page<'_>, usize)> {
 }
 
 impl<'a> Page<'a> {
-    /// The pieces of packets on this page, and whether each ends its packet.
+    /// The pieces of packets on this page, each with true if it ends its packet.
     pub fn pieces(&self) -> impl Iterator<Item = (&'a [u8], bool)> {
         let (mut sizes, mut body) = (self.sizes, self.body);
         std::iter::from_fn(move || {
@@ -110,7 +110,7 @@ const CRC32: [u32; 256] = {
     table
 };
 
-/// A page's checksum, with zeros in its own place.
+/// A page's checksum, computed with zeros in its own field.
 fn crc32(page: &[u8]) -> u32 {
     page.iter().enumerate().fold(0, |crc: u32, (at, byte)| {
         let byte = if CRC_AT.contains(&at) { 0 } else { *byte };

@@ -1,4 +1,4 @@
-//! A sound as its file holds it, before anything is decoded.
+//! The sound in a file, before anything is decoded.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use symphonia::core::codecs::audio::AudioCodecParameters;
 use super::vorbis_clock::Clock;
 use crate::pcm::Pcm;
 
-/// A sound not yet decoded.
+/// Sound that is not yet decoded.
 #[derive(Debug)]
 pub(crate) enum Sound<'a> {
     Pcm(Pcm<'a>),
@@ -20,7 +20,7 @@ pub(crate) struct Link<'a> {
     pub parameters: AudioCodecParameters,
     pub packets: Vec<Cow<'a, [u8]>>,
     pub ends: SoundBounds,
-    /// Samples per channel that must come out, where the format counts them exactly.
+    /// Exact number of samples per channel, if the format states it.
     pub declared_samples: Option<u64>,
 }
 
@@ -29,8 +29,8 @@ pub(crate) struct Link<'a> {
 pub(crate) struct SoundBounds {
     /// Samples at its start that belong to the coder.
     pub skip_start: u64,
-    /// Samples at its end that belong to the coder.
+    /// Samples at its end that the coder added.
     pub skip_end: u64,
-    /// The coder's own clock, which says the same in its way.
+    /// The coder's own clock, which carries the same information.
     pub clock: Option<Clock>,
 }

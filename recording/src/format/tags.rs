@@ -1,4 +1,4 @@
-//! Tags before, between and behind sound: passed over by their size, whatever they hold.
+//! Tags before, between and after sound: skipped by their size, whatever they contain.
 
 /// Bytes of an ID3v1 tag, which is at a file's end.
 const ID3V1_BYTES: usize = 128;
@@ -6,12 +6,12 @@ const ID3V1_BYTES: usize = 128;
 /// Bytes of an APE tag's header, and of its footer.
 const APE_BYTES: usize = 32;
 
-/// Length of the tag that `bytes` begin with; 0 where they begin with none.
+/// Length of the tag at the start of `bytes`; 0 without one.
 pub(super) fn at_start(bytes: &[u8]) -> usize {
     id3v2(bytes).or_else(|| ape_header(bytes)).unwrap_or(0)
 }
 
-/// Length of all tags that `bytes` begin with.
+/// Length of all tags at the start of `bytes`.
 pub(super) fn all_at_start(bytes: &[u8]) -> usize {
     let mut at = 0;
     loop {
@@ -22,7 +22,7 @@ pub(super) fn all_at_start(bytes: &[u8]) -> usize {
     }
 }
 
-/// `bytes` without the tags at their end.
+/// `bytes` without the tags at the end.
 pub(super) fn without_trailing(mut bytes: &[u8]) -> &[u8] {
     while let Some(length) = id3v1(bytes).or_else(|| ape_footer(bytes)) {
         bytes = &bytes[..bytes.len() - length];
@@ -30,8 +30,8 @@ pub(super) fn without_trailing(mut bytes: &[u8]) -> &[u8] {
     bytes
 }
 
-/// ID3v2: a size of four times seven bits behind the ten bytes of the header, and as many again where there is a footer.
-/// None where it runs beyond the file: then the size is of no use.
+/// ID3v2: a size of four times seven bits after the ten bytes of the header, plus another ten if there is a footer.
+/// None if it extends beyond the file, which makes the size useless.
 fn id3v2(bytes: &[u8]) -> Option<usize> {
     let header = bytes.first_chunk::<10>().filter(|header| header.starts_with(b"ID3") && header[3] != 0xff)?;
     let size = header[6..10].iter().fold(0, |size, byte| size << 7 | usize::from(byte & 0x7f));
@@ -39,13 +39,13 @@ fn id3v2(bytes: &[u8]) -> Option<usize> {
     Some(10 + size + footer).filter(|length| *length <= bytes.len())
 }
 
-/// An APE tag with a header says its size without it.
+/// An APE tag with a header states its size without it.
 fn ape_header(bytes: &[u8]) -> Option<usize> {
     let size = ape_size(bytes.get(..APE_BYTES)?)?;
     Some(APE_BYTES + size).filter(|length| *length <= bytes.len())
 }
 
-/// An APE tag's footer says its size with the footer, but without a header.
+/// An APE tag's footer states its size with the footer, but without a header.
 fn ape_footer(bytes: &[u8]) -> Option<usize> {
     let footer = &bytes[bytes.len().checked_sub(APE_BYTES)?..];
     let has_header = footer[23] & 0x80 != 0;

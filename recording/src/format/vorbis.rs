@@ -1,4 +1,4 @@
-//! Vorbis I: which packets are headers, and which samples its clock leaves out.
+//! Vorbis I: the packets that are headers, and the samples that its clock leaves out.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use symphonia::core::codecs::audio::well_known::CODEC_ID_VORBIS;
 use super::sound::{Link, SoundBounds};
 use super::vorbis_clock::Clock;
 
-/// Identification, comment and set-up stand before the sound.
+/// Identification, comment and set-up precede the sound.
 const HEADERS: usize = 3;
 
 /// Rate in Hz and channels, from the identification.
@@ -17,7 +17,7 @@ pub(super) fn layout(head: &[u8]) -> Option<(u32, usize)> {
     Some((u32::from_le_bytes(*head[12..].first_chunk()?), usize::from(head[11])))
 }
 
-/// The packets of sound; the comment is not even looked at.
+/// The packets of sound; the comment is not examined.
 pub(super) fn link(mut packets: Vec<Cow<'_, [u8]>>, clock: Clock) -> Option<Link<'_>> {
     let sound = packets.split_off(HEADERS.min(packets.len()));
     let [identification, _comment, set_up] = packets.as_slice() else { return None };

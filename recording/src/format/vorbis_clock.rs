@@ -1,18 +1,18 @@
-//! The clock of a Vorbis stream: which of its decoded samples are sound.
+//! The clock of a Vorbis stream: the decoded samples that are sound.
 
-/// Positions in samples that pages state, each behind so many packets.
+/// Positions in samples, as stated by pages, each with the number of packets before it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Clock(Vec<(usize, i64)>);
 
 impl Clock {
-    /// Notes the position behind the first `packets`.
+    /// Records the position after the first `packets`.
     pub fn set(&mut self, packets: usize, position: i64) {
         if self.0.last().is_none_or(|(last, _)| *last < packets) {
             self.0.push((packets, position));
         }
     }
 
-    /// The same without the first packets.
+    /// The same clock without the first packets.
     pub fn behind(self, headers: usize) -> Self {
         Self(
             self.0
@@ -23,10 +23,10 @@ impl Clock {
         )
     }
 
-    /// Samples to leave out at the start and at the end, given what every packet decoded to.
+    /// Number of samples to leave out at the start and at the end, given the number decoded from each packet.
     ///
-    /// A first page with fewer samples on its clock than in its packets starts within them, and so does the last page
-    /// end. More than a page is never left out: then the clock is wrong.
+    /// If a first page has fewer samples on its clock than in its packets, the sound starts within them; likewise for
+    /// the last page's end. More than a page is never left out: then the clock is wrong.
     pub fn ends(&self, samples: &[u64]) -> (u64, u64) {
         let sum = |packets: usize| samples.iter().take(packets).sum::<u64>();
         let (Some((first_packets, first)), Some((packets, last))) = (self.0.first(), self.0.last()) else {

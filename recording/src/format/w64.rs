@@ -1,4 +1,4 @@
-//! Wave64 (Sony): WAV whose chunks have names of 16 bytes and sizes of 64 bits, which field recorders write.
+//! Wave64 (Sony), written by field recorders: WAV whose chunks have names of 16 bytes and sizes of 64 bits.
 
 use super::chunk::{Chunk, UNKNOWN_SIZE};
 use super::described::{Described, damaged};
@@ -12,13 +12,13 @@ pub(super) const MARK: &[u8; 16] = b"riff\x2e\x91\xcf\x11\xa5\xd6\x28\xdb\x04\xc
 /// Rest of all other names, after their four letters.
 const NAME_END: &[u8; 12] = b"\xf3\xac\xd3\x11\x8c\xd1\0\xc0\x4f\x8e\xdb\x8a";
 
-/// Bytes of a chunk's header, which count in its size.
+/// Bytes of a chunk's header, which are included in its size.
 const HEADER_BYTES: usize = 24;
 
 /// Reads the chunks up to the sound.
 pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<'a>), Error> {
     if bytes.get(24..28) != Some(b"wave") {
-        return Err(damaged(name, "the header breaks off"));
+        return Err(damaged(name, "the header is truncated"));
     }
     let mut format = None;
     for chunk in chunks(bytes) {
@@ -39,7 +39,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
     Err(damaged(name, if format.is_some() { "no data chunk" } else { "no fmt chunk" }))
 }
 
-/// The chunks behind the file's own header, at multiples of eight bytes.
+/// The chunks after the file's own header, at multiples of eight bytes.
 fn chunks(bytes: &[u8]) -> impl Iterator<Item = Chunk<'_>> {
     let mut at = 40;
     std::iter::from_fn(move || {

@@ -1,4 +1,4 @@
-//! WAV, with 32-bit sizes (RIFF) or with 64-bit ones beside them (RF64, BW64: EBU Tech 3306).
+//! WAV, with 32-bit sizes (RIFF) or additional 64-bit ones (RF64, BW64: EBU Tech 3306).
 
 use super::chunk::{Chunk, Kind, UNKNOWN_SIZE, chunks};
 use super::described::{Described, check_layout, damaged, unsupported};
@@ -63,7 +63,7 @@ fn data<'a>(
 }
 
 impl Format {
-    /// Microsoft's `WAVEFORMATEX` and `WAVEFORMATEXTENSIBLE`, whatever stands behind the fields that matter.
+    /// Reads Microsoft's `WAVEFORMATEX` and `WAVEFORMATEXTENSIBLE`, ignoring anything after the relevant fields.
     pub fn read(chunk: &Chunk, name: &str) -> Result<Self, Error> {
         chunk.complete(name)?;
         let body = chunk.body;
@@ -77,7 +77,7 @@ impl Format {
         check_layout(channels, Some(sample_rate_hz), name)?;
         let tag = match u16_at(0) {
             0xfffe if body.len() >= 40 => u16_at(24),
-            0xfffe => return Err(damaged(name, "an extensible format chunk that breaks off")),
+            0xfffe => return Err(damaged(name, "a truncated extensible format chunk")),
             tag => tag,
         };
         check_coding(tag, bits, name)?;
@@ -96,7 +96,7 @@ impl Format {
         Ok(Self { channels, sample_rate_hz, tag, bits, sample_bytes: frame_bytes / channels })
     }
 
-    /// Note that only the file's end ends the sound.
+    /// Note that the sound has no stated end but the file's.
     pub fn unknown_length(&self, data: &[u8]) -> Note {
         let frames = data.len() / (self.sample_bytes * self.channels);
         Note::UnknownLength { found_s: frames as f64 / f64::from(self.sample_rate_hz) }
@@ -121,7 +121,7 @@ impl Format {
     }
 }
 
-/// Refuses codings that are not read, in the words that users know them by.
+/// Rejects unsupported codings, under the names that users know.
 fn check_coding(tag: u16, bits: usize, name: &str) -> Result<(), Error> {
     let is_read = match tag {
         1 => (1..=32).contains(&bits),

@@ -310,7 +310,7 @@ fn ogg_loses_nothing_in_silence() {
     assert_eq!((cut.channels, cut.notes), (vec![expected[..8192].to_vec()], vec![Note::BreaksOff { what: "page" }]));
     let page = file.windows(4).enumerate().filter(|(_, mark)| mark == b"OggS").map(|(at, _)| at).collect::<Vec<_>>();
     let hole = [&file[..page[3]], &file[page[4]..]].concat();
-    refusal(&hole, &["damaged", "page 4 follows where page 3 is due"]);
+    refusal(&hole, &["damaged", "page 4 follows where page 3 is expected"]);
     let mut damaged = file.clone();
     damaged[page[3] + 300] ^= 1;
     refusal(&damaged, &["damaged", "checksum"]);

@@ -1,11 +1,11 @@
-//! A ramp as the steps that engines and hosts take.
+//! A ramp as a series of steps for engines and hosts.
 
 use super::Event;
 use crate::{Kind, PARAMETERS};
 
 /// Shortest step of a ramp in seconds.
 ///
-/// A block of the engines ends at every step; shorter ones would cost more and could not be heard, since windows are
+/// A block of the engines ends at every step; shorter ones would cost more without being audible, since windows are
 /// longer and levels are smoothed.
 pub const RAMP_STEP_S: f64 = 0.001;
 
@@ -21,7 +21,7 @@ pub(super) fn between(from: Event, to: Event, sample_rate_hz: f64) -> impl Doubl
     let most_by_time = (samples as f64 / (sample_rate_hz * RAMP_STEP_S)).floor() as u64;
     let steps = most_by_value.min(most_by_time);
     (1..steps).map(move |step| {
-        // Wide enough for any sample: times count from zero up to the end of 64 bits.
+        // Wide enough for any sample: times count from zero to the end of 64 bits.
         let passed = u128::from(samples) * u128::from(step) / u128::from(steps);
         let share = step as f64 / steps as f64;
         Event {

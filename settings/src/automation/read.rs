@@ -8,7 +8,7 @@ use crate::{Error, Kind, PARAMETERS, index_of};
 /// The latest time allowed in seconds: a day, so that no row can be beyond the range of samples.
 const LATEST_S: f64 = 86_400.0;
 
-/// What the first line says of the others.
+/// The format that the first line declares.
 #[derive(Clone, Copy)]
 struct Columns {
     in_seconds: bool,
@@ -94,7 +94,7 @@ impl Curve {
         match text {
             "" | "step" => Ok(Self::Step),
             "linear" if matches!(parameter.kind, Kind::Choice { .. } | Kind::Toggle { .. }) => {
-                Err(format!("{} has no values between two of its own, so its curve must be `step`", parameter.id))
+                Err(format!("{} has no intermediate values, so its curve must be `step`", parameter.id))
             }
             "linear" => Ok(Self::Linear),
             found => Err(format!("the curve is `{found}`, but must be `step` or `linear`")),
@@ -103,7 +103,7 @@ impl Curve {
 }
 
 impl Time {
-    /// Fails with what is allowed.
+    /// Reads a time; the error states what is allowed.
     fn read(text: &str, in_seconds: bool) -> Result<Self, &'static str> {
         if in_seconds {
             let seconds = text.parse().ok().filter(|seconds| (0.0..=LATEST_S).contains(seconds));

@@ -1,8 +1,8 @@
-//! What macros can move.
+//! Engine controls that macros can move.
 
 use pyrophone_synthesis::Controls;
 
-/// How an offset is applied to a control.
+/// Application of an offset to a control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
     /// Added, as it is.
@@ -14,7 +14,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Both ends of an offset, in words.
+    /// Both limits of an offset, in words.
     pub fn range(self, low: f64, high: f64) -> String {
         match self {
             Self::Plain => format!("{low:+} to {high:+}"),
@@ -31,7 +31,7 @@ fn rounded(octaves: f64) -> f64 {
     (factor * decimals).round() / decimals
 }
 
-/// A control of the engines that a macro moves.
+/// An engine control that a macro moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs, reason = "each is described by its name")]
 pub enum Target {
@@ -82,7 +82,7 @@ impl Target {
     /// Number of targets.
     pub const COUNT: usize = Self::ALL.len();
 
-    /// Its name in a sentence.
+    /// Name within a sentence.
     pub fn name(self) -> &'static str {
         match self {
             Self::Tilt => "lows over highs about 700 Hz",
@@ -107,7 +107,7 @@ impl Target {
         }
     }
 
-    /// How its offsets are applied.
+    /// Application of its offsets.
     pub fn unit(self) -> Unit {
         match self {
             Self::Tilt | Self::Air | Self::Hiss | Self::Output | Self::CrackleLevel | Self::Vortex => Unit::Decibels,
@@ -116,7 +116,7 @@ impl Target {
         }
     }
 
-    /// Moves the control by `offset`, and keeps it in its range.
+    /// Moves the control by `offset`, within its range.
     pub(super) fn apply(self, offset: f64, controls: &mut Controls) {
         let add = |value: &mut f64, low: f64, high: f64| *value = (*value + offset).clamp(low, high);
         let Controls { drive, extend, texture, vortex, crackle, fuel: _, mix } = controls;
@@ -145,7 +145,7 @@ impl Target {
             Self::ExtensionSlope => add(&mut extend.alpha, 0.0, 6.0),
             Self::Dynamics => add(&mut texture.companding.dynamics, 0.0, 1.0),
             Self::ScalingAlpha => add(&mut texture.scaling_alpha, 0.0, 1.0),
-            // Turned up it is added instead, so that it is heard where the layer was off.
+            // Turned up it is added instead, so that it is audible even if the layer was off.
             Self::Vortex => mix.vortex *= factor(offset.min(0.0)),
             Self::VortexSpeed => {
                 vortex.speed_m_s *= maths::exp2(offset);
@@ -161,7 +161,7 @@ impl Target {
     }
 }
 
-/// Level of vortex sound that is added where Whoosh is turned up by `amount`, -1 to 1: none at 0, 0 dB at 1, without a step.
+/// Level of vortex sound that Whoosh adds when turned up by `amount`, -1 to 1: none at 0, 0 dB at 1, without a step.
 pub(super) fn added_vortex(amount: f64) -> f64 {
     maths::square(amount.max(0.0))
 }

@@ -1,4 +1,4 @@
-//! One fixed second of each engine, on made-up sound, for an instruction counter.
+//! One fixed second of each engine, on generated sound, for an instruction counter.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::signals::{Random, signal};
 const RATE_HZ: f64 = 48_000.0;
 const SAMPLES: usize = 48_000;
 const BLOCK: usize = 64;
-/// Samples of the made-up recording.
+/// Samples of the generated recording.
 const RECORDING: usize = 150_000;
 /// Samples of the recording that is loaded, 14 s.
 const LOADED: usize = 672_000;
@@ -111,12 +111,12 @@ fn activation() {
     });
 }
 
-/// The same where work is shared among threads: only one is watched.
+/// The same for work that is shared among threads: only one thread is counted.
 fn counted_on_one_thread(work: impl FnMut() + Send) {
     rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| counted_second(work));
 }
 
-/// What is counted: callgrind finds it by its name.
+/// The counted section: callgrind finds it by its name.
 #[inline(never)]
 fn counted_second(mut work: impl FnMut()) {
     work();

@@ -1,6 +1,6 @@
-//! What the engines cost, in the rows of `docs/performance.md`: CPU seconds per second of sound, and the largest block as a
-//! share of its deadline. Nothing is asserted: machines differ, and are noisy. `-- ROW...` prints only rows whose names hold
-//! one of these words; `-- instructions ENGINE` runs one fixed second of an engine, for callgrind.
+//! Costs of the engines, in the rows of `docs/performance.md`: CPU seconds per second of sound, and the largest block
+//! as a share of its deadline. Nothing is asserted, because machines differ and are noisy. `-- ROW...` prints only rows
+//! whose names contain one of these words; `-- instructions ENGINE` runs one fixed second of an engine, for callgrind.
 
 mod blocks;
 mod instructions;
@@ -18,10 +18,10 @@ use std::time::{Duration, Instant};
 /// Sample rate in Hz of all pairs.
 const RATE_HZ: f64 = 44_100.0;
 
-/// Measures, and prints what it found.
+/// A measurement that returns its results as text.
 type Figures = Box<dyn Fn(&[pairs::Pair]) -> String>;
 
-/// A row: its name, what is aimed at, and what it prints.
+/// A row: its name, its goal, and its measurement.
 struct Row {
     name: &'static str,
     goal: &'static str,
@@ -55,16 +55,16 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (done, start.elapsed())
 }
 
-/// The shortest of three runs: what the machine does beside it only adds.
+/// The shortest of three runs: other load on the machine can only add time.
 fn shortest(mut work: impl FnMut() -> f64) -> f64 {
     (0..3).map(|_| work()).fold(f64::INFINITY, f64::min)
 }
 
-/// CPU seconds of all threads since the start, where the system tells them; else the time gone by.
+/// CPU seconds of all threads since the start, if the system reports them; otherwise elapsed time.
 fn cpu_s() -> f64 {
     let read = || -> Option<f64> {
         let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-        // The program's name, in brackets, may hold anything.
+        // The program's name, in brackets, may contain anything.
         let mut fields = text.rsplit_once(')')?.1.split_whitespace().skip(11);
         let ticks: f64 = fields.next()?.parse::<f64>().ok()? + fields.next()?.parse::<f64>().ok()?;
         Some(ticks / 100.0)

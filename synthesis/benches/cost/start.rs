@@ -1,4 +1,4 @@
-//! From a recording to the first sound, and what is held then.
+//! From a recording to the first sound, and the memory held by then.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ pub fn rows() -> Vec<Row> {
                 drop(instances);
                 held
             };
-            // What the first one makes for all is made.
+            // Everything that the first instance makes for all of them exists now.
             let first = with(1);
             let each = with(9) / 9.0;
             format!("{:.1} + dictionary {:.1}; {each:.1}", first, dictionary.bytes() as f64 / 1e6)
@@ -56,7 +56,7 @@ pub fn rows() -> Vec<Row> {
     ]
 }
 
-/// So many seconds of a recording, each time a little louder, so that nothing repeats.
+/// A recording extended to `seconds` by repetition, a little louder each time, so that nothing repeats exactly.
 fn looped(pair: &Pair, seconds: f64) -> Vec<f64> {
     let len = pair.training.len();
     (0..(seconds * RATE_HZ) as usize).map(|i| pair.training[i % len] * (1.0 + 1e-3 * (i / len) as f64)).collect()
@@ -87,7 +87,7 @@ fn cpu<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (done, cpu_s() - begin)
 }
 
-/// Memory in MB as the system tells it: `VmRSS` now, `VmHWM` at most; 0 where it does not.
+/// Memory in MB as reported by the system: `VmRSS` is the present, `VmHWM` the largest value; 0 if it is not reported.
 fn memory_mb(what: &str) -> f64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));

@@ -1,4 +1,4 @@
-//! Texture synthesis of files: decoded already, but indexed, matched and written.
+//! Texture synthesis of files that are already decoded: indexing, matching and writing.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The audio thread: blocks against their deadlines, and what channels cost.
+//! The audio thread: blocks against their deadlines, and the cost of channels.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ const SECONDS: f64 = 60.0;
 /// Runs; they do the same work, so the shortest time of each block is the one least disturbed.
 const RUNS: usize = 3;
 
-/// The whole effect: both engines, stereo, the default controls.
+/// The whole effect: both engines, stereo, default controls.
 pub fn table(pairs: &[Pair]) {
     println!("### Blocks\n");
     println!(
@@ -43,7 +43,7 @@ const COMPANDED: (f64, f64, usize) = (20.0, 48_000.0, 64);
 /// Falloff of the default preset.
 const FALLOFF: f64 = 0.025;
 
-/// The same in the companded mode, every drive on every recording.
+/// The same in the companded mode, for every drive on every recording.
 pub fn companded_table(pairs: &[Pair]) {
     let (seconds, rate_hz, block) = COMPANDED;
     println!("### Blocks, companded\n");
@@ -71,7 +71,7 @@ fn summary(mut shares: Vec<f64>) -> String {
     format!("{:.1} % | {:.1} % | {:.1} % | {mean:.4}", at(0.5), at(0.999), at(1.0))
 }
 
-/// Plays a drive with a recording, as if they had been recorded at this rate; `shares` keeps the least of each block.
+/// Plays a drive with a recording, as if recorded at this rate; `shares` collects the smallest share of each block.
 fn play(drive: &[f64], recording: &Vec<f64>, dynamics: MatchingMode, rate_hz: f64, block: usize, shares: &mut [f64]) {
     let falloff = if dynamics == MatchingMode::Companded { FALLOFF } else { 0.0 };
     let structure = EngineConfig { dynamics, falloff, ..EngineConfig::default() };
@@ -116,7 +116,7 @@ pub fn channels_table(pairs: &[Pair]) {
             let recording = vec![pair.training.clone(); channels];
             Arc::new(Dictionary::new(&recording, RATE_HZ, &PyramidConfig::default(), &|_| true).unwrap())
         });
-        // In turns, so that a busy moment of the machine meets all alike.
+        // In turns, so that busy moments of the machine affect all alike.
         let mut costs = [f64::INFINITY; 3];
         for _ in 0..RUNS {
             for (cost, dictionary) in costs.iter_mut().zip(&dictionaries) {

@@ -1,7 +1,8 @@
-//! What the search of texture synthesis costs, as Markdown tables. Nothing is asserted: machines differ, and are noisy.
+//! Costs of the search of texture synthesis, as Markdown tables. Nothing is asserted, because machines differ and are
+//! noisy.
 //!
 //! Pairs come from the reference folder (`PYROPHONE_REFERENCE`, else `../shared/reference` from the project's root);
-//! without it two made-up ones are used. `-- companded` makes the table of the companded mode alone.
+//! without it, two generated pairs are used. `-- companded` prints only the table of the companded mode.
 
 mod blocks;
 #[path = "../../tests/common/brute.rs"]
@@ -25,7 +26,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     (done, start.elapsed())
 }
 
-/// The shortest of three runs: what the machine does beside it only adds.
+/// The shortest of three runs: other load on the machine can only add time.
 fn shortest(mut work: impl FnMut() -> f64) -> f64 {
     (0..3).map(|_| work()).fold(f64::INFINITY, f64::min)
 }

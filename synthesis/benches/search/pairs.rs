@@ -1,4 +1,4 @@
-//! Inputs, recordings, and what a dictionary costs.
+//! Inputs, recordings, and the cost of a dictionary.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,7 +23,7 @@ impl Pair {
     }
 }
 
-/// The reference pairs, or made-up ones.
+/// The reference pairs, or generated ones.
 pub fn all() -> Vec<Pair> {
     let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/reference");
     let folder = std::env::var_os("PYROPHONE_REFERENCE").map_or_else(default, PathBuf::from);
@@ -72,7 +72,7 @@ pub fn streaming(drive: &[f64], dictionary: &Arc<Dictionary>, quality: Quality) 
     })
 }
 
-/// Building a dictionary, keeping it, and the whole engine over it.
+/// Cost of building and holding a dictionary, and of the whole engine over it.
 pub fn dictionary_table(pairs: &[Pair]) {
     println!("### Dictionary, and the whole engine\n");
     println!("44.1 kHz, mono, the paper's shape. Engine: seconds of one core per second of sound (padded length).\n");

@@ -12,13 +12,13 @@ use crate::{RATE_HZ, timed};
 const DIMENSIONS: usize = 46;
 /// Principal components given to the k-d tree.
 const COMPONENTS: usize = 8;
-/// Slow searches see every so many queries only.
+/// Stride between the queries that slow searches process.
 const SPARSE: usize = 101;
 
-/// How long searches took.
+/// Times of searches.
 struct Times {
     microseconds: Vec<f64>,
-    /// Queries that these stand for.
+    /// Number of queries that each time represents.
     stands_for: usize,
 }
 
@@ -124,7 +124,7 @@ impl Rivals {
         std::hint::black_box(self.raw.query(&point).nearest_one::<SquaredEuclidean<f64>>().execute());
     }
 
-    /// All that lie as near in few components as the nearest in few components lies in full.
+    /// All windows that are as near in few components as the nearest window in few components is in full.
     fn components(&self, query: &Query) {
         let point = project(&self.axes, &self.mean, &query.feature);
         let nearest = self.components.query(&point).nearest_one::<SquaredEuclidean<f64>>().execute();

@@ -1,6 +1,6 @@
-//! What goes into one call of the effect: channels, and what the host says of its timeline.
+//! Inputs of one call of the effect: channels, and the host's timeline.
 
-/// Samples that are processed at once.
+/// Samples processed at a time.
 pub(super) const CHUNK: usize = 256;
 
 /// Channels of the effect's buses.
@@ -10,15 +10,15 @@ pub struct Channels {
     pub input: usize,
     /// Channels of the sidechain, 0-10; 0 = not connected.
     pub sidechain: usize,
-    /// Channels of the output, 1-10, at least as many as of the input; [`SpeakerLayout`](crate::vortex::SpeakerLayout) tells their loudspeakers. That of
-    /// low-frequency effects passes the input's own.
+    /// Channels of the output, 1-10, at least as many as of the input, with the loudspeakers of
+    /// [`SpeakerLayout`](crate::vortex::SpeakerLayout). The LFE channel passes the input's LFE through.
     pub output: usize,
 }
 
-/// What the host says of its timeline for one call of [`Chain::process`](super::Chain::process).
+/// The host's timeline for one call of [`Chain::process`](super::Chain::process).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Transport {
-    /// Whether the host plays.
+    /// True while the host plays.
     pub playing: bool,
     /// Position of the call's first sample on the host's timeline, in samples; may be negative.
     pub position: Option<i64>,

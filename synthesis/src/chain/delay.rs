@@ -13,7 +13,7 @@ impl<T: Copy + Default> Delay<T> {
         Self { buffer: vec![T::default(); samples], at: 0 }
     }
 
-    /// All zero again.
+    /// Resets everything to zero.
     pub fn reset(&mut self) {
         self.buffer.fill(T::default());
         self.at = 0;

@@ -1,4 +1,4 @@
-//! Levels and warnings of the effect, for people to look at.
+//! Levels and warnings of the effect, for display.
 
 /// Largest magnitudes since the last [`Chain::take_meters`](super::Chain::take_meters).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -23,12 +23,12 @@ pub struct Meters {
     pub body: f32,
     /// Output.
     pub output: f32,
-    /// How far texture maps amplitudes now: scalingAlpha, less what a buzz takes where that is asked for.
+    /// Present degree of amplitude mapping in texture: scalingAlpha, reduced for a buzz if that is enabled.
     pub scaling_alpha: f32,
-    /// Whether the input's channels cancel in the mean that drives the engines.
+    /// True if the input's channels cancel in the mean that drives the engines.
     pub cancels: bool,
-    /// Whether texture lacks a recording.
+    /// True if texture lacks a recording.
     pub no_recording: bool,
-    /// Steps of the live simulation that came too late.
+    /// Number of steps of the live simulation that came too late.
     pub late_steps: u64,
 }

@@ -1,10 +1,10 @@
 //! The whole effect: drive, engines, mix, with transport and automation.
 //!
-//! Time is an internal sample counter, anchored to the host's position at reset; it runs free when
-//! the host stops or tells nothing. A jump, a loop or a start of playback elsewhere starts a second
-//! *voice* at the new position exactly as a fresh instance would start there; once what was
-//! played before the jump has come out of the first one, the second takes over in a crossfade of
-//! 10 ms. So whatever was played before, two passes from one place sound the same.
+//! Time is an internal sample counter, anchored to the host's position at reset; it runs free if the host stops or
+//! reports no position. A jump, a loop or a start of playback elsewhere starts a second *voice* at the new position,
+//! exactly as a fresh instance would start there. Once the first voice has played everything from before the jump, the
+//! second takes over in a crossfade of 10 ms. Two passes from one place therefore sound the same, whatever was played
+//! before.
 
 mod bus;
 pub(crate) mod delay;
@@ -41,10 +41,10 @@ const POSITION_TOLERANCE_SAMPLES: u64 = 1;
 const HIGHEST_PEAK: f64 = 0.75;
 /// Input beyond this magnitude (+80 dBFS) is a broken signal and is cut there.
 const LARGEST_INPUT: f32 = 1e4;
-/// Input below this magnitude is silence; it keeps denormals out of every engine.
+/// Input below this magnitude is silence, which keeps denormals out of every engine.
 const SMALLEST_INPUT: f32 = 1e-15;
 
-/// A jump under way: the other voice was started and takes over later.
+/// A jump in progress: the other voice has started and takes over later.
 #[derive(Debug, Clone, Copy)]
 struct Takeover {
     /// Samples processed since the jump.
@@ -58,10 +58,10 @@ pub struct Chain {
     shape: PyramidConfig,
     dynamics: MatchingMode,
     voices: [Voice; 2],
-    /// The voice that is heard.
+    /// Index of the audible voice.
     active: usize,
     takeover: Option<Takeover>,
-    /// A jump came while another was under way: start anew as soon as that is over.
+    /// True if a jump came while another was in progress: restart as soon as that is over.
     restart_pending: bool,
     /// Position of the next sample, once anchored.
     position: Option<i64>,
@@ -73,9 +73,9 @@ pub struct Chain {
     /// Samples for which input and output have been silent.
     silent_samples: usize,
     tail_samples: usize,
-    /// Whether it sounds over silence too: a flame burns, or texture's gate is off.
+    /// True if it also sounds over silence: a flame burns, or texture's gate is off.
     endless: bool,
-    /// Whether it sounds without any input.
+    /// True if it sounds without any input.
     burns: bool,
     meters: Meters,
     main: Vec<Vec<f64>>,
@@ -88,11 +88,11 @@ pub struct Chain {
 /// Most samples of drive and top-level magnitudes that one call hands out: all of a call of up to 8192 samples.
 const TOLD_CAPACITY: usize = 8192;
 
-/// Delay in samples of the output of a [`Chain`] of this structure at a sample rate in Hz (8-384 kHz), which need not be
-/// built to be asked: that of the slower of extension and texture.
+/// Output delay in samples of a [`Chain`] with this structure at a sample rate in Hz (8-384 kHz), without building one:
+/// that of the slower of extension and texture.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] where the structure or the rate is.
+/// [`Error::OutOfRange`] if the structure or the rate is out of range.
 pub fn latency_samples(sample_rate_hz: f64, structure: &EngineConfig) -> Result<usize, Error> {
     let extension = extend::latency_samples(structure, sample_rate_hz)?;
     Ok(extension.max(PyramidConfig::at_rate(structure, sample_rate_hz).latency_samples()))
@@ -149,12 +149,12 @@ impl Chain {
         (!self.endless).then_some(self.tail_samples)
     }
 
-    /// Whether input and output have been silent for longer than the tail, and only an input can change that.
+    /// True if input and output have been silent for longer than the tail, and only an input can change that.
     pub fn is_silent(&self) -> bool {
         !self.burns && self.silent_samples > self.tail_samples
     }
 
-    /// Shape of the dictionaries that it takes.
+    /// Shape of the dictionaries that it accepts.
     pub fn shape(&self) -> &PyramidConfig {
         &self.shape
     }
@@ -164,7 +164,7 @@ impl Chain {
         self.sample_rate_hz
     }
 
-    /// Back to the state of a fresh instance; recording and learned distribution stay.
+    /// Restores the state of a fresh instance, but keeps recording and learned distribution.
     pub fn reset(&mut self) {
         self.active = 0;
         self.takeover = None;
@@ -186,9 +186,8 @@ impl Chain {
         self.swap_slot(0, dictionary)
     }
 
-    /// Exchanges the dictionary of the recording in a slot; the caller drops the old one elsewhere than on the
-    /// audio thread. A dictionary made for another sample rate or structure, or for no slot, is handed back
-    /// unused.
+    /// Exchanges the dictionary of the recording in a slot; the caller drops the old one outside the audio thread. A
+    /// dictionary made for another sample rate or structure, or for a slot that does not exist, is returned unused.
     pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
         let is_companded = self.dynamics == MatchingMode::Companded;
         let fits = |x: &Arc<Dictionary>| {
@@ -200,33 +199,33 @@ impl Chain {
             return dictionary;
         }
         let [first, second] = &mut self.voices;
-        // Of the two references to the old one, the second lives on, so this one frees nothing.
+        // Of the two references to the old one, the second survives, so this one frees nothing.
         drop(first.swap_slot(slot, dictionary.clone()));
         let old = second.swap_slot(slot, dictionary);
         self.has_dictionary = (0..SLOTS).any(|slot| second.has_recording(slot));
         old
     }
 
-    /// Exchanges the learned distribution of the drive's amplitudes, likewise.
+    /// Exchanges the learned distribution of the drive's amplitudes, in the same way.
     pub fn swap_distribution(&mut self, distribution: Option<Arc<Distribution>>) -> Option<Arc<Distribution>> {
         let [first, second] = &mut self.voices;
         drop(first.swap_distribution(distribution.clone()));
         second.swap_distribution(distribution)
     }
 
-    /// Exchanges the user's speed field, likewise. Without one, vortex sound of the flow `field` follows the scene that
-    /// burns as the drive, or else the envelope.
+    /// Exchanges the user's speed field, in the same way. Without one, vortex sound of the flow `field` follows the
+    /// scene that burns as the drive, or else the envelope.
     pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
         let [first, second] = &mut self.voices;
         drop(first.vortex_layer().swap_field(field.clone()));
         second.vortex_layer().swap_field(field)
     }
 
-    /// Takes the simulations of gas for vortex sound of the flow `live`, one for what is heard and one for what comes
-    /// after a jump; `places` tell where their sources stand, in m to the right, to the front and up. Without them such
-    /// vortex sound follows the envelope. Not for the audio thread.
+    /// Installs the gas simulations for vortex sound of the flow `live`, one for the audible voice and one for the
+    /// voice after a jump; `places` are the positions of their sources, in m to the right, to the front and up. Without
+    /// simulations such vortex sound follows the envelope. Not for the audio thread.
     ///
-    /// Fails without a place, and where one is no number or farther than 100 km.
+    /// Fails without positions, and if one is not finite or farther than 100 km.
     pub fn set_simulators(&mut self, simulators: [Box<dyn Simulator>; 2], places: &[[f32; 3]]) -> Result<(), Error> {
         let mut voices = self.voices.iter_mut().zip(simulators);
         voices.try_for_each(|(voice, simulator)| voice.vortex_layer().set_simulator(simulator, places))
@@ -237,9 +236,9 @@ impl Chain {
         self.voices[0].vortex_layer().live_step_s()
     }
 
-    /// Processes one block of any length in place. `main` has as many channels as the output; the
-    /// first `channels.input` of them hold the input. A sidechain channel that is missing is
-    /// silent. `controls` hold for the whole call.
+    /// Processes one block of any length in place. `main` has as many channels as the output; the first
+    /// `channels.input` of them contain the input. A missing sidechain channel is silent. `controls` apply to the whole
+    /// call.
     pub fn process(
         &mut self,
         main: &mut [&mut [f32]],
@@ -261,7 +260,7 @@ impl Chain {
         self.follow(transport);
         let mut start = 0;
         while start < samples {
-            // A takeover ends at its own sample, however the host cuts its blocks.
+            // A takeover ends at its exact sample, however the host divides its blocks.
             let until_takeover = self.takeover.map_or(CHUNK, |x| self.takeover_samples() - x.age);
             let end = samples.min(start + CHUNK.min(until_takeover));
             self.take_input(main, sidechain, start, end);
@@ -272,7 +271,8 @@ impl Chain {
         }
     }
 
-    /// `controls` with the levels that bring recording and fuel to the loudness asked for, and keep crackles below the ceiling.
+    /// `controls` with the levels that bring recording and fuel to the requested loudness, and keep crackles below the
+    /// ceiling.
     fn levelled(&self, controls: &Controls) -> Controls {
         let mut levelled = *controls;
         let target_lufs = controls.mix.loudness_lufs;
@@ -343,7 +343,7 @@ impl Chain {
             delay.process(dry);
         }
         let (inputs, others) = self.dry.split_at_mut(self.channels.input);
-        // One channel comes from both sides; to all others nothing has come.
+        // A single channel is sent to both sides; the others receive nothing.
         if let ([only], [right, ..]) = (inputs, others) {
             right[..samples].copy_from_slice(&only[..samples]);
         }
@@ -427,7 +427,7 @@ impl Chain {
         self.silent_samples = if peaks.output == 0.0 { self.silent_samples.saturating_add(samples) } else { 0 };
     }
 
-    /// The meters since the last call, which are then cleared.
+    /// Returns the meters since the last call and clears them.
     pub fn take_meters(&mut self) -> Meters {
         let no_recording = !self.has_dictionary;
         let late_steps = self.voices.iter_mut().map(|voice| voice.vortex_layer().take_late()).sum();
@@ -435,12 +435,12 @@ impl Chain {
     }
 
     /// The drive, after its high-pass, in the last call of `process`; it is [`latency_samples`](Self::latency_samples)
-    /// ahead of the output. Valid until the next call, of which it has the first 8192 samples.
+    /// ahead of the output. Valid until the next call, and limited to the first 8192 samples of the call.
     pub fn drive(&self) -> &[f32] {
         &self.drive
     }
 
-    /// Hands over what the engines that are heard have left to be seen since the last call; real-time safe.
+    /// Passes on the telemetry of the audible engines since the last call; real-time safe.
     pub fn take_traces(&mut self, with: impl FnMut(Telemetry)) {
         let [first, second] = &mut self.voices;
         let (heard, other) = if self.active == 0 { (first, second) } else { (second, first) };
@@ -448,8 +448,8 @@ impl Chain {
         drop(other.take_traces());
     }
 
-    /// Magnitudes of the drive pyramid's top level that arose in the last call of `process`, in the companded
-    /// mode loudnesses of the drive, for learning a distribution from one pass; valid until the next call.
+    /// Magnitudes of the drive pyramid's top level from the last call of `process` (in the companded mode, loudnesses
+    /// of the drive), for learning a distribution from one pass; valid until the next call.
     pub fn top_level(&self) -> &[f64] {
         &self.top_magnitudes
     }
@@ -460,9 +460,9 @@ fn clean(x: f32) -> f32 {
     if !x.is_finite() || x.abs() < SMALLEST_INPUT { 0.0 } else { x.clamp(-LARGEST_INPUT, LARGEST_INPUT) }
 }
 
-/// Learns the distribution of the drive's amplitudes from a whole file, as texture synthesis of
-/// this file would (reference padding; algorithms §3); in the companded mode, of its loudnesses.
-/// `sidechain` may be empty. Fails where the file is too short for the levels, or for one loudness.
+/// Learns the distribution of the drive's amplitudes from a whole file, as texture synthesis of this file would (with
+/// reference padding); in the companded mode, of its loudnesses. `sidechain` may be empty. Fails if the file is too
+/// short for the levels, or for one loudness.
 pub fn learn(
     sample_rate_hz: f64,
     structure: &EngineConfig,

@@ -51,7 +51,7 @@ impl VoiceLayers {
         }
     }
 
-    /// Replaces these layers by `other` at the part that `ramp` tells for every sample, 0-1.
+    /// Crossfades these layers to `other`, by the share that `ramp` gives for every sample, 0-1.
     pub fn fade_to(&mut self, other: &Self, samples: usize, ramp: impl Fn(usize) -> f64) {
         let channels = self.extension.iter_mut().chain(&mut self.texture).chain(&mut self.vortex);
         let channels = channels.chain(&mut self.crackle).chain(&mut self.hiss).chain(&mut self.body);
@@ -61,7 +61,7 @@ impl VoiceLayers {
         for (mine, theirs) in channels.zip(others) {
             for i in 0..samples {
                 let part = ramp(i);
-                // At the ends exactly one of the two, whatever the other holds.
+                // At the ends exactly one of the two, whatever the other contains.
                 if part >= 1.0 {
                     mine[i] = theirs[i];
                 } else if part > 0.0 {
@@ -72,20 +72,21 @@ impl VoiceLayers {
     }
 }
 
-/// Time constant in seconds with which a recording that arrives takes over.
+/// Time constant in seconds with which a newly loaded recording takes over.
 const STAND_IN_S: f64 = 0.02;
-/// Level of extension that stands in, -12 dB: about as loud as what is matched from a recording, whose loudness is evened out.
+/// Level of extension as a substitute, -12 dB: about as loud as texture matched from a recording, whose loudness is
+/// flattened.
 const STAND_IN_LEVEL: f64 = 0.25;
 
-/// What texture needs around it in the companded mode.
+/// State around texture in the companded mode.
 #[derive(Debug)]
 struct Companded {
     companding: Companding,
     crackle: Crackle,
-    /// That of the second recording, and what it makes of one chunk by channel.
+    /// Crackle of the second recording, and its output for one chunk by channel.
     second_crackle: Crackle,
     second: Vec<Vec<f64>>,
-    /// What texture makes of one chunk, by slot and channel.
+    /// Texture output for one chunk, by slot and channel.
     textures: Vec<Vec<Vec<f64>>>,
     /// Crackles of the fuels that burn.
     fuels: Arc<[Crackles]>,
@@ -105,7 +106,7 @@ pub struct Voice {
     companded: Option<Companded>,
     vortex: VortexLayer,
     drive_block: Vec<f64>,
-    /// What it made of the last chunk.
+    /// Output for the last chunk.
     pub layers: VoiceLayers,
     low_delay: Delay<f64>,
     extension_delays: Vec<Delay<f64>>,
@@ -123,7 +124,7 @@ impl Voice {
         let latency = extend.latency_samples().max(texture.latency_samples());
         let extend_wait = latency - extend.latency_samples();
         let wait = latency - texture.latency_samples();
-        // In the companded mode texture waits beforehand, so that loudness can look ahead.
+        // In the companded mode texture is delayed beforehand, so that loudness can look ahead.
         let companded = (structure.dynamics == MatchingMode::Companded).then(|| Companded {
             companding: Companding::new(sample_rate_hz, outputs, wait, latency, CHUNK),
             crackle: Crackle::new(sample_rate_hz, outputs, latency, CHUNK),
@@ -159,7 +160,7 @@ impl Voice {
         self.latency_samples
     }
 
-    /// Samples that may sound after the input has fallen silent, latency included.
+    /// Samples that may sound after the input has fallen silent, including latency.
     pub fn tail_samples(&self, controls: &Controls) -> usize {
         let drive = self.drive.tail_samples(&controls.drive);
         let companding = self.companded.as_ref().map_or(0, Companded::tail_samples);
@@ -167,12 +168,12 @@ impl Voice {
         self.latency_samples + drive + fire.max(self.vortex.tail_samples(controls).unwrap_or(0))
     }
 
-    /// Whether it sounds without any input.
+    /// True if it sounds without any input.
     pub fn is_self_driven(&self, controls: &Controls) -> bool {
         controls.drive.mode == DriveMode::Flame || self.vortex.is_self_driven(controls)
     }
 
-    /// Whether nobody can tell when it will have ended.
+    /// True if its end cannot be predicted.
     pub fn is_endless(&self, controls: &Controls) -> bool {
         self.is_self_driven(controls) || self.vortex.tail_samples(controls).is_none()
     }
@@ -182,7 +183,7 @@ impl Voice {
         &mut self.vortex
     }
 
-    /// Starts anew at `position` of the host's timeline.
+    /// Restarts at `position` of the host's timeline.
     pub fn reset(&mut self, position: i64) {
         self.drive.reset(position);
         self.extend.reset(position);
@@ -199,7 +200,7 @@ impl Voice {
         self.extension_delays.iter_mut().chain(&mut self.texture_delays).for_each(Delay::reset);
     }
 
-    /// Samples by which texture gets the drive late: its grid of windows stands on the drive's own positions.
+    /// Samples by which texture receives the drive late: its grid of windows is aligned with the drive's own positions.
     fn texture_starts_late(&self) -> i64 {
         if self.companded.is_some() { (self.latency_samples - self.texture.latency_samples()) as i64 } else { 0 }
     }
@@ -213,7 +214,7 @@ impl Voice {
         self.texture.swap_slot(slot, dictionary)
     }
 
-    /// Whether there is a recording in a slot.
+    /// True if there is a recording in a slot.
     pub fn has_recording(&self, slot: usize) -> bool {
         self.texture.slots().get(slot).is_some()
     }
@@ -226,12 +227,13 @@ impl Voice {
         self.texture.swap_distribution(learned)
     }
 
-    /// The factor that brings texture to a loudness in LUFS; recordings other than the reference have theirs on top.
+    /// The factor that brings texture to a loudness in LUFS; recordings other than the reference have another factor on
+    /// top.
     pub fn gain_to(&self, target_lufs: Option<f64>) -> f64 {
         self.texture.reference().map_or(1.0, |profile| profile.gain_to(target_lufs))
     }
 
-    /// The same for crackle: that of the reference where it has crackles, else a fuel's.
+    /// The same for crackle: the reference's factor if it has crackles, otherwise a fuel's.
     pub fn crackle_gain_to(&self, target_lufs: Option<f64>) -> f64 {
         let has_crackles = self.texture.slots().reference().is_some_and(|slot| self.texture.crackles(slot).is_some());
         if has_crackles { self.gain_to(target_lufs) } else { fuel::gain_to(target_lufs) }
@@ -247,7 +249,7 @@ impl Voice {
         &self.top_magnitudes
     }
 
-    /// Takes what the engines have left to be seen since it was taken last.
+    /// Returns the telemetry of the engines since the last call.
     pub fn take_traces(&mut self) -> impl Iterator<Item = Telemetry> {
         let betas = self.extend.take_betas().map(Telemetry::Beta);
         let (matches, extents) = self.texture.take_traces();
@@ -255,7 +257,7 @@ impl Voice {
         betas.chain(matches.map(Telemetry::Match)).chain(extents.map(Telemetry::Extent)).chain(sources)
     }
 
-    /// Whether the input's channels cancel.
+    /// True if the input's channels cancel.
     pub fn cancels(&self) -> bool {
         self.drive.cancels()
     }
@@ -327,15 +329,15 @@ impl Voice {
         }
     }
 
-    /// Whether spectral extension is heard for want of a recording.
+    /// True if spectral extension replaces texture for lack of a recording.
     fn stands_in(&self, recordings: &RecordingControls) -> bool {
         self.companded.is_some() && !self.has_recording(recordings.first())
     }
 }
 
 impl Companded {
-    /// Lets spectral extension stand in for texture, so that an instance without a recording and without a fuel burns too.
-    /// `gain` is the factor that the layer gets for other recordings, of which this has nothing.
+    /// Lets spectral extension replace texture, so that an instance without recording and fuel still burns. `gain` is
+    /// the factor that the layer receives for other recordings and that must not apply here.
     fn stand_in(&mut self, stands_in: bool, gain: f64, layers: &mut VoiceLayers, samples: usize) {
         let share = f64::from(u8::from(stands_in));
         if std::mem::take(&mut self.is_fresh) {
@@ -353,12 +355,12 @@ impl Companded {
         }
     }
 
-    /// Samples for which it goes on after texture has fallen silent.
+    /// Samples for which it continues after texture has fallen silent.
     fn tail_samples(&self) -> usize {
         self.companding.tail_samples() + self.crackle.tail_samples()
     }
 
-    /// One chunk of a fuel's hiss and body, behind the same chunk of texture.
+    /// Renders one chunk of a fuel's hiss and body, after the same chunk of texture.
     fn fuel_noise(&mut self, controls: &Controls, [hiss, body]: [&mut [Vec<f64>]; 2], samples: usize) {
         let levels = NoiseLevels { hiss: controls.mix.hiss, body: controls.mix.body };
         let loudness = self.companding.heard(samples);
@@ -409,7 +411,7 @@ impl Companded {
     }
 }
 
-/// All that may crackle, on the scale of `scale`: the factor that the layer gets as a whole.
+/// All crackle sources, on the scale of `scale`: the factor that the whole layer receives.
 fn sources<'a>(texture: &'a Texture, fuels: &'a [Crackles], target_lufs: Option<f64>, scale: f64) -> Sources<'a> {
     let gain = |slot: usize| texture.profile(slot).map_or(1.0, |profile| profile.gain_to(target_lufs) / scale);
     Sources {
@@ -435,7 +437,8 @@ fn crackle_controls(controls: &Controls, texture: &Texture) -> [CrackleControls;
     [first, second]
 }
 
-/// One chunk of crackle, behind the same chunk of texture, of two layers; `spare` is room for the second.
+/// Renders one chunk of crackle, after the same chunk of texture, in two layers; `spare` is working memory for the
+/// second.
 fn crackle(
     [first, second]: [&mut Crackle; 2],
     [controls, second_controls]: [&CrackleControls; 2],
@@ -454,7 +457,7 @@ fn crackle(
     });
 }
 
-/// Most channels of any bus.
+/// Largest number of channels of any bus.
 pub(super) const MAX_CHANNELS: usize = 10;
 
 /// Calls `process` with the first `samples` of every channel, without allocating.

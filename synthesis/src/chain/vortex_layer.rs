@@ -14,48 +14,49 @@ const SOURCES: usize = 500;
 /// Speed of the eddies in live gas, as a multiple of the mean over a sub-volume.
 const LIVE_SPEED: f64 = 2.5;
 
-/// Seconds, beside twice the latency, after which a layer that is off has fallen silent.
+/// Seconds, in addition to twice the latency, after which a layer that is off has fallen silent.
 const HOLD_S: f64 = 0.5;
 
 /// Hops between two views of the sources, about a thirtieth of a second, and most sources of a view.
 const VIEW_HOPS: i64 = 12;
 const VIEW_SOURCES: usize = 128;
 
-/// The field that tells the sources' speeds.
+/// Field that sets the sources' speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FlowState {
     /// None: the envelope does.
     Nothing,
     /// The user's.
     Own,
-    /// That of a scene which burns as the drive.
+    /// Field of a scene that burns as the drive.
     Scene(usize),
 }
 
-/// The renderer, what it may play, and its delay.
+/// The renderer, its possible inputs, and its delay.
 #[derive(Debug)]
 pub struct VortexLayer {
     vortex: Vortex,
     banks: [Arc<Bank>; TEXTURES.len()],
-    /// Place of the bank that plays.
+    /// Index of the bank in use.
     playing: usize,
     scenes: &'static [Arc<SpeedField>],
     own: Option<Arc<SpeedField>>,
     /// The field that the renderer has.
     told: FlowState,
-    /// Whether it has a simulation.
+    /// True if it has a simulation.
     is_live: bool,
     delays: Vec<Delay<f64>>,
-    /// Samples for which it is rendered on after it was switched off, and how many are left.
+    /// Samples for which rendering continues after the layer is turned off, and the number left.
     hold_samples: usize,
     left_samples: usize,
-    /// Number of the last view of the sources that was taken, and whether there was anything in it.
+    /// Number of the last view of the sources, and whether it contained any.
     viewed: i64,
     was_seen: bool,
 }
 
 impl VortexLayer {
-    /// A layer that is `latency_samples` late, which is more than the renderer is by itself. The first one at a rate makes the banks.
+    /// A layer with a delay of `latency_samples`, which exceeds the renderer's own. The first layer at a rate makes the
+    /// banks.
     pub fn new(sample_rate_hz: f64, channels: usize, latency_samples: usize) -> Result<Self, Error> {
         let mut vortex = Vortex::new(sample_rate_hz, SpeakerLayout::of_channels(channels)?, SOURCES)?;
         let rest_samples = latency_samples.saturating_sub(vortex.latency_samples());
@@ -77,7 +78,7 @@ impl VortexLayer {
         })
     }
 
-    /// Exchanges the user's field; as many of its sources are heard as there is room for.
+    /// Exchanges the user's field; sources beyond the renderer's capacity are not heard.
     pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
         if self.told == FlowState::Own {
             drop(self.vortex.swap_field(field.clone()));
@@ -88,7 +89,7 @@ impl VortexLayer {
         std::mem::replace(&mut self.own, field)
     }
 
-    /// Takes a simulation for the flow `live`. Not for the audio thread.
+    /// Installs a simulation for the flow `live`. Not for the audio thread.
     pub fn set_simulator(&mut self, simulator: Box<dyn Simulator>, places: &[[f32; 3]]) -> Result<(), Error> {
         self.vortex.set_simulator(simulator, places)?;
         self.is_live = true;
@@ -100,24 +101,24 @@ impl VortexLayer {
         self.vortex.live_step_s()
     }
 
-    /// Its steps that came too late since the last call.
+    /// Number of its steps that came too late since the last call.
     pub fn take_late(&mut self) -> u64 {
         self.vortex.take_late()
     }
 
-    /// Samples for which it sounds on after the drive has ended, without its delay; none where it never ends.
+    /// Samples for which it continues after the drive has ended, without its delay; none if it never ends.
     pub fn tail_samples(&self, controls: &Controls) -> Option<usize> {
         if controls.mix.vortex == 0.0 { Some(0) } else { self.vortex.tail_samples(&self.effective(controls)) }
     }
 
-    /// Starts anew at `position` of the host's timeline.
+    /// Restarts at `position` of the host's timeline.
     pub fn reset(&mut self, position: i64) {
         self.vortex.reset(position);
         self.left_samples = 0;
         self.delays.iter_mut().for_each(Delay::reset);
     }
 
-    /// Makes the layer of one chunk. A layer that has been off for long is passed over.
+    /// Renders one chunk of the layer. A layer that has been off for long is skipped.
     pub fn process(&mut self, drive: &[f64], controls: &Controls, outputs: &mut [&mut [f64]]) {
         if controls.mix.vortex != 0.0 {
             self.left_samples = drive.len() + self.hold_samples;
@@ -128,7 +129,7 @@ impl VortexLayer {
             self.render(&drive[..samples], controls, outputs);
         }
         if samples < drive.len() {
-            // By now the delays hold nothing but silence.
+            // By now the delays contain only silence.
             outputs.iter_mut().for_each(|output| output[samples..].fill(0.0));
             self.vortex.skip(drive.len() - samples);
         }
@@ -136,7 +137,7 @@ impl VortexLayer {
 
     fn render(&mut self, drive: &[f64], controls: &Controls, outputs: &mut [&mut [f64]]) {
         let effective = self.effective(controls);
-        // Whatever is exchanged here has another owner, so nothing is freed.
+        // Everything exchanged here has another owner, so nothing is freed.
         let wanted = controls.vortex.texture.min(TEXTURES.len() - 1);
         if std::mem::replace(&mut self.playing, wanted) != wanted {
             drop(self.vortex.swap_bank(Some(self.banks[wanted].clone())));
@@ -170,12 +171,12 @@ impl VortexLayer {
         }
     }
 
-    /// Takes a view of the sources, some thirty times a second: how many there are, then each of them.
+    /// Returns a view of the sources, some thirty times a second: their number, then each of them.
     pub fn take_view(&mut self) -> impl Iterator<Item = Telemetry> {
         let number = self.vortex.hop().div_euclid(VIEW_HOPS);
         let is_due = std::mem::replace(&mut self.viewed, number) != number;
         let is_on = self.left_samples > 0;
-        // That nothing is there any more is said once.
+        // The absence of sources is reported only once.
         let is_told = is_due && (is_on || self.was_seen);
         if is_due {
             self.was_seen = is_on;
@@ -186,19 +187,19 @@ impl VortexLayer {
         count.into_iter().chain(seen().map(Telemetry::Source))
     }
 
-    /// Whether it sounds without any input.
+    /// True if it sounds without any input.
     pub fn is_self_driven(&self, controls: &Controls) -> bool {
         self.effective(controls).flow == Flow::Field
     }
 
-    /// What the renderer is told: the envelope where there is no field or simulation, a scene's field as the scene burns, and nothing
-    /// where the layer is off and need not be computed.
+    /// The renderer's effective controls: the envelope if there is no field or simulation, a scene's field if the scene
+    /// burns, and nothing if the layer is off and need not be computed.
     fn effective(&self, controls: &Controls) -> VortexControls {
         let mut effective = controls.vortex;
         if controls.mix.vortex == 0.0 {
             (effective.flow, effective.count) = (Flow::Envelope, 0);
         } else if effective.flow == Flow::Live {
-            // What blows has the speed already, but means over sub-volumes hold still air too.
+            // The simulated gas is fast enough already, but means over sub-volumes include still air.
             effective.field_speed = LIVE_SPEED;
             if !self.is_live {
                 effective.flow = Flow::Envelope;

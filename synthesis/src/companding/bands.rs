@@ -6,14 +6,15 @@ use crate::fft::Complex64;
 
 use crate::extend::spectrum::Transform;
 
-/// Length of an analysis window in seconds; the next power of two below is taken.
+/// Length of an analysis window in seconds; rounded down to a power of two.
 const WINDOW_S: f64 = 0.19;
 /// Numbers of the third octaves, 10^(k/10) Hz: 100 Hz to 20 kHz.
 const NUMBERS: std::ops::RangeInclusive<i32> = 20..=43;
-/// Power, relative to that an octave lower, of what is empty; and how many steps of a twenty-fourth of an octave are searched.
+/// Power, relative to that an octave lower, that counts as empty; and the number of steps of a twenty-fourth of an
+/// octave to search.
 const EMPTY: f64 = 1e-4;
 const LIMIT_STEPS: i32 = 72;
-/// Highest frequency used, as a part of the sample rate.
+/// Highest frequency used, as a share of the sample rate.
 const HIGHEST: f64 = 0.45;
 
 /// Centres in Hz of the third octaves from 100 Hz to 20 kHz, as far as the sample rate goes.
@@ -29,7 +30,7 @@ pub struct Power {
     bin_hz: f64,
 }
 
-/// What powers are found with: making it takes longer than using it once.
+/// Analysis state: making it takes longer than using it once.
 struct Analyser {
     sample_rate_hz: f64,
     transform: Transform,
@@ -59,7 +60,7 @@ impl Analyser {
             bins.iter_mut().zip(&transform.spectrum).for_each(|(power, bin)| *power += Complex64::norm_sqr(bin));
             count += 1.0;
         }
-        // A Hann window's mean square is 3/8; all bins but the outermost stand for two.
+        // A Hann window's mean square is 3/8; all bins except the outermost represent two.
         let scale = 2.0 / (0.375 * maths::square(len as f64) * count);
         bins.iter_mut().for_each(|power| *power *= scale);
         Power { bins, bin_hz: *sample_rate_hz / len as f64 }
@@ -67,12 +68,12 @@ impl Analyser {
 }
 
 impl Power {
-    /// The powers of `signal`. One shorter than a window is taken as followed by silence.
+    /// Powers of `signal`. A signal shorter than a window is padded with silence.
     pub fn of(signal: &[f64], sample_rate_hz: f64) -> Self {
         Analyser::new(sample_rate_hz).power(signal)
     }
 
-    /// The spectra of single windows, half overlapping, from which [`of`](Self::of) takes the mean.
+    /// The spectra of single windows, overlapping by half, whose mean is [`of`](Self::of).
     fn windows(signal: &[f64], sample_rate_hz: f64) -> impl Iterator<Item = Self> {
         let mut analyser = Analyser::new(sample_rate_hz);
         let len = analyser.window.len();
@@ -80,7 +81,7 @@ impl Power {
         starts.map(move |start| analyser.power(&signal[start..signal.len().min(start + len)]))
     }
 
-    /// The mean power between two frequencies in Hz, per bin; between bins where none lies there.
+    /// Mean power between two frequencies in Hz, per bin; interpolated if no bin lies between them.
     fn density(&self, low_hz: f64, high_hz: f64) -> f64 {
         let (first, last) = ((low_hz / self.bin_hz).ceil() as usize, (high_hz / self.bin_hz).ceil() as usize);
         let inside = self.bins.get(first..last.min(self.bins.len())).unwrap_or(&[]);
@@ -90,8 +91,8 @@ impl Power {
         inside.iter().sum::<f64>() / inside.len() as f64
     }
 
-    /// The frequency in Hz above which there is nothing, 40 dB below what lies an octave lower: where a lossy format or a
-    /// lower rate has cut a recording. None where it goes all the way up.
+    /// The frequency in Hz above which there is nothing, 40 dB below the level an octave lower: the limit set by a
+    /// lossy format or a lower rate. None if the recording has no such limit.
     pub fn band_limit_hz(&self) -> Option<f64> {
         let highest = HIGHEST * 2.0 * self.bin_hz * (self.bins.len() - 1) as f64;
         let step = maths::pow(2.0, 1.0 / 24.0);
@@ -101,13 +102,13 @@ impl Power {
         (limit < highest).then_some(limit)
     }
 
-    /// The root mean square of what lies below a frequency in Hz.
+    /// Root mean square below a frequency in Hz.
     pub fn rms_below(&self, frequency_hz: f64) -> f64 {
         let end = ((frequency_hz / self.bin_hz) as usize + 1).min(self.bins.len());
         self.bins[..end].iter().sum::<f64>().sqrt()
     }
 
-    /// The root mean square of what lies between two frequencies in Hz.
+    /// Root mean square between two frequencies in Hz.
     pub fn rms_between(&self, low_hz: f64, high_hz: f64) -> f64 {
         (maths::square(self.rms_below(high_hz)) - maths::square(self.rms_below(low_hz))).max(0.0).sqrt()
     }
@@ -123,7 +124,7 @@ impl Power {
     }
 }
 
-/// How far below the loudest a window's third octaves may lie on average and count, in dB: silence is not typical.
+/// Distance below the loudest, in dB, at which a window's third octaves still count on average: silence is not typical.
 const AUDIBLE_DB: f64 = 60.0;
 
 /// The levels that a signal's third octaves have half of the time: bursts do not raise them.

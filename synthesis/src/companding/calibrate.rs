@@ -18,17 +18,17 @@ use crate::noise::White;
 use crate::texture::dictionary::{Dictionary, Progress};
 use crate::texture::engine::Texture;
 
-/// Length of a trial in seconds. The first finds the equaliser, the second tells whether it helps.
+/// Length of a trial in seconds. The first finds the equaliser, the second verifies that it helps.
 const TRIAL_S: f64 = 6.0;
 const SEEDS: [u32; 2] = [17, 18];
-/// How often in a second, and by how many nepers, the trial's flame swells.
+/// Rates of the trial flame's swells per second, and their extent in nepers.
 const SWELLS_HZ: [f64; 4] = [0.7, 1.9, 3.1, 5.3];
 const SWELL_NEPERS: f64 = 0.5;
 /// Above this frequency, in Hz, a flame's pressure falls by 12 dB an octave.
 const FLAME_HZ: f64 = 200.0;
-/// Stream of white noise that no other stage uses.
+/// White-noise stream that no other stage uses.
 const STREAM: u32 = 0x464C_414D;
-/// Samples processed at once.
+/// Samples processed at a time.
 const BLOCK: usize = 1024;
 
 /// What a trial is to come near to: a recording's bed in figures, so that the bed itself need not be held while it is indexed.
@@ -130,18 +130,18 @@ fn typical_level(goal_db: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> f6
     swell * maths::pow(10.0, mean_db / 20.0)
 }
 
-/// What came of a trial.
+/// Results of a trial.
 struct Trial {
     channels: Vec<Vec<f64>>,
     /// The median of the factor that the drive's loudness had.
     swell: f64,
 }
 
-/// What companded texture makes of a flame-like drive, neither equalised nor with its low end.
+/// Companded texture of a flame-like drive, without equaliser and low end.
 fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Result<Trial, Error> {
     let rate_hz = dictionary.sample_rate_hz();
     let drive = flame(rate_hz, seed);
-    // Of more than two channels no image is matched.
+    // With more than two channels, no image is matched.
     let outputs = if dictionary.channels() == 2 { 2 } else { 1 };
     let mut texture = Texture::new(dictionary.shape(), outputs, rate_hz)?;
     texture.swap_dictionary(Some(Arc::clone(dictionary)));
@@ -178,7 +178,7 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
     Ok(Trial { channels, swell: maths::pow(median, controls.companding.dynamics) })
 }
 
-/// Noise with the spectrum of a flame's pressure, which swells as flames do, at the nominal level.
+/// Noise with the spectrum of a flame's pressure, swelling as flames do, at the nominal level.
 fn flame(rate_hz: f64, seed: u32) -> Vec<f64> {
     let mut flame = vec![0.0; (TRIAL_S * rate_hz) as usize];
     White::new(seed, STREAM).fill(0, &mut flame);

@@ -1,4 +1,4 @@
-//! From texture of one recording to what is heard of it: its band limit, its equaliser, its stereo image.
+//! From the texture of one recording to its audible output: its band limit, its equaliser, its stereo image.
 
 use std::ops::Range;
 
@@ -6,28 +6,28 @@ use super::equalizer::Equalizer;
 use super::image::Image;
 use super::recorded::Recorded;
 
-/// Factor by which, from sample to sample, the rest of a recording ends that was taken away.
+/// Factor per sample with which the rest of a removed recording fades out.
 const FADE: f64 = 0.99;
 
 /// Filters of one recording.
 #[derive(Debug)]
 pub(super) struct Deck {
-    /// Takes out what windows that change leave above a recording that is cut there.
+    /// Removes the energy that changing windows leave above a band-limited recording's limit.
     band_limit: Equalizer,
     equalizer: Equalizer,
-    /// Of two channels alone.
+    /// Image matching, for two channels only.
     image: Option<Image>,
-    /// Samples for which it has been silent, and those that it has left out meanwhile.
+    /// Samples for which it has been silent, and those skipped meanwhile.
     silent_samples: usize,
     left_out: usize,
-    /// Samples of silence after which nothing of the past is left in any filter.
+    /// Samples of silence after which no filter retains anything of the past.
     forgets_after: usize,
     /// The recording's own level.
     level: f64,
 }
 
 impl Deck {
-    /// For `channels` in blocks of up to `block` samples.
+    /// A deck for `channels` in blocks of up to `block` samples.
     pub fn new(sample_rate_hz: f64, channels: usize, block: usize) -> Self {
         let mut deck = Self {
             band_limit: Equalizer::new(sample_rate_hz, channels),
@@ -44,7 +44,7 @@ impl Deck {
         deck
     }
 
-    /// Back to silence.
+    /// Resets to silence.
     pub fn reset(&mut self) {
         self.band_limit.reset();
         self.equalizer.reset();
@@ -53,12 +53,12 @@ impl Deck {
         self.left_out = 0;
     }
 
-    /// Samples for which it sounds on.
+    /// Samples for which it continues to sound.
     pub fn tail_samples(&self) -> usize {
         2 * self.equalizer.tail_samples() + self.image.as_ref().map_or(0, Image::tail_samples)
     }
 
-    /// Whether there is anything to be heard of it, or may be.
+    /// True if it is or may be audible.
     pub fn is_on(&self, recorded: &Recorded<'_>) -> bool {
         recorded.profile.is_some() || self.silent_samples < self.forgets_after
     }
@@ -70,7 +70,7 @@ impl Deck {
         self.level
     }
 
-    /// Filters the samples in `range` of every channel. Where there is no recording any more it ends once it is silent.
+    /// Filters the samples in `range` of every channel. After its recording is removed, it ends once it is silent.
     pub fn process(
         &mut self,
         recorded: &Recorded<'_>,

@@ -1,9 +1,9 @@
 //! An equaliser towards a spectrum: minimum phase, so that it adds no latency.
 //!
-//! Convolution in parts (Gardner, "Efficient Convolution without Input-Output Delay", 1995): the first taps directly, all
-//! others by transforms of blocks of 64 samples, which are due only one block later. So work grows with
-//! the sample rate and not with its square, and is the same in every block. Blocks stand on the samples counted since the
-//! reset, whatever pieces the sound comes in.
+//! Partitioned convolution (Gardner, "Efficient Convolution without Input-Output Delay", 1995): the first taps
+//! directly, all others by transforms of blocks of 64 samples, which are due only one block later. The work therefore
+//! grows with the sample rate and not with its square, and is the same in every block. Blocks are aligned with the
+//! samples counted since the reset, however the sound is divided.
 
 use std::ops::Range;
 
@@ -15,7 +15,8 @@ use crate::smoothed::Smoothed;
 
 /// Most that a third octave is raised or lowered, in dB.
 pub const LIMIT_DB: f64 = 20.0;
-/// How far a low-pass falls, in dB: what windows that change leave there is as far above an empty band's noise floor.
+/// Stop-band attenuation of a low-pass, in dB: this is how far the energy left there by changing windows exceeds an
+/// empty band's noise floor.
 const STOP_DB: f64 = 30.0;
 /// Taps at 44.1 kHz.
 const TAPS: f64 = 512.0;
@@ -80,13 +81,13 @@ fn interpolate(places: &[f64], values: &[f64], at: f64) -> f64 {
 /// The number of taps is a multiple of this.
 const STRIDE: usize = 8;
 
-/// Samples that the first taps are applied to at once.
+/// Samples to which the first taps are applied at a time.
 const AT_ONCE: usize = 16;
 
 /// Bins of a block's spectrum, rounded up for vectors.
 const BINS: usize = (BLOCK + 1).next_multiple_of(STRIDE);
 
-/// A spectrum, its parts in arrays of their own.
+/// A spectrum with separate arrays for its parts.
 #[derive(Debug, Clone, Copy)]
 struct Spectrum {
     re: [f64; BINS],
@@ -115,35 +116,35 @@ impl Spectrum {
     }
 }
 
-/// What is kept of a channel.
+/// State of a channel.
 #[derive(Debug, Clone)]
 struct Channel {
-    /// Whole blocks of the past, the one under way, and as much as is filtered at once.
+    /// Whole blocks of the past, the present block, and as many samples as are filtered at a time.
     line: Vec<f64>,
-    /// Spectra of two blocks at a time, the newest at `newest` and older ones after it, round the end.
+    /// Spectra of two blocks at a time, the newest at `newest`, older ones after it, cyclically.
     spectra: Vec<Spectrum>,
     newest: usize,
-    /// What all but the first taps make of the past, for the block under way.
+    /// Output of all but the first taps over the past, for the present block.
     tail: [f64; BLOCK],
 }
 
-/// Filters channels with taps that may be exchanged, wholly or in part.
+/// Filter for channels, with taps that may be exchanged, fully or in part.
 #[derive(Debug)]
 pub struct Equalizer {
     channels: Vec<Channel>,
     transform: Transform,
     length: usize,
-    /// The taps in use, or none; they are taken over at a block's begin.
+    /// The taps in use, or none; exchanged at the start of a block.
     taps: Vec<f64>,
     /// Spectra of the taps beyond the first block's, a block each.
     parts: Vec<Spectrum>,
-    /// Samples of the block under way.
+    /// Samples of the present block.
     filled: usize,
     amount: Smoothed,
     fresh: bool,
-    /// Whether the block under way is filtered.
+    /// True if the present block is filtered.
     is_on: bool,
-    /// Whether the channels' spectra are those of their past.
+    /// True if the channels' spectra are up to date with their past.
     is_followed: bool,
     /// Samples for which every channel has been silent.
     silent_samples: usize,
@@ -175,12 +176,12 @@ impl Equalizer {
         }
     }
 
-    /// Samples for which it sounds on.
+    /// Samples for which it continues to sound.
     pub fn tail_samples(&self) -> usize {
         self.length
     }
 
-    /// Back to silence.
+    /// Resets to silence.
     pub fn reset(&mut self) {
         self.channels.iter_mut().for_each(|channel| channel.line.fill(0.0));
         self.filled = BLOCK;
@@ -190,12 +191,12 @@ impl Equalizer {
         self.silent_samples = self.length;
     }
 
-    /// Samples of silence after which nothing of the past is left.
+    /// Samples of silence after which nothing of the past remains.
     pub fn memory_samples(&self) -> usize {
         self.length.next_multiple_of(BLOCK) + 2 * BLOCK
     }
 
-    /// Lets `samples` of silence pass, where nothing of the past is left.
+    /// Skips `samples` of silence, if nothing of the past remains.
     pub fn skip(&mut self, samples: usize) {
         let into = (self.filled % BLOCK + samples) % BLOCK;
         self.filled = if into == 0 { BLOCK } else { into };
@@ -227,7 +228,7 @@ impl Equalizer {
         let is_silent = self.silent_samples >= self.length;
         self.is_on = taps.len() == self.length && (amount != 0.0 || self.amount.value != 0.0);
         if !self.is_on || is_silent {
-            // Of silence nothing is left to be heard; otherwise the past is gone through once it is wanted again.
+            // After silence nothing is left to sound; otherwise the past is processed once it is needed again.
             self.channels.iter_mut().for_each(|channel| channel.tail = [0.0; BLOCK]);
             self.is_followed = false;
         }
@@ -258,11 +259,11 @@ impl Equalizer {
         }
     }
 
-    /// Filters samples that lie within one block.
+    /// Filters samples within one block.
     fn filter(&mut self, amount: f64, channels: &mut [&mut [f64]], range: Range<usize>) {
         let (at, count) = (self.filled, range.len());
         self.filled += count;
-        // Of every sample the amount; none where all has been silent for long, so that silence is exact.
+        // The amount for every sample; zero if all has been silent for long, so that silence is exact.
         let mut shares = [0.0; BLOCK];
         for (share, i) in shares.iter_mut().zip(range.clone()) {
             let is_silent = channels.iter().all(|channel| channel[i] == 0.0);
@@ -289,12 +290,12 @@ impl Equalizer {
 }
 
 impl Channel {
-    /// Where the block under way begins in the line.
+    /// Start of the present block in the line.
     fn begin(&self) -> usize {
         self.line.len() - AT_ONCE - BLOCK
     }
 
-    /// Takes the last block into the spectra, or `every` block of the past.
+    /// Adds the last block to the spectra, or `every` block of the past.
     fn follow(&mut self, transform: &mut Transform, every: bool) {
         let (parts, end) = (self.spectra.len(), self.begin());
         self.newest = (self.newest + parts - 1) % parts;
@@ -320,14 +321,14 @@ impl Channel {
     }
 }
 
-/// What the first taps make of `line` from `from` on.
+/// Output of the first taps for `line` from `from` on.
 fn head(taps: &[f64], line: &[f64], from: usize, count: usize) -> [f64; BLOCK] {
     let mut out = [0.0; BLOCK];
     pulp::Arch::new().dispatch(Head { taps, line, from, out: &mut out[..count.next_multiple_of(AT_ONCE)] });
     out
 }
 
-/// The same, to be compiled for every kind of machine.
+/// The same, compiled for every kind of machine.
 struct Head<'a> {
     taps: &'a [f64],
     line: &'a [f64],
@@ -341,10 +342,10 @@ impl pulp::WithSimd for Head<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         for (piece, out) in self.out.as_chunks_mut::<AT_ONCE>().0.iter_mut().enumerate() {
-            // Sums of its own, which stay in registers.
+            // Local sums, which stay in registers.
             let mut sums = [0.0; AT_ONCE];
             for (delay, tap) in self.taps.iter().enumerate() {
-                // Beyond the samples asked for this reads what is to come, of which nothing is heard.
+                // Beyond the requested samples this reads future input, whose results are discarded.
                 let past = &self.line[self.from + piece * AT_ONCE - delay..][..AT_ONCE];
                 for (sum, sample) in sums.iter_mut().zip(past) {
                     *sum += tap * sample;

@@ -8,23 +8,23 @@ pub fn frame_samples(sample_rate_hz: f64) -> usize {
     (FRAME_S * sample_rate_hz).round().max(1.0) as usize
 }
 
-/// Weights with which the powers of the frames around an instant make its loudness: two exponentials,
-/// back to back, the future's faded out where the look-ahead ends.
+/// Weights that combine the powers of the frames around an instant into its loudness: two exponentials back to back,
+/// with the future one faded out where the look-ahead ends.
 #[derive(Debug, Clone)]
 pub struct Kernel {
     /// The oldest frame's first.
     weights: Vec<f64>,
-    /// Frames after the instant that are known when its loudness is told; negative where it is
-    /// told too late even for itself.
+    /// Number of frames after the instant that are known when its loudness is determined; negative if even its own
+    /// frame is not.
     look_ahead: i64,
 }
 
-/// Time constants of the past, in seconds, after which a frame no longer counts: -39 dB.
+/// Time constants of the past after which a frame no longer counts: -39 dB.
 const PAST_SPAN: f64 = 9.0;
 
 impl Kernel {
-    /// A kernel over frames that come `frame_rate_hz` times a second. Power from the future counts
-    /// exp(-t / `future_s`), from the past exp(-t / `past_s`).
+    /// A kernel over frames at `frame_rate_hz`. Power from the future counts exp(-t / `future_s`), from the past exp(-t
+    /// / `past_s`).
     pub fn new(frame_rate_hz: f64, look_ahead: i64, future_s: f64, past_s: f64) -> Self {
         let future = look_ahead.max(0);
         let past = (PAST_SPAN * past_s * frame_rate_hz).ceil() as i64;
@@ -60,19 +60,19 @@ impl Kernel {
     }
 }
 
-/// The last values of something told once a frame, read between frames.
+/// The most recent values of a quantity given once per frame, interpolated between frames.
 #[derive(Debug, Clone)]
 pub struct FrameHistory {
     values: Vec<f64>,
     frame_samples: i64,
     /// Value before the first one.
     initial: f64,
-    /// Frames told since reset.
+    /// Number of frames since reset.
     told: i64,
 }
 
 impl FrameHistory {
-    /// Room for the last `frames` values; reads `initial` before the first.
+    /// History of the last `frames` values; returns `initial` before the first.
     pub fn new(frames: usize, frame_samples: usize, initial: f64) -> Self {
         Self { values: vec![initial; frames.max(2)], frame_samples: frame_samples as i64, initial, told: 0 }
     }
@@ -83,26 +83,26 @@ impl FrameHistory {
         self.told = 0;
     }
 
-    /// Takes the next frame's value.
+    /// Appends the next frame's value.
     pub fn push(&mut self, value: f64) {
         let length = self.values.len() as i64;
         self.values[(self.told % length) as usize] = value;
         self.told += 1;
     }
 
-    /// Between which frames' middles `sample`, and those after it, lie, where sample 0 is the first of frame 0.
+    /// The frames' centres between which `sample` and the following samples lie; sample 0 is the first of frame 0.
     pub fn places(&self, sample: i64) -> Places {
         let place = 2 * sample - (self.frame_samples - 1);
         let span = 2 * self.frame_samples;
         Places { frame: place.div_euclid(span), into: place.rem_euclid(span), span }
     }
 
-    /// The value told last.
+    /// The most recent value.
     pub fn newest(&self) -> f64 {
         self.frame(self.told - 1)
     }
 
-    /// The value of a frame; before the first told the initial one, after the last told that one.
+    /// The value of a frame: the initial value before the first one, the most recent value after the last.
     pub fn frame(&self, frame: i64) -> f64 {
         if frame < 0 {
             return self.initial;
@@ -112,23 +112,23 @@ impl FrameHistory {
     }
 }
 
-/// Between which frames' middles samples in a row lie: for each the frame before it, and how far it lies behind that
-/// frame's middle, 0-1.
+/// The frames' centres between which consecutive samples lie: for each sample the frame before it, and the fraction 0-1
+/// after that frame's centre.
 #[derive(Debug, Clone, Copy)]
 pub struct Places {
     frame: i64,
-    /// Half samples since that frame's middle, of `span` from one middle to the next.
+    /// Half samples since that frame's centre, out of `span` from one centre to the next.
     into: i64,
     span: i64,
 }
 
 impl Places {
-    /// The same, so many frames later.
+    /// The same position, `frames` frames later.
     pub fn later(self, frames: i64) -> Self {
         Self { frame: self.frame + frames, ..self }
     }
 
-    /// The next sample's place.
+    /// Position of the next sample.
     #[inline]
     pub fn step(&mut self) -> (i64, f64) {
         let place = (self.frame, self.into as f64 / self.span as f64);

@@ -1,16 +1,16 @@
-//! The factor that gives texture the drive's loudness back, for recordings of any level.
+//! The factor that gives texture the drive's loudness, for recordings of any level.
 
-/// Loudness told by frames, read between their middles. A recording's own level comes in where it is read.
+/// Loudness by frames, interpolated between their centres. A recording's own level is applied on reading.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct OutputGain {
     frame: Option<i64>,
-    /// Loudness, and the part of it that the gate leaves, of the frames before and after.
+    /// Loudness, and the share of it that the gate passes, for the frames before and after.
     from: [f64; 2],
     to: [f64; 2],
 }
 
 impl OutputGain {
-    /// Goes on to the place between `frame` and the next; `tell` is asked once for every frame.
+    /// Moves to the interval between `frame` and the next; `tell` is called once for every frame.
     #[inline]
     pub fn go_to(&mut self, frame: i64, mut tell: impl FnMut(i64) -> [f64; 2]) {
         if self.frame != Some(frame) {
@@ -21,7 +21,7 @@ impl OutputGain {
         }
     }
 
-    /// The factor, `part` of the way to the next frame, on what is made of a recording of this `level`.
+    /// The factor, at the fraction `part` of the way to the next frame, for a recording of this `level`.
     #[inline]
     pub fn at(&self, part: f64, level: f64) -> f64 {
         let [from, to] = [self.from, self.to].map(|[loudness, audible]| level * loudness * audible);

@@ -1,8 +1,9 @@
 //! The stereo image: as much difference between two channels, in every third octave, as the recording has.
 //!
-//! Windows are matched by the mean of the channels. That joins them without a break in the mean alone: what distinguishes
-//! the channels is cut into pieces a few samples long, and its low part, which is large, spreads over frequencies where the
-//! recording's channels are alike. So the difference is brought to the level against the mean that it has in the recording.
+//! Windows are matched by the mean of the channels, so they join seamlessly only in the mean: the difference between
+//! the channels is cut into pieces a few samples long, and its low part, which is large, spreads to frequencies where
+//! the recording's channels are alike. The difference is therefore brought to the level relative to the mean that it
+//! has in the recording.
 
 use std::ops::Range;
 
@@ -24,8 +25,8 @@ pub(super) fn side_of(channels: &[Vec<f64>]) -> Option<Vec<f64>> {
     Some(left.iter().zip(right).map(|(left, right)| 0.5 * (left - right)).collect())
 }
 
-/// Taps for the difference of what was `heard`, which bring it to the `recording`'s level against the mean; empty where the recording's channels,
-/// or those heard, are equal.
+/// Taps for the difference of the channels `heard` in a trial, which bring it to the `recording`'s level relative to
+/// the mean; empty if the channels of either are equal.
 pub(super) fn side_taps(recording: &Levels, heard: &Levels, sample_rate_hz: f64) -> Vec<f64> {
     let is_silent = |levels: &Levels| levels.side_db.iter().all(|db| *db <= SILENT_DB);
     if is_silent(recording) || is_silent(heard) {
@@ -43,23 +44,23 @@ pub(super) fn side_taps(recording: &Levels, heard: &Levels, sample_rate_hz: f64)
 pub(super) struct Image {
     equalizer: Equalizer,
     side: Vec<f64>,
-    /// Whether it has filtered since it was reset.
+    /// True if it has filtered since the reset.
     is_in_use: bool,
 }
 
 impl Image {
-    /// For blocks of up to `block` samples.
+    /// An image filter for blocks of up to `block` samples.
     pub fn new(sample_rate_hz: f64, block: usize) -> Self {
         Self { equalizer: Equalizer::new(sample_rate_hz, 1), side: vec![0.0; block], is_in_use: false }
     }
 
-    /// Back to silence.
+    /// Resets to silence.
     pub fn reset(&mut self) {
         self.equalizer.reset();
         self.is_in_use = false;
     }
 
-    /// Samples for which it sounds on.
+    /// Samples for which it continues to sound.
     pub fn tail_samples(&self) -> usize {
         self.equalizer.tail_samples()
     }
@@ -85,7 +86,7 @@ impl Image {
         }
         self.equalizer.process(taps, 1.0, &mut [&mut *side], 0..range.len());
         for (side, (left, right)) in side.iter().zip(left.iter_mut().zip(right.iter_mut())) {
-            // What the filter adds; where that is nothing, the channels stay as they are.
+            // The filter's contribution; if it is zero, the channels stay exactly as they are.
             let added = side - 0.5 * (*left - *right);
             *left += added;
             *right -= added;

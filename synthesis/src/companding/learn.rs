@@ -1,14 +1,14 @@
-//! What a whole drive sounds like, learned before it is played.
+//! Loudnesses of a whole drive, learned before it is played.
 
 use super::Companding;
 use super::frames::frame_samples;
 use crate::Error;
 use crate::controls::TextureControls;
 
-/// Samples learned at once.
+/// Samples processed at a time.
 const LEARN_BLOCK: usize = 4096;
 
-/// The loudnesses of a whole drive, for learning them. Fails where it is shorter than a frame.
+/// The loudnesses of a whole drive, for learning. Fails if it is shorter than a frame.
 pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Result<Vec<f64>, Error> {
     let least = frame_samples(sample_rate_hz);
     if drive.len() < least {

@@ -1,18 +1,17 @@
-//! How loud a drive is on the whole: what its loudness is compared with.
+//! The overall level of a drive, the reference for its loudness.
 
-/// Loudness of a drive of which nothing is known: that of the flames this was tried on.
+/// Level assumed for an unknown drive: that of the flames used in development.
 pub const NOMINAL: f64 = 0.085;
-/// Exponent of the mean over time: about twice that of what is put back, so that its mean power stays.
+/// Exponent of the mean over time: about twice that of the restored loudness, so that its mean power is preserved.
 const MEAN_EXPONENT: f64 = 1.4;
-/// Seconds after which what was heard counts 1/e.
+/// Seconds after which past loudness counts 1/e.
 const MEMORY_S: f64 = 30.0;
-/// Seconds of drive that count as much as what is thought beforehand: for a drive near [`NOMINAL`], and
-/// at least.
+/// Seconds of drive that weigh as much as the prior: for a drive near [`NOMINAL`], and otherwise at least.
 const PRIOR_S: f64 = 10.0;
 const LEAST_PRIOR_S: f64 = 0.25;
-/// How far, in nepers, a drive may lie from [`NOMINAL`] and still be thought near it: 15 dB.
+/// Distance from [`NOMINAL`], in nepers, within which a drive still counts as near: 15 dB.
 const NEAR: f64 = 1.73;
-/// Part of the loudest below which a learned drive counts as silent.
+/// Share of the loudest below which a learned drive counts as silent.
 const SILENT_PART: f64 = 1e-3;
 
 /// The loudness of the drive so far: a mean that forgets, silence not counted. Starts at
@@ -26,7 +25,7 @@ pub struct RunningLevel {
 }
 
 impl RunningLevel {
-    /// For loudnesses told `frame_rate_hz` times a second.
+    /// A level for loudnesses at `frame_rate_hz`.
     pub fn new(frame_rate_hz: f64) -> Self {
         let frame_s = 1.0 / frame_rate_hz;
         Self { frame_s, decay: maths::exp(-frame_s / MEMORY_S), heard_s: 0.0, sum: 0.0 }
@@ -38,19 +37,18 @@ impl RunningLevel {
         self.sum = 0.0;
     }
 
-    /// Whether nothing has been heard yet.
+    /// True before the first loudness.
     pub fn is_fresh(&self) -> bool {
         self.heard_s == 0.0
     }
 
-    /// Takes a frame's loudness, which is not silence.
+    /// Adds a frame's loudness, which must not be silence.
     pub fn push(&mut self, loudness: f64) {
         self.heard_s = self.heard_s * self.decay + self.frame_s;
         self.sum = self.sum * self.decay + self.frame_s * maths::pow(loudness, MEAN_EXPONENT);
     }
 
-    /// The level. What was heard and what was thought mix in decibels, so that quiet drives are found as
-    /// fast as loud ones.
+    /// The level. Measurement and prior are mixed in decibels, so that quiet drives are found as fast as loud ones.
     pub fn level(&self) -> f64 {
         if self.heard_s <= 0.0 || self.sum <= 0.0 {
             return NOMINAL;

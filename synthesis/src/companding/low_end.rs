@@ -1,9 +1,9 @@
-//! The drive's own low end instead of texture's.
+//! The drive's own low end, in place of texture's.
 
 use crate::error::within;
 use crate::filter::{Svf, section_gain};
 
-/// Time in seconds in which a change of the crossover takes place.
+/// Duration in seconds of a change of the crossover.
 const GLIDE_S: f64 = 0.03;
 /// The lowest and the highest crossover in Hz.
 pub const LOWEST_HZ: f64 = 20.0;
@@ -46,7 +46,7 @@ impl LowEnd {
         }
     }
 
-    /// Back to the state of a fresh instance.
+    /// Restores the state of a fresh instance.
     pub fn reset(&mut self) {
         self.asked_hz = None;
         self.drive = Default::default();
@@ -72,7 +72,7 @@ impl LowEnd {
         }
     }
 
-    /// Puts `drive` below the crossover into one sample of every channel.
+    /// Mixes `drive` below the crossover into one sample of every channel.
     #[inline]
     pub fn process(&mut self, drive: f64, channels: &mut [&mut [f64]], at: usize) {
         if self.wet == 0.0 && self.target_wet == 0.0 {

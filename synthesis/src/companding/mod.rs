@@ -1,7 +1,7 @@
-//! Companded matching: texture in a world without slow loudness.
+//! Companded matching: texture in a domain without slow loudness.
 //!
-//! A drive's loudness varies far more than a recording's. So the slow loudness is taken out of both,
-//! windows are matched in that flat world, and the drive's loudness is put back:
+//! A drive's loudness varies far more than a recording's. The slow loudness is therefore removed from both, windows are
+//! matched in that flattened domain, and the drive's loudness is restored:
 //!
 //! ```text
 //! drive ── wait ── / loudness^0.6 ── texture ── * loudness^g ── equaliser ── low end ── out
@@ -9,21 +9,21 @@
 //!       at load: recording / loudness^0.6                         drive, delayed
 //! ```
 //!
-//! Loudness looks ahead within the latency that the effect has anyway. The paper (Chadwick & James 2011, §5.3)
-//! maps amplitudes window by window instead; see [`crate::structure::MatchingMode`].
+//! Loudness looks ahead within the latency that the effect has anyway. The paper (Chadwick & James 2011, §5.3) maps
+//! amplitudes window by window instead; see [`crate::structure::MatchingMode`].
 //!
-//! | module | does |
+//! | module | content |
 //! |---|---|
 //! | [`frames`] | loudness in frames, with look-ahead |
-//! | [`level`] | the drive's loudness on the whole |
-//! | [`loudnesses`] | what is learned of a drive beforehand |
+//! | [`level`] | the drive's overall level |
+//! | [`loudnesses`] | loudnesses learned from a drive beforehand |
 //! | [`profile`] | the recording's side |
 //! | [`calibrate`] | its level and equaliser, found by a trial run |
 //! | [`bands`] | spectra in third octaves |
 //! | [`equalizer`] | towards the recording's spectrum |
 //! | `image` | towards the recording's stereo image |
-//! | `deck` | from texture of one recording to what is heard of it |
-//! | `recorded` | what a slot's texture is made of |
+//! | `deck` | from the texture of one recording to its audible output |
+//! | `recorded` | the recording behind a slot's texture |
 //! | `gain` | the factor on texture |
 //! | [`low_end`] | the drive's own low end |
 
@@ -62,42 +62,42 @@ pub use profile::{MATCH_EXPONENT, Profile};
 use ramp::Interpolator;
 pub use recorded::Recorded;
 
-/// How much louder than the recording's mean the drive is matched: quiet windows are many, loud
-/// ones are what fire is made of.
+/// Factor by which the drive is matched louder than the recording's mean: quiet windows are many, but fire is made of
+/// loud ones.
 const MATCH_FACTOR: f64 = 2.83;
 /// Time constants of the loudness's power, in seconds: 8 Hz.
 const PAST_S: f64 = 0.02;
-/// What matching knows of the future.
+/// Look-ahead time constant of matching.
 const MATCH_FUTURE_S: f64 = 0.02;
-/// What the output knows of the future; slower, since flames swell, and to begin at full is not like them.
+/// Look-ahead time constant of the output; slower, since flames swell and do not begin at full loudness.
 const OUTPUT_FUTURE_S: f64 = 0.06;
 /// Loudness relative to the drive's level below which matching no longer follows it: -40 dB.
 const FLOOR: f64 = 0.01;
-/// Level, relative to what is matched, of a noise under it: where a drive pauses while its loudness still
-/// falls, so that what is matched there is fire and not one quiet window over and over.
+/// Level of an added noise, relative to the matched signal: when a drive pauses while its loudness still falls, the
+/// match is then fire, not the same quiet window over and over.
 const UNDERTONE: f64 = 0.32;
-/// Its stream of white noise, which no other stage uses.
+/// White-noise stream of that noise, which no other stage uses.
 const UNDERTONE_SEED: u32 = 0x4649_5245;
 const UNDERTONE_STREAM: u32 = 0x434F_4D50;
-/// Loudness that counts as silence however quiet the drive, and part of its level that does.
+/// Loudness that counts as silence regardless of the drive, and the share of its level that does.
 const SILENCE: f64 = 1e-6;
 const SILENT_PART: f64 = 1e-3;
-/// Range of the factor on what is matched.
+/// Range of the factor applied before matching.
 const LEAST_MATCH: f64 = 0.01;
 const MOST_MATCH: f64 = 100.0;
 /// Time constant in seconds of all levels.
 const SMOOTHING_S: f64 = 0.02;
 
-/// What surrounds texture synthesis in the companded mode.
+/// Processing around texture synthesis in the companded mode.
 #[derive(Debug)]
 pub struct Companding {
     frame_samples: usize,
     low: Svf,
     low_gain: f64,
     power: f64,
-    /// Samples in the frame under way.
+    /// Samples in the present frame.
     filled: usize,
-    /// The last frames' powers, each kept twice so that they always lie in a row, oldest first.
+    /// Powers of the last frames, each stored twice so that they are always contiguous, oldest first.
     powers: Vec<f64>,
     newest: usize,
     kernels: [Kernel; 2],
@@ -107,12 +107,12 @@ pub struct Companding {
     /// The drive's level as used, in nepers.
     level: Smoothed,
     is_level_fresh: bool,
-    /// The same, told with the loudnesses.
+    /// The drive's levels, given together with the loudnesses.
     levels: FrameHistory,
     dynamics: Smoothed,
     drive_match: Smoothed,
     flat_gain: Interpolator,
-    /// How loud it is, or is about to be within the wait.
+    /// Loudness of the present output, or of the output within the wait.
     heard: f64,
     output_gain: OutputGain,
     /// Shares of the recordings in the level of the low end.
@@ -126,27 +126,27 @@ pub struct Companding {
     decks: [Deck; SLOTS],
     low_end: LowEnd,
     noise: White,
-    /// Where, on the host's timeline, it was reset, and how far into a frame of that timeline: frames stand
-    /// on multiples of their length, so that two starts in one silence agree.
+    /// Position on the host's timeline at reset, and offset into a frame of that timeline: frames are aligned with
+    /// multiples of their length, so that two starts in one silence agree.
     position: i64,
     origin: i64,
     wait_samples: i64,
     latency_samples: i64,
-    /// Samples taken since reset.
+    /// Samples processed since reset.
     now: i64,
-    /// Loudnesses told in the last call of [`compress`](Self::compress).
+    /// Loudnesses determined in the last call of [`compress`](Self::compress).
     told: Vec<f64>,
     relative: Interpolator,
-    /// Loudness relative to the drive's level, of the samples that the last call of [`expand`](Self::expand) made.
+    /// Loudness relative to the drive's level, for the samples of the last call of [`expand`](Self::expand).
     relative_block: Vec<f64>,
 }
 
-/// Most loudnesses that one call leaves in `told`.
+/// Largest number of loudnesses that one call leaves in `told`.
 const TOLD_CAPACITY: usize = 8192;
 
 impl Companding {
-    /// For texture that comes `latency_samples` after the drive, of which `wait_samples` are spent
-    /// before texture. Blocks have up to `block` samples.
+    /// Companding for texture with a delay of `latency_samples` after the drive, of which `wait_samples` precede
+    /// texture. Blocks have up to `block` samples.
     pub fn new(
         sample_rate_hz: f64,
         channels: usize,
@@ -156,7 +156,7 @@ impl Companding {
     ) -> Self {
         let frame_samples = frame_samples(sample_rate_hz);
         let frame_rate_hz = sample_rate_hz / frame_samples as f64;
-        // A loudness must have been told before the first sample that lies beyond its frame's middle.
+        // A loudness must be known before the first sample beyond its frame's centre.
         let look_ahead = |samples: usize| (samples / frame_samples) as i64 - 2;
         let kernels = [
             Kernel::new(frame_rate_hz, look_ahead(wait_samples), MATCH_FUTURE_S, PAST_S),
@@ -205,7 +205,7 @@ impl Companding {
         }
     }
 
-    /// Back to silence at `position` of the host's timeline; what was learned stays.
+    /// Resets to silence at `position` of the host's timeline; the learned distribution stays.
     pub fn reset(&mut self, position: i64) {
         self.position = position;
         self.origin = position.rem_euclid(self.frame_samples as i64);
@@ -232,23 +232,23 @@ impl Companding {
         self.told.clear();
     }
 
-    /// Samples for which it goes on after texture has fallen silent.
+    /// Samples for which it continues after texture has fallen silent.
     pub fn tail_samples(&self) -> usize {
         self.kernels[1].span() * self.frame_samples + self.decks.iter().map(Deck::tail_samples).max().unwrap_or(0)
     }
 
-    /// Takes the distribution of the drive's loudness, learned beforehand.
+    /// Sets the distribution of the drive's loudness, learned beforehand.
     pub fn set_learned(&mut self, learned: Option<&Distribution>) {
         self.learned = learned.and_then(Distribution::loudness);
     }
 
-    /// Loudnesses told in the last call of [`compress`](Self::compress), for learning them.
+    /// Loudnesses determined in the last call of [`compress`](Self::compress), for learning.
     pub fn told(&self) -> &[f64] {
         &self.told
     }
 
-    /// Takes a block of the drive. Writes what texture is to match, and how loud the drive is, both
-    /// delayed by the wait. `controls` hold for the whole block.
+    /// Processes a block of the drive. Writes the signal that texture should match, and the drive's loudness, both
+    /// delayed by the wait. `controls` apply to the whole block.
     pub fn compress(
         &mut self,
         drive: &[f64],
@@ -277,11 +277,10 @@ impl Companding {
         }
     }
 
-    /// The controls that texture is to use from sample `start` of the last block on, and the sample
-    /// before which they hold.
+    /// The controls for texture from sample `start` of the last block on, and the sample up to which they apply.
     pub fn controls_from(&self, start: usize, samples: usize) -> (TextureControls, usize) {
         let (controls, end) = self.run(start, samples, self.wait_samples);
-        // Loudness is matched already; what is left is mapped as it runs.
+        // Loudness is matched already; the remaining range is mapped with the running estimate.
         let dynamic_range = match controls.dynamic_range {
             DynamicRange::Off => DynamicRange::Off,
             DynamicRange::Learned | DynamicRange::Running => DynamicRange::Running,
@@ -289,14 +288,14 @@ impl Companding {
         (TextureControls { dynamic_range, ..controls }, end)
     }
 
-    /// How loud the drive is, relative to its level on the whole, at the samples that the last call of
-    /// [`expand`](Self::expand) has made; 0 below the gate.
+    /// Loudness of the drive, relative to its overall level, at the samples of the last call of
+    /// [`expand`](Self::expand); 0 below the gate.
     pub fn heard(&self, samples: usize) -> &[f64] {
         &self.relative_block[..samples]
     }
 
-    /// Puts the drive's loudness back into what texture has made of the last block: `textures` by slot and channel, of which
-    /// `recordings` says what they are made of. Writes their sum, with the drive's low end, to `channels`.
+    /// Restores the drive's loudness in the texture of the last block: `textures` by slot and channel, made from
+    /// `recordings`. Writes their sum, with the drive's low end, to `channels`.
     pub fn expand(
         &mut self,
         recordings: &[Recorded<'_>; SLOTS],
@@ -338,7 +337,7 @@ impl Companding {
         self.drive_block = drive;
     }
 
-    /// Adds up what is heard of the recordings by channel, each with its factor.
+    /// Adds up the audible recordings by channel, each with its factor.
     fn sum(&self, recordings: &[Recorded<'_>; SLOTS], textures: &[&mut [&mut [f64]]], channels: &mut [&mut [f64]]) {
         for (index, channel) in channels.iter_mut().enumerate() {
             let mut is_first = true;
@@ -365,7 +364,7 @@ impl Companding {
         self.expand(&recordings, &mut [&mut blocks], channels);
     }
 
-    /// What each recording's filters make of its texture in a range of the block.
+    /// Applies each recording's filters to its texture in a range of the block.
     fn play_decks(
         &mut self,
         controls: &CompandingControls,
@@ -379,7 +378,7 @@ impl Companding {
         }
     }
 
-    /// The first block's controls are taken at once.
+    /// Applies the first block's controls at once.
     fn start(&mut self, controls: &TextureControls) {
         self.dynamics.value = within(controls.companding.dynamics, 0.0, 1.0);
         self.drive_match.value = within(controls.companding.drive_match, LEAST_MATCH, MOST_MATCH);
@@ -388,8 +387,8 @@ impl Companding {
         }
     }
 
-    /// Controls in force `delay` samples before sample `start` of the last block of `samples`, and
-    /// the sample of the block before which they hold.
+    /// Controls in force `delay` samples before sample `start` of the last block of `samples`, and the sample of the
+    /// block up to which they apply.
     fn run(&self, start: usize, samples: usize, delay: i64) -> (TextureControls, usize) {
         let first = self.now - samples as i64 - delay;
         let (controls, end) = self.timeline.run_at((first + start as i64).max(0) as u64);
@@ -397,12 +396,13 @@ impl Companding {
         (controls, end.clamp(start as i64 + 1, samples as i64) as usize)
     }
 
-    /// Which frames' loudness holds at `sample` since reset and those after it: that told while the frame's future had arrived.
+    /// The frames whose loudness applies at `sample` since reset and afterwards: those determined after their future
+    /// arrived.
     fn places(&self, sample: i64, kernel: usize) -> Places {
         self.loudness[kernel].places(sample + self.origin).later(self.kernels[kernel].look_ahead())
     }
 
-    /// Takes one sample of the drive into account.
+    /// Measures one sample of the drive.
     fn measure(&mut self, sample: f64, controls: &TextureControls) {
         let low = self.low.process(self.low_gain, sample).low;
         self.power += low * low;
@@ -466,7 +466,7 @@ impl Companding {
     /// The drive's loudness relative to its level.
     fn relative_at(&mut self, place: (i64, f64), controls: &TextureControls) -> f64 {
         let Self { relative, loudness, levels, .. } = self;
-        // Whether texture is heard is not asked here; silence is silence without a gate too.
+        // Audibility of texture does not matter here; silence is silence even without a gate.
         let gate = if controls.gate.is_finite() { controls.gate.max(SILENCE) } else { SILENCE };
         relative.at(place, |frame| {
             let loudness = loudness[1].frame(frame);
@@ -474,7 +474,7 @@ impl Companding {
         })
     }
 
-    /// Goes on to the frames at `place`, whose loudness texture is to have.
+    /// Moves to the frames at `place`, whose loudness texture should have.
     fn follow_output(&mut self, place: (i64, f64), controls: &TextureControls) {
         let Self { output_gain, loudness, levels, dynamics, .. } = self;
         output_gain.go_to(place.0, |frame| {
@@ -484,7 +484,7 @@ impl Companding {
         });
     }
 
-    /// Factor on the drive's low end, which brings it to the level of the recordings' own.
+    /// Factor for the drive's low end, which brings it to the level of the recordings' own.
     fn low_gain_at(
         &mut self,
         place: (i64, f64),

@@ -1,4 +1,4 @@
-//! The recording's side: its loudness taken out, once, when it is loaded.
+//! The recording's side: its loudness, removed once when it is loaded.
 
 use super::bands::Power;
 use super::equalizer::design_low_pass;
@@ -8,26 +8,27 @@ use crate::channels::mean_of;
 use crate::filter::{Svf, section_gain};
 use bitcode::{Decode, Encode};
 
-/// How much of both loudnesses is taken out before matching.
+/// Exponent with which both loudnesses are removed before matching.
 pub const MATCH_EXPONENT: f64 = 0.6;
-/// What texture's top level hears of the drive, about: its loudness is that of what lies below, in Hz.
+/// Approximate upper frequency in Hz of texture's top level, whose loudness counts.
 pub(super) const MATCHED_HZ: f64 = 600.0;
-/// Corner in Hz of the loudness that is taken out.
+/// Corner in Hz of the removed loudness.
 const LOUDNESS_HZ: f64 = 8.0;
-/// Part of the loudest below which loudness is not followed: -50 dB.
+/// Share of the loudest below which loudness is not followed: -50 dB.
 const FLOOR: f64 = 3.162e-3;
-/// What lies below this frequency in Hz is wind at the microphone: it is not heard, and does not tell how loud the low end is.
+/// Frequency in Hz below which sound is wind at the microphone: it is inaudible, and must not count towards the level
+/// of the low end.
 const INFRASOUND_HZ: f64 = 25.0;
-/// Most that a recording is raised or lowered towards a loudness, in dB: what is softer is noise.
+/// Largest change of a recording's level towards a loudness, in dB: anything softer is noise.
 const MOST_GAIN_DB: f64 = 40.0;
-/// Crossovers in Hz for which the level of what lies below is known.
+/// Spacing in Hz of the crossovers for which the level below is known.
 const LOW_STEP_HZ: f64 = 20.0;
 const LOW_STEPS: usize = 20;
 
-/// What is known of a recording besides its flat form.
+/// Data about a recording in addition to its flattened form.
 #[derive(Debug, Clone, Encode, Decode)]
 pub struct Profile {
-    /// Its loudness by frames, relative to the whole's.
+    /// Its loudness by frames, relative to that of the whole.
     #[bitcode(skip)]
     relative: Vec<f64>,
     frame_samples: usize,
@@ -35,24 +36,24 @@ pub struct Profile {
     first: usize,
     /// Root mean square of the flat form below [`MATCHED_HZ`].
     pub(super) matched_rms: f64,
-    /// Root mean square of what lies between [`INFRASOUND_HZ`] and multiples of [`LOW_STEP_HZ`].
+    /// Root mean square between [`INFRASOUND_HZ`] and multiples of [`LOW_STEP_HZ`].
     below: Vec<f64>,
-    /// Factor that brings what is made of it to its own level.
+    /// Factor that brings texture made from it to its own level.
     pub(super) level: f64,
     /// The recording's integrated loudness in LUFS; none for silence.
     lufs: Option<f64>,
-    /// Taps of the equaliser towards its spectrum; empty where that would not bring it nearer.
+    /// Taps of the equaliser towards its spectrum; empty if that would not improve the match.
     pub(super) taps: Vec<f64>,
-    /// Taps that bring the difference of two channels to its level in the recording; empty where there is none.
+    /// Taps that bring the difference of two channels to its level in the recording; empty if there is no difference.
     pub(super) side_taps: Vec<f64>,
-    /// Taps of the low-pass where the recording has one; else empty.
+    /// Taps of the low-pass, if the recording is band-limited; otherwise empty.
     pub(super) limit_taps: Vec<f64>,
 }
 
 bulk_fields!(Profile: relative);
 
 impl Profile {
-    /// Takes the loudness out of `channels`, one at least and equally long, and says what it was.
+    /// Removes the loudness from `channels`, at least one and all equally long, and returns it as a profile.
     pub fn compress(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> Self {
         let power = Power::of(&mean_of(channels), sample_rate_hz);
         Self::compress_with(channels, &power, sample_rate_hz)
@@ -87,17 +88,17 @@ impl Profile {
         profile
     }
 
-    /// Tells where the recording begins in the dictionary's arrays.
+    /// Sets the start of the recording in the dictionary's arrays.
     pub(crate) fn set_first(&mut self, first: usize) {
         self.first = first;
     }
 
-    /// Takes the recording's integrated loudness.
+    /// Sets the recording's integrated loudness.
     pub(crate) fn set_loudness(&mut self, lufs: Option<f64>) {
         self.lufs = lufs;
     }
 
-    /// The factor that brings the recording to a loudness in LUFS, by 40 dB at most; 1 where none is asked for.
+    /// The factor that brings the recording to a loudness in LUFS, by at most 40 dB; 1 if none is requested.
     pub fn gain_to(&self, target_lufs: Option<f64>) -> f64 {
         match (target_lufs, self.lufs) {
             (Some(target), Some(own)) => maths::pow(10.0, (target - own).clamp(-MOST_GAIN_DB, MOST_GAIN_DB) / 20.0),
@@ -105,33 +106,33 @@ impl Profile {
         }
     }
 
-    /// Root mean square of what is matched of the recording.
+    /// Root mean square of the matched signal of the recording.
     pub(crate) fn matched_rms(&self) -> f64 {
         self.matched_rms
     }
 
-    /// Takes what a [calibration](super::calibrate) has found.
+    /// Sets the results of a [calibration](super::calibrate).
     pub(super) fn set_calibration(&mut self, level: f64, taps: Vec<f64>, side_taps: Vec<f64>) {
         self.level = level;
         self.taps = taps;
         self.side_taps = side_taps;
     }
 
-    /// The factor that gives the sound around `sample` of the dictionary's arrays as much of its own
-    /// loudness back as exponent `dynamics` (0-1) leaves it.
+    /// The factor that restores the share of its own loudness that exponent `dynamics` (0-1) leaves, around `sample` of
+    /// the dictionary's arrays.
     pub(crate) fn own_dynamics(&self, sample: i64, dynamics: f64) -> f64 {
         let exponent = MATCH_EXPONENT - dynamics;
         if exponent == 0.0 { 1.0 } else { maths::pow(self.relative_at((sample - self.first as i64) as f64), exponent) }
     }
 
-    /// Root mean square of what is heard below a frequency in Hz.
+    /// Root mean square of the audible sound below a frequency in Hz.
     pub(super) fn rms_below(&self, frequency_hz: f64) -> f64 {
         let place = (frequency_hz / LOW_STEP_HZ).clamp(0.0, LOW_STEPS as f64);
         let step = (place as usize).min(LOW_STEPS - 1);
         self.below[step] + (place - step as f64) * (self.below[step + 1] - self.below[step])
     }
 
-    /// Bytes held, about.
+    /// Approximate number of bytes held.
     pub(crate) fn bytes(&self) -> usize {
         let taps = self.taps.len() + self.side_taps.len() + self.limit_taps.len();
         (self.relative.len() + self.below.len() + taps) * size_of::<f64>()
@@ -155,7 +156,7 @@ fn loudness(channels: &[Vec<f64>], frame_samples: usize, frame_rate_hz: f64) -> 
         sum / ((end - start) * channels.len()) as f64
     };
     let mut powers: Vec<f64> = (0..samples).step_by(frame_samples).map(power).collect();
-    // Beyond the ends there is nothing, which is not the same as silence: the weights' sum says so.
+    // Beyond the ends there is no signal, which differs from silence: the sum of weights accounts for it.
     let mut weights = vec![1.0; powers.len()];
     let keep = maths::exp(-2.0 * std::f64::consts::PI * LOUDNESS_HZ / frame_rate_hz);
     for series in [&mut powers, &mut weights] {

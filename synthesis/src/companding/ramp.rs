@@ -1,6 +1,6 @@
-//! Gains told by frames, applied sample by sample.
+//! Gains given by frames, applied sample by sample.
 
-/// Something told by frames, read between their middles.
+/// A quantity given by frames, interpolated between their centres.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Interpolator {
     frame: Option<i64>,
@@ -9,7 +9,7 @@ pub(super) struct Interpolator {
 }
 
 impl Interpolator {
-    /// The value at `place`; `tell` is asked once for every frame.
+    /// The value at `place`; `tell` is called once for every frame.
     #[inline]
     pub fn at(&mut self, place: (i64, f64), mut tell: impl FnMut(i64) -> f64) -> f64 {
         let (frame, part) = place;

@@ -1,13 +1,13 @@
-//! What texture of a slot is made of.
+//! The recording behind a slot's texture.
 
 use super::profile::Profile;
 
-/// What a slot's texture is made of.
+/// The recording behind a slot's texture.
 #[derive(Debug, Clone, Copy)]
 pub struct Recorded<'a> {
-    /// The recording's side; none where the slot is empty.
+    /// The recording's profile; none if the slot is empty.
     pub profile: Option<&'a Profile>,
-    /// Factor on what is made of it, relative to the others.
+    /// Factor for its texture, relative to the others.
     pub gain: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The spectrum of what is between a recording's crackles.
+//! The spectrum of the sound between a recording's crackles.
 
 use super::stft::Stft;
 use crate::fft;
@@ -6,23 +6,23 @@ use crate::fft;
 /// Time that percentiles span, in seconds, and between two of them, in frames.
 const SPAN_S: f64 = 0.25;
 const STEP: usize = 16;
-/// Every how many-th frame counts: they overlap by three quarters.
+/// Stride between the frames that count: frames overlap by three quarters.
 const STRIDE: usize = 2;
-/// The percentile, and what a Gaussian noise's root mean square is of it: magnitudes are Rayleigh's, whose percentile p
-/// is sqrt(-ln(1 - p)) of that.
+/// The percentile, and the root mean square of Gaussian noise relative to it: magnitudes are Rayleigh distributed, so
+/// percentile p is sqrt(-ln(1 - p)) of the root mean square.
 const PERCENTILE: f64 = 0.4;
 
 /// Root mean square magnitudes by frequency, as they change in time.
 #[derive(Debug)]
 pub(super) struct Background {
     bins: usize,
-    /// Row by row, [`STEP`] frames apart.
+    /// Rows in time order, [`STEP`] frames apart.
     rows: Vec<f32>,
 }
 
 impl Background {
-    /// That of one channel. Crackles are rarer than what is between them, so that a percentile below the median leaves
-    /// them out.
+    /// The background of one channel. Crackles are rarer than the sound between them, so a percentile below the median
+    /// excludes them.
     pub fn of(signal: &[f64], stft: &mut Stft, sample_rate_hz: f64) -> Self {
         let (bins, frames) = (stft.bins(), stft.frames(signal.len()));
         let span = ((SPAN_S * sample_rate_hz / stft.hop() as f64) as usize / STRIDE).max(4);

@@ -1,46 +1,46 @@
-//! Finds the crackles of a recording: sudden, short and broadband.
+//! Detection of the crackles of a recording: sudden, short and broadband sounds.
 //!
-//! The level above 2 kHz in frames of half a millisecond is compared with its running median. A crackle stands out of
-//! it, has risen within a few milliseconds, falls again within ten, and is heard in several octaves: a bird's note and a
-//! whistle are in one, a gust of wind rises slowly, and the median follows it.
+//! The level above 2 kHz in frames of half a millisecond is compared with its running median. A crackle exceeds it,
+//! rises within a few milliseconds, falls again within ten, and covers several octaves: a bird's note or a whistle
+//! covers one, a gust of wind rises slowly, and the median follows it.
 
 use crate::filter::{Svf, section_gain};
 
 /// Length of a frame in seconds; levels are means over two of them.
 const FRAME_S: f64 = 0.0005;
-/// Lowest corner in Hz, and those between which the octaves lie.
+/// Lowest corner in Hz, and the corners that bound the octaves.
 const LOWEST_HZ: f64 = 1000.0;
 const CORNERS_HZ: [f64; 3] = [8000.0, 4000.0, 2000.0];
-/// Time that the running median spans, in seconds: long beside a crackle, short beside a gust.
+/// Span of the running median in seconds: long compared with a crackle, short compared with a gust.
 const MEDIAN_S: f64 = 0.1;
-/// How far above the median, as a ratio of powers, a crackle stands: 11 dB. The largest of the levels of stationary noise
-/// in an hour lies 6 dB above it.
+/// Height of a crackle above the median, as a ratio of powers: 11 dB. The largest level of stationary noise in an hour
+/// is 6 dB above it.
 const THRESHOLD: f64 = 12.6;
-/// How far its octaves do, and how many of them at least: 6 dB in two.
+/// Height of its octaves, and the smallest number of them: 6 dB in two.
 const BAND_THRESHOLD: f64 = 4.0;
 const LEAST_BANDS: usize = 2;
-/// It rises and falls again by this ratio: 6 dB; within so many seconds.
+/// Ratio by which it rises and falls again, 6 dB; within this many seconds.
 const SWING: f64 = 0.25;
 const RISE_S: f64 = 0.004;
 const FALL_S: f64 = 0.010;
-/// Nearer ones are one crackle, in seconds: what follows is told from an echo no more.
+/// Distance in seconds below which two peaks are one crackle: a second one cannot be distinguished from an echo.
 const APART_S: f64 = 0.006;
-/// A crackle begins and ends where it stands this much above the median, 4 dB, or 30 dB below its peak.
+/// Height above the median at which a crackle begins and ends: 4 dB, or 30 dB below its peak.
 const EDGE: f64 = 2.5;
 const DECAY: f64 = 1e-3;
 /// Seconds before its onset that belong to it, and its greatest length.
 const LEAD_S: f64 = 0.002;
 pub(super) const LONGEST_S: f64 = 0.060;
-/// Median, relative to the mean power, below which levels are not compared: -60 dB. Digital silence is no bed.
+/// Median, relative to the mean power, below which levels are not compared: -60 dB. Digital silence is not a bed.
 const SILENCE: f64 = 1e-6;
 
-/// Where a crackle lies in its recording.
+/// Position of a crackle in its recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Found {
-    /// Its first sample, the first after its end.
+    /// Its first sample, and the first one after its end.
     pub start: usize,
     pub end: usize,
-    /// How far its peak stands above the bed at 2 kHz and more, in dB.
+    /// Height of its peak above the bed at 2 kHz and more, in dB.
     pub over_bed_db: f64,
 }
 
@@ -55,7 +55,7 @@ pub(super) fn crackles(channels: &[Vec<f64>], sample_rate_hz: f64) -> Vec<Found>
 /// Powers of a recording by frames.
 struct Frames {
     frame_samples: usize,
-    /// By octave, and of all of them, relative to the running medians.
+    /// Levels by octave, and of all octaves, relative to the running medians.
     bands: Vec<Vec<f64>>,
     ratio: Vec<f64>,
 }
@@ -101,7 +101,7 @@ impl Frames {
             && least(&self.ratio[at..self.ratio.len().min(at + self.frames(FALL_S))]) < SWING * here
     }
 
-    /// Where the crackles with these peaks, in order, begin and end.
+    /// Start and end of the crackles with these peaks, in order.
     fn bounds(&self, peaks: &[usize], samples: usize) -> Vec<Found> {
         let (lead, longest, quiet) = (self.frames(LEAD_S), self.frames(LONGEST_S), self.frames(RISE_S));
         let onset = |peak: usize| {

@@ -1,21 +1,22 @@
-//! Crackles of a recording or of a fuel, ready to be played.
+//! Crackles of a recording or of a fuel, ready to play.
 
 use bitcode::{Decode, Encode};
 
 use super::detect::Found;
 use crate::bulk::bulk_fields;
 
-/// Crackles count as heard where so many a second stand so far above the bed, in dB: softer or rarer ones texture
-/// makes by itself.
+/// Height above the bed in dB, and rate per second, from which crackles count as audible: softer or rarer ones are made
+/// by texture itself.
 const LOUD_DB: f64 = 20.0;
 const LEAST_LOUD_PER_S: f64 = 1.0;
 const LEAST: usize = 4;
-/// Crackles in a run, on average: what keeps its order and its gaps. Runs last so many seconds at least and at most.
+/// Average number of crackles in a run, within which order and gaps are preserved; and the limits of a run's length in
+/// seconds.
 const RUN_CRACKLES: f64 = 6.0;
 const RUN_S: [f64; 2] = [0.1, 1.0];
-/// Seconds in which a wave fades in and out at its ends.
+/// Fade at the ends of a wave, in seconds.
 const FADE_S: f64 = 0.0005;
-/// What the level has fallen by when a crackle has decayed: 10 dB, of amplitude.
+/// Fall of the level at which a crackle has decayed: 10 dB, as an amplitude.
 const DECAYED: f64 = 0.316;
 
 /// One crackle.
@@ -27,24 +28,24 @@ pub struct Event {
     pub len: usize,
     /// Its largest magnitude in any channel.
     pub peak: f64,
-    /// How far it stands above the bed at 2 kHz and more, in dB.
+    /// Height above the bed at 2 kHz and more, in dB.
     pub over_bed_db: f64,
-    /// The frequency in Hz about which its energy lies.
+    /// Centroid frequency of its energy, in Hz.
     pub centroid_hz: f64,
     /// Time in seconds in which it falls by 10 dB.
     pub decay_s: f64,
-    /// Place of its first channel's coefficients.
+    /// Index of its first channel's coefficients.
     first: usize,
 }
 
-/// What a recording's crackles are like as a whole.
+/// Overall character of a recording's crackles.
 #[derive(Debug, Clone, Copy, PartialEq, Encode, Decode)]
 pub struct Summary {
     /// Crackles a second.
     pub per_second: f64,
-    /// Median of how far they stand above the bed at 2 kHz and more, in dB.
+    /// Median height above the bed at 2 kHz and more, in dB.
     pub over_bed_db: f64,
-    /// Coefficient of variation of the gaps between them: 1 where they come at random, more in bursts.
+    /// Coefficient of variation of the gaps between them: 1 for random times, more for bursts.
     pub gap_variation: f64,
     /// Median centroid in Hz.
     pub centroid_hz: f64,
@@ -57,7 +58,7 @@ pub struct Summary {
 pub(crate) struct Variation {
     /// Level in dB.
     pub level_db: f64,
-    /// Playback rate, as a part of 1.
+    /// Playback rate, as a share of 1.
     pub rate: f64,
     /// Spectral tilt in dB.
     pub tilt_db: f64,
@@ -66,17 +67,18 @@ pub(crate) struct Variation {
 }
 
 impl Variation {
-    /// Of recorded crackles: enough that none is heard twice, too little to change their kind.
+    /// Variation of recorded crackles: enough that none is recognised as a repeat, too little to change their
+    /// character.
     pub const RECORDED: Self = Self { level_db: 1.5, rate: MOST_RATE, tilt_db: 1.0, balance_db: 1.5 };
 }
 
 /// Largest variation of the rate of a recorded crackle; a shorter one may vary further.
 pub(super) const MOST_RATE: f64 = 0.03;
 
-/// A crackle that was made, not recorded.
+/// A synthetic crackle.
 #[derive(Debug, Clone)]
 pub(crate) struct Made {
-    /// Its first sample in the time that all of them take.
+    /// First sample on the common time axis.
     pub onset: usize,
     /// Height over the softest in dB.
     pub over_softest_db: f64,
@@ -84,7 +86,7 @@ pub(crate) struct Made {
     pub wave: Vec<f64>,
 }
 
-/// All crackles of a recording in order, and the runs that its time is cut into.
+/// All crackles of a recording in order, and the runs into which its time is divided.
 #[derive(Debug, Clone, Encode, Decode)]
 pub struct Crackles {
     events: Vec<Event>,
@@ -99,7 +101,7 @@ pub struct Crackles {
     median_peak: f64,
     /// Loud crackles a second in the recording.
     loud_per_s: f64,
-    /// Part of the runs that are played at density 1.
+    /// Share of the runs that are played at density 1.
     share: f64,
     variation: Variation,
     summary: Summary,
@@ -111,14 +113,14 @@ bulk_fields!(Crackles: waves);
 pub(super) const PADDING: usize = 4;
 
 impl Crackles {
-    /// Whether what was found in a recording is heard as crackles.
+    /// True if the crackles found in a recording are audible as such.
     pub(super) fn are_heard(found: &[Found], samples: usize, sample_rate_hz: f64) -> bool {
         let seconds = samples as f64 / sample_rate_hz;
         let loud = loud(found);
         loud >= LEAST && loud as f64 > LEAST_LOUD_PER_S * seconds
     }
 
-    /// Cuts the crackles `found` out of `waves`, what stood out of the bed by channel.
+    /// Cuts the crackles `found` out of `waves`, the parts that exceed the bed by channel.
     pub(super) fn new(found: &[Found], waves: &[Vec<f64>], sample_rate_hz: f64) -> Self {
         let samples = waves.first().map_or(0, Vec::len);
         let mut all = Self::empty(waves.len(), Variation::RECORDED);
@@ -130,7 +132,7 @@ impl Crackles {
         all
     }
 
-    /// Takes crackles that were made, in order of their onsets, which lie below `samples`.
+    /// Collects synthetic crackles, in order of their onsets, which are below `samples`.
     pub(crate) fn made(made: Vec<Made>, samples: usize, variation: Variation, sample_rate_hz: f64) -> Self {
         let mut all = Self::empty(1, variation);
         for Made { onset, over_softest_db, wave } in made {
@@ -161,17 +163,17 @@ impl Crackles {
         self.median_peak = median(self.events.iter().map(|event| event.peak));
     }
 
-    /// Crackles a second that stand far above the bed.
+    /// Crackles per second that are far above the bed.
     pub(super) fn loud_per_s(&self) -> f64 {
         self.loud_per_s
     }
 
-    /// Has this part of the runs, 0-1, played at density 1.
+    /// Sets the share of the runs, 0-1, that is played at density 1.
     pub(super) fn set_share(&mut self, share: f64) {
         self.share = share;
     }
 
-    /// Part of the runs that are played at density 1.
+    /// Share of the runs that are played at density 1.
     pub(super) fn share(&self) -> f64 {
         self.share
     }
@@ -192,7 +194,7 @@ impl Crackles {
         self.push(crackle.start, crackle.over_bed_db, &parts, sample_rate_hz);
     }
 
-    /// Adds a crackle whose wave is `parts`, by channel, unless that is silent.
+    /// Adds a crackle whose wave is `parts`, by channel, unless it is silent.
     fn push(&mut self, onset: usize, over_bed_db: f64, parts: &[Vec<f64>], sample_rate_hz: f64) {
         let peak = parts.iter().flatten().fold(0.0f64, |most, x| most.max(x.abs()));
         if peak <= 0.0 {
@@ -243,7 +245,7 @@ impl Crackles {
         &self.events
     }
 
-    /// What they are like.
+    /// Character of the crackles.
     pub fn summary(&self) -> Summary {
         self.summary
     }
@@ -274,19 +276,19 @@ impl Crackles {
         &self.waves[event.first + channel * stride..][..stride]
     }
 
-    /// Bytes held, about.
+    /// Approximate number of bytes held.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.waves) + size_of_val(&*self.events) + size_of_val(&*self.runs)
     }
 }
 
-/// How many are loud.
+/// Number of loud crackles.
 pub(super) fn loud(found: &[Found]) -> usize {
     found.iter().filter(|crackle| crackle.over_bed_db > LOUD_DB).count()
 }
 
-/// Coefficients of the cubic B-spline through `samples`, which are followed and preceded by silence (Unser, Aldroubi &
-/// Eden 1993: one causal and one anti-causal recursion with the pole sqrt(3) - 2).
+/// Coefficients of the cubic B-spline through `samples`, which are surrounded by silence (Unser, Aldroubi & Eden 1993:
+/// one causal and one anti-causal recursion with the pole sqrt(3) - 2).
 fn coefficients(samples: &[f64]) -> Vec<f64> {
     let pole = 3f64.sqrt() - 2.0;
     let mut values = vec![0.0; samples.len() + 2 * PADDING];
@@ -296,7 +298,7 @@ fn coefficients(samples: &[f64]) -> Vec<f64> {
         state = 6.0 * *value + pole * state;
         *value = state;
     }
-    // What the causal recursion leaves beyond the end falls by the pole in every step.
+    // Beyond the end, the causal recursion decays by the pole in every step.
     state *= -pole * pole / (1.0 - pole * pole);
     for value in values.iter_mut().rev() {
         state = pole * (state - *value);

@@ -3,25 +3,25 @@
 use super::event::{Crackles, Event, PADDING};
 use super::source::{Source, Sources};
 
-/// Most channels of any bus.
+/// Largest number of channels of any bus.
 pub(super) const MOST_CHANNELS: usize = 10;
-/// Sums are of whole numbers, in this unit, so that they do not depend on the order of what is added: what is played
-/// from one position on is the same bit for bit, whatever else sounded before.
+/// Sums are of integers in this unit, so that they do not depend on the order of additions: playback from one position
+/// is the same bit for bit, whatever else sounded before.
 const UNIT: f64 = 1.0 / (1u64 << 36) as f64;
 /// Corner in Hz of the tilt.
 const TILT_HZ: f64 = 4000.0;
 
-/// How a crackle is to be played.
+/// Playback settings of a crackle.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Play {
-    /// Where its wave is, and the place of its event there.
+    /// Source of its wave, and index of its event there.
     pub source: Source,
     pub event: usize,
-    /// Part of a sample by which it comes late.
+    /// Fraction of a sample by which it is delayed.
     pub late: f64,
     /// Samples of its wave per sample.
     pub rate: f64,
-    /// Factors on what lies below the tilt's corner and above, and on every sample over the one before.
+    /// Gain factors below and above the tilt's corner, and from each sample to the next.
     pub low: f64,
     pub high: f64,
     pub decay: f64,
@@ -29,12 +29,12 @@ pub(super) struct Play {
     pub sides: [f64; 2],
 }
 
-/// A crackle under way.
+/// A playing crackle.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Grain {
     play: Play,
     is_on: bool,
-    /// Place in its wave.
+    /// Position in its wave.
     at: f64,
     envelope: f64,
     /// The low-pass of the tilt, by channel of the wave.
@@ -52,12 +52,12 @@ impl Grain {
         Self { is_on: true, at: -play.late, envelope: 1.0, lows: [0.0; MOST_CHANNELS], play }
     }
 
-    /// What it is of.
+    /// Source of its wave.
     pub fn source(&self) -> Source {
         self.play.source
     }
 
-    /// Whether it sounds.
+    /// True while it sounds.
     pub fn is_on(&self) -> bool {
         self.is_on
     }
@@ -80,10 +80,10 @@ impl Grain {
             let mean = heard[..channels].iter().sum::<f64>() / channels as f64;
             let outputs = sums.len();
             for (output, sums) in sums.iter_mut().enumerate() {
-                // As texture does: the same channel, the mean for one output, else in turn.
+                // As in texture: the same channel, the mean for one output, otherwise in turn.
                 let heard = if outputs == 1 { mean } else { heard[output % channels] };
                 let side = if outputs == 2 { self.play.sides[output] } else { 1.0 };
-                // A conversion saturates, and makes 0 of what is no number.
+                // The conversion saturates, and turns NaN into 0.
                 sums[i] = sums[i].saturating_add((heard * side / UNIT) as i64);
             }
             self.at += self.play.rate;
@@ -108,7 +108,7 @@ impl Grain {
     }
 }
 
-/// Weights of the cubic B-spline at a place `part` of the way from the second to the third of four coefficients.
+/// Weights of the cubic B-spline at the fraction `part` between the second and the third of four coefficients.
 #[inline]
 fn spline(part: f64) -> [f64; 4] {
     let rest = 1.0 - part;
@@ -117,7 +117,7 @@ fn spline(part: f64) -> [f64; 4] {
     [a, b, 1.0 - a - b - d, d]
 }
 
-/// What a sum stands for.
+/// Value of a sum.
 #[inline]
 pub(super) fn value_of(sum: i64) -> f64 {
     sum as f64 * UNIT

@@ -1,32 +1,32 @@
 //! Crackle: the recording's own, played again as the drive burns.
 //!
-//! Texture makes a stationary sound of a recording. What is sudden in it is split off when it is loaded ([`split()`]) and
-//! played beside the texture:
+//! Texture makes a stationary sound from a recording. Sudden sounds are separated when the recording is loaded
+//! ([`split()`]) and played alongside the texture:
 //!
 //! ```text
 //! recording ── split ── bed ── companded texture ── + ── out
-//!                └── crackles ── runs, anew ── varied ┘
+//!                └── crackles ── runs, again ── varied ┘
 //! drive's loudness ──────────────── rate, level
 //! ```
 //!
-//! The recording's density is 1. The drive's loudness asks for more or less of it, relative to its mean so far, so that a
-//! steady drive gives the recording's density at once, whatever its level; crackles are as much louder or softer by that
-//! mean as texture is:
+//! The recording's density is 1. The drive's loudness raises or lowers it, relative to its mean so far, so that a
+//! steady drive gives the recording's density at once, whatever its level; that mean also makes crackles louder or
+//! softer by the same amount as texture:
 //!
 //! ```text
 //! density = density control * (loudness / mean)^a                 a = 1.0 * follow
 //! level   = mean^c * (loudness / mean)^b           b = 0.5 * follow, c = 0.77 * follow
 //! ```
 //!
-//! | module | does |
+//! | module | content |
 //! |---|---|
 //! | `detect` | finds crackles |
-//! | `background`, `stft` | the spectrum of what is between them |
+//! | `background`, `stft` | the spectrum between crackles |
 //! | `split` | takes a recording apart |
 //! | `event` | crackles ready to be played, and their figures |
-//! | `source` | what crackles: one of the recordings, or a fuel ([`crate::fuel`]) where it has no crackles |
-//! | `schedule` | which is due when |
-//! | `grain` | one while it is played |
+//! | `source` | the source of crackles: one of the recordings, or a fuel ([`crate::fuel`]) if it has none |
+//! | `schedule` | the times of crackles |
+//! | `grain` | a playing crackle |
 
 mod background;
 mod detect;
@@ -51,24 +51,24 @@ use grain::{Grain, MOST_CHANNELS, Play, tilt_step, value_of};
 use schedule::{Due, STREAMS, Schedule};
 use source::Source;
 
-/// Exponents of the drive's loudness in the density and in the level of crackles, where they follow it wholly.
+/// Exponents of the drive's loudness in the density and in the level of crackles, if they follow it fully.
 const DENSITY_EXPONENT: f64 = 1.0;
 const LEVEL_EXPONENT: f64 = 0.5;
-/// The same of that loudness's mean: what texture has by default, so that both are in proportion.
+/// The same for that loudness's mean: texture's default, so that the two remain in proportion.
 const MEAN_EXPONENT: f64 = 0.77;
-/// Most crackles that sound at once; at 100 a second, 3 do.
+/// Largest number of simultaneous crackles; at 100 per second, there are 3.
 const GRAINS: usize = 64;
-/// Tilt in dB of sharpness 1, and the part of a crackle's decay in which it then falls by 1/e.
+/// Tilt in dB of sharpness 1, and the share of a crackle's decay in which it then falls by 1/e.
 const SHARP_DB: f64 = 6.0;
 const SHARP_DECAY: f64 = 1.0;
-/// Seconds after which the drive's loudness counts 1/e in its mean, and those for which that is thought to be 1 beforehand.
+/// Seconds after which the drive's loudness counts 1/e in its mean, and the weight in seconds of a prior mean of 1.
 const MEMORY_S: f64 = 30.0;
 const PRIOR_S: f64 = 0.5;
 /// The loudest relative loudness, and the softest mean.
 const LOUDEST: f64 = 30.0;
 const LEAST_MEAN: f64 = 1e-3;
 
-/// Longest time in seconds for which a crackle sounds, however slowly it is played.
+/// Longest duration of a crackle in seconds, at the slowest rate.
 pub(crate) const LONGEST_S: f64 = detect::LONGEST_S * (1.0 + event::MOST_RATE) / (1.0 - event::MOST_RATE);
 
 /// The crackle layer.
@@ -83,10 +83,10 @@ pub struct Crackle {
     playing: (u32, Source),
     grains: Vec<Grain>,
     sums: Vec<Vec<i64>>,
-    /// Sum of the drive's loudness so far and of what it counts, in samples, which forget by the factor `keep`.
+    /// Sum of the drive's loudness so far, and of its weights in samples; both decay by the factor `keep`.
     heard: [f64; 2],
     keep: f64,
-    /// Position of the next sample of the drive that is heard, and samples since reset.
+    /// Position of the next audible sample of the drive, and samples since reset.
     position: i64,
     now: u64,
 }
@@ -110,7 +110,7 @@ impl Crackle {
         }
     }
 
-    /// Samples by which the layer comes after the drive.
+    /// Delay of the layer after the drive, in samples.
     pub fn latency_samples(&self) -> usize {
         self.latency_samples as usize
     }
@@ -120,7 +120,7 @@ impl Crackle {
         (LONGEST_S * self.sample_rate_hz).ceil() as usize
     }
 
-    /// Back to silence; the next sample of the drive stands at `position` on the host's timeline.
+    /// Resets to silence; the next sample of the drive is at `position` on the host's timeline.
     pub fn reset(&mut self, position: i64) {
         self.timeline.reset(CrackleControls::default());
         self.position = position.wrapping_sub(self.latency_samples);
@@ -129,7 +129,7 @@ impl Crackle {
         self.forget();
     }
 
-    /// Ends what sounds of a slot's recording, which is there no more.
+    /// Ends the sound of a slot's recording, which no longer exists.
     pub fn forget_slot(&mut self, slot: usize) {
         let is_its = |source: Source| source == Source::Recording(slot);
         if is_its(self.playing.1) {
@@ -138,15 +138,15 @@ impl Crackle {
         self.grains.iter_mut().filter(|grain| is_its(grain.source())).for_each(|grain| *grain = Grain::default());
     }
 
-    /// Ends what sounds.
+    /// Ends all sound.
     fn forget(&mut self) {
         self.schedule = None;
         self.grains.fill(Grain::default());
     }
 
-    /// Makes one block of the layer. `loudness` is that of the drive, relative to its level on the whole, at the samples
-    /// that are heard: [`latency_samples`](Self::latency_samples) ago; `controls` belong to those that enter. Answers
-    /// whether anything can sound in it.
+    /// Renders one block of the layer. `loudness` is that of the drive, relative to its overall level, at the audible
+    /// samples, which are [`latency_samples`](Self::latency_samples) old; `controls` belong to the samples that enter.
+    /// Returns whether anything can sound in it.
     pub fn process(
         &mut self,
         loudness: &[f64],
@@ -172,7 +172,7 @@ impl Crackle {
         sounds
     }
 
-    /// Plays one block; answers whether anything can sound in it.
+    /// Plays one block; returns whether anything can sound in it.
     fn play(&mut self, loudness: &[f64], sources: &Sources<'_>) -> bool {
         let mut start = 0;
         let mut sounds = false;
@@ -186,7 +186,7 @@ impl Crackle {
                 self.play_run(start, end, &controls, loudness, (source, crackles), sources);
                 sounds = true;
             } else if self.grains.iter().any(Grain::is_on) {
-                // A fuel that was switched off: what has begun ends by itself.
+                // If a fuel was turned off, crackles that have begun still end by themselves.
                 self.add_grains(start, end, sources);
                 sounds = true;
             }
@@ -195,7 +195,7 @@ impl Crackle {
         sounds
     }
 
-    /// Begins a schedule at sample `start` of a block where the seed or the source is another one.
+    /// Restarts the schedule at sample `start` of a block if the seed or the source has changed.
     fn follow(&mut self, start: usize, controls: &CrackleControls, source: Source, crackles: &Crackles) {
         let playing = (controls.seed, source);
         if self.schedule.is_none() || self.playing != playing {
@@ -205,7 +205,7 @@ impl Crackle {
         }
     }
 
-    /// Plays the samples of a block for which `controls` hold.
+    /// Plays the samples of a block to which `controls` apply.
     fn play_run(
         &mut self,
         start: usize,
@@ -235,7 +235,7 @@ impl Crackle {
         }
     }
 
-    /// Takes the drive's loudness into its mean; silence does not count.
+    /// Adds the drive's loudness to its mean; silence does not count.
     fn hear(&mut self, loudness: &[f64]) {
         for loudness in loudness.iter().filter(|loudness| **loudness > 0.0) {
             let [sum, count] = self.heard;

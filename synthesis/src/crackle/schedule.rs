@@ -1,15 +1,15 @@
-//! When which crackle is due: a function of seed and position alone.
+//! Times of the crackles, as a function of seed and position alone.
 //!
-//! The recording's time is cut into runs of equal length ([`Crackles`]). A stream plays them one after the other, in
-//! another order in every pass, so that each comes once before any comes again, and keeps the gaps within them. Several
-//! streams, each in an order of its own, make what is denser than the recording.
+//! The recording's time is divided into runs of equal length ([`Crackles`]). A stream plays them one after another, in
+//! a different order in every pass, so that each is played once before any is repeated, and preserves the gaps within
+//! them. Several streams, each with its own order, give a higher density than the recording's.
 
 use super::event::Crackles;
 use crate::noise::White;
 
-/// Streams side by side: the most that can come of a recording's density.
+/// Number of streams: the largest multiple of a recording's density.
 pub(super) const STREAMS: usize = 16;
-/// Streams of white noise from here on are used by no other stage; three for each stream.
+/// First of the white-noise streams that no other stage uses; three for each stream.
 const FIRST: u32 = 0x4352_4100;
 /// Most draws for one event.
 const DRAWS: i64 = 8;
@@ -19,11 +19,11 @@ const DRAWING: i64 = 1 << 16;
 /// A crackle that is due.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Due {
-    /// Its place in the recording's events.
+    /// Index among the recording's events.
     pub event: usize,
-    /// The part, 0-1, of a stream's full density at which the run that it is of begins to be heard, plus the stream's number.
+    /// Share, 0-1, of a stream's full density at which its run becomes audible, plus the stream's number.
     pub threshold: f64,
-    /// Draws of its own, in -1..1, evenly distributed.
+    /// Its own random numbers, uniform in -1..1.
     pub draws: [f64; DRAWS as usize],
 }
 
@@ -35,12 +35,12 @@ struct Stream {
     draws: White,
     /// Samples by which it is ahead of the timeline.
     shift: i64,
-    /// The run under way, counted from the timeline's start, the place in the recording that it is of, and its events to come.
+    /// The present run, counted from the timeline's start, its position in the recording, and its remaining events.
     run: i64,
     place: usize,
     next: usize,
     end: usize,
-    /// Position of the next event, or of the run's end where none is left.
+    /// Position of the next event, or of the run's end if there is none left.
     due: i64,
 }
 
@@ -51,17 +51,17 @@ pub(super) struct Schedule {
 }
 
 impl Schedule {
-    /// What `seed` makes of a recording, from `position` on.
+    /// The schedule of `seed` for a recording, from `position` on.
     pub fn new(seed: u32, crackles: &Crackles, position: i64) -> Self {
         Self { streams: std::array::from_fn(|number| Stream::new(number, seed, crackles, position)) }
     }
 
-    /// Samples from `position` until the next stream wants to be [asked](Self::take).
+    /// Samples from `position` until the next call of [`take`](Self::take) is needed.
     pub fn wait(&self, position: i64) -> i64 {
         self.streams.iter().map(|stream| stream.due.wrapping_sub(position)).min().unwrap_or(i64::MAX)
     }
 
-    /// Asks the stream that has waited longest: the crackle that is due now, if it is not the end of a run.
+    /// Advances the earliest stream; returns the crackle that is due now, unless it is the end of a run.
     pub fn take(&mut self, position: i64, crackles: &Crackles) -> Option<Due> {
         let stream = self.streams.iter_mut().min_by_key(|stream| stream.due.wrapping_sub(position))?;
         stream.take(crackles)
@@ -99,7 +99,7 @@ impl Stream {
         stream
     }
 
-    /// Position at which the run under way begins.
+    /// Start of the present run.
     fn begin(&self, run_samples: usize) -> i64 {
         self.run.wrapping_mul(run_samples as i64).wrapping_sub(self.shift)
     }
@@ -141,10 +141,12 @@ impl Stream {
     }
 }
 
-/// Where `step` of `count` stands in the order that `key` makes: every number below `count` is one step's.
+/// Position of `step` in the order of `count` given by `key`: every number below `count` is the result of exactly one
+/// step.
 ///
-/// A bijection of the numbers below the next power of two, asked again until it stays below `count` (Kensler 2013,
-/// "Correlated multi-jittered sampling", has the idea). Twice on average; on a cycle through all numbers above `count` at worst.
+/// A bijection of the numbers below the next power of two, repeated until the result is below `count` (the idea is from
+/// Kensler 2013, "Correlated multi-jittered sampling"). It takes two rounds on average; at worst, a cycle through all
+/// numbers above `count`.
 fn shuffled(step: usize, count: usize, key: u64) -> usize {
     let bits = usize::BITS - count.saturating_sub(1).leading_zeros();
     let mask = 1usize.wrapping_shl(bits).wrapping_sub(1);

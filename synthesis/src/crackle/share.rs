@@ -1,4 +1,4 @@
-//! What part of a recording's crackles is played, found by a trial run over its bed.
+//! Share of a recording's crackles to play, found by a trial run over its bed.
 
 use rayon::prelude::*;
 
@@ -8,13 +8,14 @@ use super::event::{Crackles, loud};
 use super::source::Sources;
 use crate::controls::CrackleControls;
 
-/// Trials that tell how many crackles are heard, and the least part of them that may be played.
+/// Number of trials that determine the audible crackles, and the smallest share of them that may be played.
 const TRIALS: u32 = 6;
 const LEAST_SHARE: f64 = 0.5;
 
 impl Crackles {
-    /// Finds what part of the crackles gives as many loud ones over `bed`, what texture makes of the recording's at a steady
-    /// level, as the recording has: an even bed hides fewer than the recording's own, and adds some.
+    /// Finds the share of the crackles with which there are as many loud ones over `bed`, the texture of the
+    /// recording's bed at a steady level, as in the recording: an even bed hides fewer than the recording's own, and
+    /// adds some.
     pub(crate) fn calibrate(&mut self, bed: &[f64], sample_rate_hz: f64) {
         let seconds = TRIALS as f64 * bed.len() as f64 / sample_rate_hz;
         let all = &*self;
@@ -31,7 +32,7 @@ impl Crackles {
     }
 }
 
-/// What the layer makes of a drive of steady loudness.
+/// Output of the layer for a drive of steady loudness.
 fn play_steadily(crackles: &Crackles, seed: u32, samples: usize, sample_rate_hz: f64) -> Vec<f64> {
     const BLOCK: usize = 1024;
     let mut layer = Crackle::new(sample_rate_hz, 1, 0, BLOCK);

@@ -1,4 +1,4 @@
-//! What crackles: one of the recordings, or where it has no crackles a fuel.
+//! Source of crackles: one of the recordings, or a fuel if it has none.
 
 use super::event::Crackles;
 use crate::controls::{CrackleControls, SLOTS};
@@ -6,22 +6,22 @@ use crate::controls::{CrackleControls, SLOTS};
 /// All crackles that may be played.
 #[derive(Debug, Clone, Copy)]
 pub struct Sources<'a> {
-    /// Those of the recordings, by slot, where they have any, and factors on them.
+    /// Crackles of the recordings, by slot, if they have any, with their gain factors.
     pub recordings: [Option<&'a Crackles>; SLOTS],
     /// See `recordings`.
     pub gains: [f64; SLOTS],
     /// Factor on those of fuels.
     pub fuel_gain: f64,
-    /// Those of the fuels that burn, in their order (`Fuel::place`); may be empty.
+    /// Crackles of the fuels that burn, in their order (`Fuel::place`); may be empty.
     pub fuels: &'a [Crackles],
 }
 
-/// Where a crackle's wave is.
+/// Origin of a crackle's wave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Source {
     /// Slot of a recording.
     Recording(usize),
-    /// Place among the fuels.
+    /// Index among the fuels.
     Fuel(usize),
 }
 
@@ -38,14 +38,14 @@ impl Default for Sources<'_> {
 }
 
 impl<'a> Sources<'a> {
-    /// Those of a recording in the first slot alone.
+    /// Crackles of a recording in the first slot only.
     pub fn of_recording(recording: &'a Crackles) -> Self {
         let mut sources = Self::default();
         sources.recordings[0] = Some(recording);
         sources
     }
 
-    /// What crackles: the recording that is chosen where it has crackles, else the fuel.
+    /// The source that crackles: the chosen recording if it has crackles, otherwise the fuel.
     pub(super) fn choose(&self, controls: &CrackleControls) -> Option<(Source, &'a Crackles)> {
         [Some(Source::Recording(controls.slot)), controls.fuel.place().map(Source::Fuel)]
             .into_iter()

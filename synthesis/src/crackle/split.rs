@@ -1,4 +1,4 @@
-//! A recording taken apart: its stationary bed, and its crackles.
+//! Separation of a recording into its stationary bed and its crackles.
 
 use rayon::prelude::*;
 
@@ -10,31 +10,31 @@ use crate::fft;
 use crate::filter::{Svf, section_gain};
 use crate::noise::White;
 
-/// What exceeds the background's root mean square this much, in magnitude, is not of the bed: one in fifty of a Gaussian
-/// noise's magnitudes does.
+/// Ratio to the background's root mean square above which a magnitude does not belong to the bed; one in fifty
+/// magnitudes of Gaussian noise exceeds it.
 const EXCESS: f64 = 2.0;
-/// Frequencies in Hz between which crackles fade in: what lies below is the fire's own rumble.
+/// Frequencies in Hz between which crackles fade in: anything lower is the fire's own rumble.
 const LOWEST_HZ: [f64; 2] = [250.0, 500.0];
-/// What lies below this frequency in Hz is wind at the microphone: inaudible, but louder than many a fire, so that a bed
+/// Frequency in Hz below which sound is wind at the microphone: inaudible, but louder than many a fire, so that a bed
 /// would be as loud as its wind.
 const INFRASOUND_HZ: f64 = 25.0;
-/// What fills the bed where a crackle was: a stream of white noise that no other stage uses.
+/// White-noise stream that fills the bed in place of crackles; no other stage uses it.
 const FILL_SEED: u32 = 0x4649_4C4C;
 const FILL_STREAM: u32 = 0x4245_4421;
 
 /// A recording's two parts.
 #[derive(Debug)]
 pub struct Split {
-    /// The recording without its crackles; the recording itself where it has none.
+    /// The recording without its crackles; the recording itself if it has none.
     pub bed: Vec<Vec<f64>>,
-    /// The crackles; none where they are too few, or too soft, to be heard as such.
+    /// The crackles; none if they are too few, or too soft, to be audible as such.
     pub crackles: Option<Crackles>,
 }
 
-/// Takes a recording apart: `channels` equally long, of finite samples.
+/// Separates a recording: `channels` of equal length, with finite samples.
 ///
-/// In a short-time spectrum, what stands out of the running background where a crackle was found is the crackle's, and
-/// noise of the background's level is put in its place.
+/// In a short-time spectrum, energy above the running background belongs to the crackle wherever one was found, and is
+/// replaced by noise at the background's level.
 pub fn split(channels: &[Vec<f64>], sample_rate_hz: f64) -> Split {
     let found = crackles(channels, sample_rate_hz);
     let samples = channels.first().map_or(0, Vec::len);
@@ -46,13 +46,13 @@ pub fn split(channels: &[Vec<f64>], sample_rate_hz: f64) -> Split {
     Split { bed, crackles: Some(Crackles::new(&found, &waves, sample_rate_hz)) }
 }
 
-/// Whether a recording has crackles: `channels` as [`split`] takes them.
+/// True if a recording has crackles; `channels` as in [`split`].
 pub(crate) fn is_impulsive(channels: &[Vec<f64>], sample_rate_hz: f64) -> bool {
     let samples = channels.first().map_or(0, Vec::len);
     Crackles::are_heard(&crackles(channels, sample_rate_hz), samples, sample_rate_hz)
 }
 
-/// The bed of one channel, and what stood out of it.
+/// The bed of one channel, and the parts that exceed it.
 fn take_apart(signal: &[f64], found: &[Found], sample_rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
     let mut stft = Stft::new(sample_rate_hz);
     let background = Background::of(signal, &mut stft, sample_rate_hz);
@@ -79,7 +79,7 @@ fn take_apart(signal: &[f64], found: &[Found], sample_rate_hz: f64) -> (Vec<f64>
                 taken[bin] = Default::default();
                 filled[bin] = Default::default();
             } else {
-                // Powers add: what is taken and what fills are as loud together as what was there.
+                // Powers add: the extracted part and the filling together are as loud as the original.
                 taken[bin] = value * (share * (1.0 - maths::square(rms / magnitude)).sqrt());
                 filled[bin] = (filled[bin] * (rms / white_rms) - value) * *share;
             }

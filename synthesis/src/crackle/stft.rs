@@ -6,8 +6,8 @@ use crate::fft::Complex64;
 
 use crate::extend::spectrum::Transform;
 
-/// Length of a window in seconds; the nearest power of two is taken: 256 samples at 44.1 kHz. A crackle is shorter, and
-/// its octaves are told apart.
+/// Length of a window in seconds, rounded to the nearest power of two: 256 samples at 44.1 kHz. A crackle is shorter,
+/// and its octaves are resolved.
 const WINDOW_S: f64 = 0.0058;
 /// Windows overlap by three quarters.
 const OVERLAP: usize = 4;
@@ -22,7 +22,7 @@ pub(super) struct Stft {
 }
 
 impl Stft {
-    /// For signals at `sample_rate_hz`.
+    /// A transform for signals at `sample_rate_hz`.
     pub fn new(sample_rate_hz: f64) -> Self {
         let len = 1usize << (maths::log2(WINDOW_S * sample_rate_hz).round() as u32).clamp(4, 12);
         let window = (0..len).map(|i| 0.5 - 0.5 * maths::cos(2.0 * PI * i as f64 / len as f64)).collect();
@@ -54,7 +54,7 @@ impl Stft {
         self.window.iter().map(|x| x * x).sum::<f64>().sqrt()
     }
 
-    /// Sees `frame` of a signal; beyond its ends lies silence.
+    /// Analyses `frame` of a signal; beyond its ends there is silence.
     pub fn analyse(&mut self, signal: &[f64], frame: usize) {
         let sample = |at: Option<usize>| at.and_then(|at| signal.get(at)).copied().unwrap_or(0.0);
         let half = self.len() / 2;
@@ -65,12 +65,12 @@ impl Stft {
         self.transform.forward();
     }
 
-    /// What was seen last.
+    /// Spectrum of the last frame.
     pub fn spectrum(&self) -> &[Complex64] {
         &self.transform.spectrum
     }
 
-    /// Adds to `out` what `frame` contributes to a signal with `spectrum`.
+    /// Adds the contribution of `frame` to a signal with `spectrum` to `out`.
     pub fn add(&mut self, spectrum: &[Complex64], frame: usize, out: &mut [f64]) {
         self.transform.spectrum.copy_from_slice(spectrum);
         self.transform.inverse();

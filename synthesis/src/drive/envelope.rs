@@ -3,7 +3,7 @@
 use crate::controls::DriveControls;
 use crate::error::within;
 
-/// A falling envelope ends here: -240 dBFS.
+/// Level at which a falling envelope ends: -240 dBFS.
 const SILENCE: f64 = 1e-12;
 
 /// Follows a signal's magnitude, rising with the attack and falling with the release.
@@ -39,7 +39,7 @@ impl Envelope {
         }
     }
 
-    /// Part of the way covered in one sample, for a time constant in seconds.
+    /// Share of the remaining distance covered in one sample, for a time constant in seconds.
     fn step(&self, seconds: f64, shortest: f64, longest: f64) -> f64 {
         -maths::exp_m1(-1.0 / (within(seconds, shortest, longest) * self.sample_rate_hz))
     }

@@ -3,23 +3,23 @@
 use crate::error::within;
 use crate::filter::{Svf, section_gain};
 
-/// Time in seconds in which a change of the corner takes place.
+/// Duration in seconds of a change of the corner.
 const GLIDE_S: f64 = 0.02;
 
 /// Highest corner in Hz.
 const MAX_CORNER_HZ: f64 = 1000.0;
 
-/// Butterworth high-pass of order 2 whose corner may move. A corner of 0 Hz passes the signal untouched.
+/// Butterworth high-pass of order 2 whose corner may move. A corner of 0 Hz passes the signal unchanged.
 #[derive(Debug)]
 pub(super) struct HighPass {
     sample_rate_hz: f64,
-    /// The corner asked for last, in Hz; none right after reset, where nothing is there to glide from.
+    /// The corner requested last, in Hz; none right after reset, when there is nothing to glide from.
     asked_hz: Option<f64>,
-    /// Integrator gain tan(pi corner / rate): now, and its change per sample of the glide.
+    /// Integrator gain tan(pi corner / rate): its present value, and its change per sample of the glide.
     gain: f64,
     gain_step: f64,
     target_gain: f64,
-    /// Share of the filter's output in the result: now, and its change per sample.
+    /// Share of the filter's output in the result: its present value, and its change per sample.
     wet: f64,
     wet_step: f64,
     target_wet: f64,
@@ -76,8 +76,8 @@ impl HighPass {
         self.asked_hz = Some(corner_hz);
         let gain = section_gain(corner_hz, self.sample_rate_hz);
         self.target_wet = if corner_hz > 0.0 { 1.0 } else { 0.0 };
-        // Switched off, the filter keeps its corner while it fades out; switched on from nothing,
-        // it has its corner at once.
+        // Turned off, the filter keeps its corner while it fades out; turned on from nothing, it has its corner at
+        // once.
         self.target_gain = if corner_hz > 0.0 { gain } else { self.gain };
         if fresh || self.wet == 0.0 {
             self.gain = self.target_gain;

@@ -1,7 +1,7 @@
-//! What the engines feed on.
+//! The drive: the signal that drives the engines.
 //!
-//! Main input as pressure or flux, an envelope on a rumble, or a flame of its own; then the high-pass (Chadwick &
-//! James 2011, §6: 30 Hz, before either engine). No latency.
+//! Main input as pressure or flux, an envelope on a rumble, or a built-in flame; then the high-pass (Chadwick & James
+//! 2011, §6: 30 Hz, before either engine). No latency.
 
 pub(crate) mod envelope;
 mod flame;
@@ -22,20 +22,20 @@ use swell::Swell;
 use crate::controls::{DriveControls, DriveMode};
 use crate::error::{Error, in_range, within};
 
-/// The frequency in Hz at which differentiating flux leaves its level alone.
+/// Frequency in Hz at which differentiating flux leaves the level unchanged.
 const FLUX_UNITY_HZ: f64 = 100.0;
 
-/// Over which time, in seconds, channels are compared.
+/// Time in seconds over which channels are compared.
 const CANCEL_S: f64 = 0.1;
 
-/// Channels cancel where their mean holds less than this part of their mean power: -30 dB.
+/// Channels cancel if their mean has less than this share of their mean power: -30 dB.
 const CANCEL_RATIO: f64 = 1e-3;
 
-/// Mean power below which cancelling is not worth a word: -80 dBFS.
+/// Mean power below which cancelling is not worth a warning: -80 dBFS.
 const CANCEL_FLOOR: f64 = 1e-8;
 
-/// What is left of a full-scale input, in nepers, when the drive counts as fallen silent: -120 dB,
-/// the lowest threshold of texture's gate.
+/// Decay of a full-scale input, in nepers, after which the drive counts as silent: -120 dB, the lowest threshold of
+/// texture's gate.
 const SILENCE_NEPERS: f64 = 13.8;
 
 /// The drive's signal path.
@@ -43,7 +43,7 @@ const SILENCE_NEPERS: f64 = 13.8;
 pub struct Drive {
     sample_rate_hz: f64,
     flux_gain: f64,
-    /// The mean input before this one; none right after reset, where a flux has no past.
+    /// The previous mean input; none right after reset, when a flux has no past.
     previous: Option<f64>,
     envelope: Envelope,
     rumble: Rumble,
@@ -80,9 +80,9 @@ impl Drive {
         0
     }
 
-    /// Samples for which the drive goes on after a full-scale input has ended: the envelope's release
-    /// down to its threshold, and the high-pass, which rings as exp(-2 pi f t / sqrt 2). A flame of its own
-    /// needs no input, and has no end: see [`DriveMode::Flame`].
+    /// Samples for which the drive continues after a full-scale input has ended: the envelope's release down to its
+    /// threshold, and the high-pass, which rings as exp(-2 pi f t / sqrt 2). A built-in flame needs no input and never
+    /// ends: see [`DriveMode::Flame`].
     pub fn tail_samples(&self, controls: &DriveControls) -> usize {
         let release_s = match controls.mode {
             DriveMode::Envelope | DriveMode::InputEnvelope => {
@@ -95,7 +95,7 @@ impl Drive {
         ((release_s + ringing_s) * self.sample_rate_hz).ceil() as usize
     }
 
-    /// Back to silence; the next sample stands at `position` on the host's timeline.
+    /// Resets to silence; the next sample is at `position` on the host's timeline.
     pub fn reset(&mut self, position: i64) {
         self.previous = None;
         self.envelope.reset();
@@ -106,14 +106,13 @@ impl Drive {
         self.position = position;
     }
 
-    /// Whether the channels that feed the drive cancel in their mean.
+    /// True if the channels that feed the drive cancel in their mean.
     pub fn cancels(&self) -> bool {
         self.powers[1] > CANCEL_FLOOR && self.powers[0] < CANCEL_RATIO * self.powers[1]
     }
 
-    /// Makes the drive of one block of any length. `controls` hold for the whole block. Every
-    /// channel of `main` and `sidechain` is as long as `drive`; where `sidechain` is
-    /// empty, the envelope is that of the main input.
+    /// Computes the drive of one block of any length. `controls` apply to the whole block. Every channel of `main` and
+    /// `sidechain` is as long as `drive`; if `sidechain` is empty, the envelope is that of the main input.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &DriveControls, drive: &mut [f64]) {
         let from_sidechain = controls.mode == DriveMode::Envelope && !sidechain.is_empty();
         let source = match controls.mode {
@@ -149,7 +148,7 @@ impl Drive {
         self.position = self.position.wrapping_add(drive.len() as i64);
     }
 
-    /// Mean of the channels into `out`, watching whether they cancel.
+    /// Writes the mean of the channels to `out`, and checks whether they cancel.
     fn mean(&mut self, channels: &[&[f64]], out: &mut [f64]) {
         let Some((first, others)) = channels.split_first() else {
             out.fill(0.0);

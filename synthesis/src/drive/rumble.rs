@@ -1,4 +1,4 @@
-//! The rumble of a flame, as noise in a band of its own.
+//! The rumble of a flame, as band-limited noise.
 
 use crate::extend::spectrum::Transform;
 use crate::noise::White;
@@ -9,11 +9,11 @@ const BAND_HZ: (f64, f64) = (40.0, 150.0);
 /// Half-length of the band-pass in seconds.
 const REACH_S: f64 = 0.035;
 
-/// Stream of white noise that no other stage uses.
+/// White-noise stream that no other stage uses.
 const STREAM: u32 = 0x4655_4D45;
 
-/// Noise of 40-150 Hz and unit rms, a function of (seed, position) only. It is made in blocks that
-/// stand on multiples of their length on the timeline.
+/// Noise of 40-150 Hz with unit rms, a function of (seed, position) only. It is made in blocks that are aligned with
+/// multiples of their length on the timeline.
 #[derive(Debug)]
 pub(super) struct Rumble {
     transform: Transform,
@@ -34,7 +34,7 @@ impl Rumble {
         Self { transform, response, reach, block, made: None }
     }
 
-    /// Multiplies `signal`, whose first sample stands at `position`, by the rumble.
+    /// Multiplies `signal`, whose first sample is at `position`, by the rumble.
     pub fn modulate(&mut self, seed: u32, position: i64, signal: &mut [f64]) {
         let hop = self.block.len() as i64;
         let mut done = 0;
@@ -64,8 +64,8 @@ impl Rumble {
     }
 }
 
-/// Taps 0, 1, ... of a linear-phase band-pass under a Hann window, of unit energy, so that white
-/// noise of unit variance keeps it.
+/// Taps 0, 1, ... of a linear-phase band-pass under a Hann window, with unit energy, so that white noise of unit
+/// variance keeps its variance.
 fn band_pass(reach: usize, sample_rate_hz: f64) -> Vec<f64> {
     let mut taps: Vec<f64> = (0..=reach)
         .map(|tap| {

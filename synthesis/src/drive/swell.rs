@@ -1,11 +1,11 @@
-//! Swell: the drive's slow loudness, made to vary more or less about its own mean.
+//! Swell: exaggerates or reduces the variation of the drive's slow loudness about its mean.
 
 use crate::error::within;
 
 /// Seconds over which loudness is measured, and those after which it counts 1/e in its mean.
 const LOUDNESS_S: f64 = 0.04;
 const MEMORY_S: f64 = 8.0;
-/// Samples between two looks at the loudness, and the time constant in seconds with which the gain follows.
+/// Samples between two measurements of the loudness, and the time constant in seconds with which the gain follows.
 const STEP: u32 = 32;
 const SMOOTHING_S: f64 = 0.01;
 /// Largest change of a drive, up or down, as a factor: 15 dB.
@@ -15,13 +15,13 @@ const SILENT: f64 = 1e-12;
 /// Exponents allowed.
 const EXPONENTS: (f64, f64) = (-1.0, 2.0);
 
-/// The gain, and what it goes by.
+/// The gain, and the measurements behind it.
 #[derive(Debug, Clone)]
 pub(super) struct Swell {
     parts: [f64; 2],
     smoothing: f64,
     power: f64,
-    /// Sum of powers and of what they count, which forget.
+    /// Decaying sums of powers and of their weights.
     mean: [f64; 2],
     gain: f64,
     target: f64,
@@ -42,7 +42,7 @@ impl Swell {
         }
     }
 
-    /// Back to silence.
+    /// Resets to silence.
     pub fn reset(&mut self) {
         (self.power, self.mean, self.gain, self.target, self.until_look) = (0.0, [0.0; 2], 1.0, 1.0, 0);
     }
@@ -58,7 +58,7 @@ impl Swell {
         for sample in drive {
             let square = *sample * *sample;
             self.power += fast * (square - self.power);
-            // Silence does not count, or whatever comes after it would be loud.
+            // Silence does not count, or anything after it would be loud.
             if self.power > SILENT {
                 let [sum, count] = self.mean;
                 self.mean = [sum + slow * (self.power - sum), count + slow * (1.0 - count)];

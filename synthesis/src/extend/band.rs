@@ -1,11 +1,11 @@
-//! Where the drive ends and the noise begins: the blend ramps and the filters made of them.
+//! The boundary between drive and noise: the blend ramps, and the filters made from them.
 
 use std::f64::consts::PI;
 
 use crate::controls::ExtendControls;
 use crate::error::within;
 
-/// The frequencies of one window's blend, fit and noise, kept within what the engine can do.
+/// The frequencies of one window's blend, fit and noise, limited to the engine's range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Power falls as frequency^(-alpha); 0-6.
@@ -17,7 +17,7 @@ pub struct Band {
 }
 
 impl Band {
-    /// The band that `controls` ask for; values out of range move to its ends.
+    /// The band of `controls`; values out of range are limited.
     pub fn new(controls: &ExtendControls) -> Self {
         let cutoff_hz = within(controls.cutoff_hz, 40.0, 1000.0);
         Self {
@@ -32,7 +32,7 @@ impl Band {
         ((frequency_hz - self.cutoff_hz) / self.width_hz + 0.5).clamp(0.0, 1.0)
     }
 
-    /// Power of the noise at `frequency_hz`, 1 at the cutoff but for the ramp b2^2 (§4).
+    /// Power of the noise at `frequency_hz`: 1 at the cutoff, apart from the ramp b2^2 (§4).
     pub fn noise_power(&self, frequency_hz: f64) -> f64 {
         let upper = self.upper(frequency_hz);
         if upper == 0.0 || frequency_hz <= 0.0 {
@@ -81,7 +81,7 @@ pub(crate) fn normalise(taps: &mut [f64]) {
     taps.iter_mut().for_each(|value| *value /= sum);
 }
 
-/// Makes of the taps 0, 1, ... of a symmetric filter those of what it takes away.
+/// Turns the taps 0, 1, ... of a symmetric filter into those of its complement.
 pub(crate) fn complement(taps: &mut [f64]) {
     taps.iter_mut().for_each(|value| *value = -*value);
     taps[0] += 1.0;

@@ -2,16 +2,15 @@
 //!
 //! # Rule against outliers
 //!
-//! The fit sees little more than one independent value of the noise's spectrum, so its power
-//! a = I[|Y_N|^2] comes close to 0 now and then, and beta ~ 1/sqrt(a) is heavy-tailed. The
-//! *expected* a is known: the energy of envelope times window, times the noise's mean density
-//! around the cutoff. The rule adds a two-hundredth of it to a,
+//! The fit sees little more than one independent value of the noise's spectrum, so its power a = I[|Y_N|^2]
+//! occasionally comes close to 0, and beta ~ 1/sqrt(a) is heavy-tailed. The *expected* a is known: the energy of
+//! envelope times window, times the noise's mean density around the cutoff. The rule adds a two-hundredth of it to a,
 //!
 //! beta_applied = beta sqrt(a / (a + [`FLOOR`] E\[a\])),
 //!
-//! as if no stretch of noise could be quite empty at the cutoff. It has no memory: it needs no
-//! look-ahead, a silence cannot poison it, and it leaves the drive's own dynamics (the other half
-//! of beta) alone, so nothing is lost in synchrony.
+//! as if no section of noise could be quite empty at the cutoff. It has no memory: it needs no look-ahead, a silence
+//! cannot poison it, and it does not change the drive's own dynamics (the other half of beta), so nothing is lost in
+//! synchrony.
 
 use std::f64::consts::TAU;
 
@@ -19,14 +18,14 @@ use crate::fft::Complex64;
 
 use super::band::{Band, triangle_power};
 
-/// Power added to a window's noise in the fit, as a part of its expected power.
+/// Power added to a window's noise in the fit, as a share of its expected power.
 pub const FLOOR: f64 = 0.005;
 
-/// Frequencies at which the fit's integrals are taken: 0.4 standard deviations apart, up to 3 from
-/// the centre.
+/// Number of frequencies at which the fit's integrals are evaluated: 0.4 standard deviations apart, up to 3 from the
+/// centre.
 const NODES: usize = 16;
 
-/// What one window's fit found.
+/// Results of one window's fit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Fit {
     /// Number of the window; its centre is this times the half-width, on the host's timeline.
@@ -37,8 +36,8 @@ pub struct Fit {
     pub applied: f64,
 }
 
-/// The non-negative root of a beta^2 + b beta + c = 0 with a >= 0 >= c, in the form that does not
-/// cancel; -c/b where a is 0, 0 where b is 0 too.
+/// The non-negative root of a beta^2 + b beta + c = 0 with a >= 0 >= c, in the form without cancellation; -c/b if a is
+/// 0, and 0 if b is 0 too.
 pub fn positive_root(a: f64, b: f64, c: f64) -> f64 {
     if a == 0.0 {
         return if b == 0.0 { 0.0 } else { -c / b };
@@ -56,7 +55,7 @@ pub(crate) struct Fitter {
     band: Option<Band>,
     /// Turn of the phase per sample at every node.
     turn: Phasors,
-    /// The Gaussian; 0 at nodes that do not lie above 0 Hz.
+    /// The Gaussian; 0 at nodes that are not above 0 Hz.
     weight: [f64; NODES],
     upper: [f64; NODES],
     /// E\[a\] for noise of unit density at the cutoff and a window of unit energy.
@@ -65,8 +64,7 @@ pub(crate) struct Fitter {
 }
 
 impl Fitter {
-    /// For windows of `half_width` samples and a Gaussian whose three standard deviations are
-    /// `fit_width_hz`.
+    /// A fit for windows of `half_width` samples and a Gaussian whose three standard deviations are `fit_width_hz`.
     pub fn new(half_width: usize, sample_rate_hz: f64, fit_width_hz: f64) -> Self {
         Self {
             half_width,
@@ -81,7 +79,7 @@ impl Fitter {
         }
     }
 
-    /// Takes the window's band and its drive times triangle (2 half-widths, centre at half).
+    /// Sets the window's band and its drive times triangle (2 half-widths, centre in the middle).
     pub fn set_drive(&mut self, band: &Band, windowed: &[f64]) {
         self.set_band(band);
         self.drive = self.turn.spectrum(windowed);
@@ -106,7 +104,7 @@ impl Fitter {
         if applied.is_finite() { (raw, applied) } else { (0.0, 0.0) }
     }
 
-    /// Takes the band ahead.
+    /// Sets the band in advance.
     pub fn set_band(&mut self, band: &Band) {
         if self.band == Some(*band) {
             return;
@@ -135,7 +133,7 @@ impl Fitter {
         let mut sum = 0.0;
         let mut frequency_hz = first * step_hz;
         while frequency_hz < top_hz {
-            // A real signal's spectrum stands at negative frequencies too.
+            // A real signal's spectrum includes negative frequencies too.
             let seen = triangle_power(half_width_s, frequency_hz - band.cutoff_hz)
                 + triangle_power(half_width_s, frequency_hz + band.cutoff_hz);
             sum += band.noise_power(frequency_hz) * seen * step_hz;
@@ -155,7 +153,7 @@ struct Phasors {
 impl Phasors {
     /// Fourier transform at the nodes of a signal of 2 h samples about its sample h.
     fn spectrum(&self, signal: &[f64]) -> [Complex64; NODES] {
-        // For the widest vectors that this machine has.
+        // Uses the widest vectors that the machine has.
         pulp::Arch::new().dispatch(
             #[inline(always)]
             || transform_at(&self.cos, &self.sin, signal),
@@ -171,8 +169,8 @@ fn transform_at(turn_cos: &[f64; NODES], turn_sin: &[f64; NODES], signal: &[f64]
     let mut sin = *turn_sin;
     let mut re = [after[0]; NODES];
     let mut im = [0.0; NODES];
-    // Samples at equal distances from the centre share their phasor: their sum goes to the real
-    // part, their difference to the imaginary one.
+    // Samples at equal distances from the centre share their phasor: their sum goes to the real part, their difference
+    // to the imaginary part.
     for (left, right) in before.iter().rev().zip(after[1..].iter().chain(std::iter::once(&0.0))) {
         let (even, odd) = (right + left, right - left);
         for node in 0..NODES {

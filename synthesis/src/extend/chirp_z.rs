@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use crate::fft::{self, Complex64, ComplexTransform};
 
-/// The chirp transform (Bluestein 1970): bins of a transform of `bins` samples, at the cost of
-/// transforms as long as signal and wanted bins together. Exact but for rounding.
+/// The chirp transform (Bluestein 1970): bins of a transform of `bins` samples, at the cost of transforms as long as
+/// signal and wanted bins together. Exact apart from rounding.
 pub(super) struct ChirpZ {
     fourier: ComplexTransform,
     /// Factors on the input.
@@ -19,7 +19,7 @@ pub(super) struct ChirpZ {
 }
 
 impl ChirpZ {
-    /// For signals of at most `samples` samples, and the bins in `wanted` of `bins`.
+    /// A transform for signals of at most `samples` samples, and the bins in `wanted` of `bins`.
     pub fn new(bins: usize, wanted: Range<usize>, samples: usize) -> Self {
         let len = (samples + wanted.len()).next_power_of_two();
         let fourier = ComplexTransform::new(len);

@@ -1,10 +1,10 @@
 //! The noise part: envelope, noise, fit, high-pass (§4, Algorithm 1), window by window.
 //!
-//! A window is due when its last drive, and the envelope's filter after it, has arrived, and its first sample is to sound at
-//! once. Only what cannot be known earlier happens then: the envelope of its second half, and the fit. All else is done
-//! in steps while the hop before and the hop after go by: the noise and the filters follow from the
-//! controls at the window's centre, the first half's noise is high-passed without its gain, and the second half, which sounds
-//! a hop later, afterwards.
+//! A window is due when its last drive sample, and the envelope's filter after it, have arrived, and its first sample
+//! must sound at once. Only work that cannot be done earlier happens then: the envelope of its second half, and the
+//! fit. Everything else is done in steps during the hop before and the hop after: the noise and the filters follow from
+//! the controls at the window's centre, the first half's noise is high-passed without its gain, and the second half,
+//! which sounds a hop later, afterwards.
 
 use super::band::{Band, complement, normalise};
 use super::beta::{Fit, Fitter};
@@ -20,27 +20,27 @@ const DESIGN_STEPS: usize = 5;
 /// Steps of a half's envelope, and of a channel's high-pass: forward, and back.
 const TRANSFORM_STEPS: usize = 2;
 
-/// Makes windows' noise.
+/// Generator of the windows' noise.
 #[derive(Debug)]
 pub(crate) struct High {
     layout: ExtensionSizes,
     sample_rate_hz: f64,
     triangle: Vec<f64>,
     fitter: Fitter,
-    /// For half an envelope.
+    /// Transform for half an envelope.
     short: Transform,
-    /// For half an output's high-pass.
+    /// Transform for the high-pass of half an output.
     long: Transform,
     filters: Filters,
     /// The drive times the triangle, then the envelope times the triangle.
     windowed: Vec<f64>,
     envelope: Vec<f64>,
     channels: Vec<Channel>,
-    /// What of the window before is still to be high-passed.
+    /// Part of the previous window that is still to be high-passed.
     falling: Falling,
     /// The window being prepared.
     coming: Option<Coming>,
-    /// Steps done since the window before was due.
+    /// Steps done since the previous window was due.
     done: usize,
 }
 
@@ -54,7 +54,7 @@ enum Falling {
     Shared,
 }
 
-/// What a channel has of a window.
+/// A channel's share of a window.
 #[derive(Debug, Clone)]
 struct Channel {
     noise: Vec<f64>,
@@ -66,9 +66,9 @@ struct Channel {
 
 #[derive(Debug)]
 struct Filters {
-    /// Cutoff and width in Hz that they were made for.
+    /// Cutoff and width in Hz of the present filters.
     made_for: Option<(f64, f64)>,
-    /// Cutoff and width that they are being made for, and the steps done.
+    /// Cutoff and width of the filters in progress, and the steps done.
     design: Option<((f64, f64), usize)>,
     envelope: Vec<f64>,
     high_pass: Vec<f64>,
@@ -78,13 +78,13 @@ struct Filters {
 /// A window that is not yet due.
 #[derive(Debug, Clone, Copy)]
 struct Coming {
-    /// Its first sample's position.
+    /// Position of its first sample.
     start: i64,
     controls: ExtendControls,
     band: Band,
 }
 
-/// What steps work with.
+/// Working data of the steps.
 pub(crate) struct Surroundings<'a, N> {
     pub drive: &'a RingBuffer,
     pub source: &'a mut N,
@@ -132,13 +132,13 @@ impl High {
         self.done = 0;
     }
 
-    /// Steps from one window's due sample to the next one's, where the source has so many of its own.
+    /// Steps between the due samples of two consecutive windows, for a noise source with `of_source` steps.
     pub fn steps(&self, of_source: usize) -> usize {
         let channels = self.channels.len();
         channels * TRANSFORM_STEPS + DESIGN_STEPS + of_source + TRANSFORM_STEPS + channels * TRANSFORM_STEPS
     }
 
-    /// Whether the next step is about the window that comes, and not about the one before.
+    /// True if the next step concerns the coming window, not the previous one.
     pub fn is_ahead(&self) -> bool {
         self.done >= self.channels.len() * TRANSFORM_STEPS
     }
@@ -148,7 +148,7 @@ impl High {
         self.done
     }
 
-    /// Does the next step. `coming` are first sample and controls of the window that comes.
+    /// Does the next step. `coming` are first sample and controls of the coming window.
     pub fn step(&mut self, (start, controls): (i64, &ExtendControls), with: &mut Surroundings<'_, impl NoiseSource>) {
         let mut step = self.done;
         self.done += 1;
@@ -182,7 +182,7 @@ impl High {
         }
     }
 
-    /// The window from `start` on is due: tells what was fitted, and adds its first half to the outputs.
+    /// Finishes the window from `start` on, which is due: returns the fit, and adds its first half to the outputs.
     pub fn process(
         &mut self,
         (window, start): (i64, i64),
@@ -224,7 +224,7 @@ impl High {
         self.falling = if is_shared { Falling::Shared } else { Falling::Own };
     }
 
-    /// Fits a channel's noise, and keeps what its second half will be made of.
+    /// Fits a channel's noise, and stores the data for its second half.
     fn fit(&mut self, channel: usize, window: i64, energy: f64, level: f64, amount: f64) -> Fit {
         let Channel { noise, falling, .. } = &mut self.channels[channel];
         noise.iter_mut().zip(&self.envelope).for_each(|(noise, envelope)| *noise *= envelope);
@@ -235,7 +235,7 @@ impl High {
         Fit { window, raw, applied }
     }
 
-    /// High-passes a channel's second half of the window before, which begins at `start`.
+    /// High-passes a channel's second half of the previous window, which begins at `start`.
     fn falling_step(&mut self, step: usize, start: i64, out: &mut [OverlapAdd]) {
         let (channel, step) = (step / TRANSFORM_STEPS, step % TRANSFORM_STEPS);
         if self.falling == Falling::None || self.falling == Falling::Shared && channel > 0 {
@@ -257,7 +257,7 @@ impl High {
         }
     }
 
-    /// Makes a channel's noise, and high-passes its first half without its gain.
+    /// Generates a channel's noise, and high-passes its first half without its gain.
     fn rising_step(&mut self, step: usize, coming: &Coming, source: &mut impl NoiseSource) {
         let (channel, step) = (step / TRANSFORM_STEPS, step % TRANSFORM_STEPS);
         if channel > 0 && coming.controls.width <= 0.0 {
@@ -322,7 +322,7 @@ impl High {
     }
 }
 
-/// Half a window's noise to the spectrum of `long`; once filtered its output begins the filter's half-length earlier.
+/// Transforms half a window's noise with `long`; after filtering, its output begins the filter's half-length earlier.
 fn high_pass_begin(long: &mut Transform, reach: usize, noise: impl Iterator<Item = f64>) {
     long.time.fill(0.0);
     long.time[reach..].iter_mut().zip(noise).for_each(|(sample, noise)| *sample = noise);

@@ -10,12 +10,12 @@ const LOW_REACH: f64 = 1548.0;
 /// Half-length of the envelope's filter at 44.1 kHz: at 180 Hz its taps have fallen to 1e-3.
 const ENVELOPE_REACH: f64 = 400.0;
 
-/// Least half-length at 44.1 kHz of the high-pass that takes from the noise what the envelope
-/// smears below the blend. With the paper's half-width it is what the low part's latency leaves.
+/// Smallest half-length at 44.1 kHz of the high-pass that removes from the noise what the envelope smears below the
+/// blend. With the paper's half-width it is all that the low part's latency allows.
 const HIGH_REACH: f64 = 648.0;
 
-/// Transform at 44.1 kHz: shorter ones do not resolve the cutoff, and beta goes wrong. Slightly
-/// less than a power of two, so that 48 kHz needs no more.
+/// Transform length at 44.1 kHz: shorter ones do not resolve the cutoff, and beta becomes wrong. Slightly less than a
+/// power of two, so that 48 kHz needs no more.
 const TRANSFORM_LEN: f64 = 0.9 * 4096.0;
 
 /// Sizes that follow from structure and sample rate.
@@ -36,7 +36,7 @@ pub(crate) struct ExtensionSizes {
 }
 
 impl ExtensionSizes {
-    /// Sample rates in Hz that the engines take.
+    /// Sample rates in Hz that the engines support.
     pub const SAMPLE_RATES_HZ: (f64, f64) = (8000.0, 384_000.0);
 
     pub fn new(structure: &EngineConfig, sample_rate_hz: f64) -> Result<Self, Error> {
@@ -46,8 +46,8 @@ impl ExtensionSizes {
         let half_width = structure.half_width_at(sample_rate_hz);
         let low_reach = scaled(LOW_REACH);
         let envelope_reach = scaled(ENVELOPE_REACH);
-        // A low part's block must be complete, and one filter length more, before it begins to
-        // sound; a window must be complete, with its envelope, one filter length before it does.
+        // A low part's block must be complete, and one filter length more, before it begins to sound; a window must be
+        // complete, with its envelope, one filter length before it does.
         let latency = (half_width + low_reach).max(2 * half_width + envelope_reach + scaled(HIGH_REACH));
         let high_reach = latency - 2 * half_width - envelope_reach;
         let transform_len =

@@ -1,11 +1,11 @@
 //! The low part: the drive below the blend, through one linear-phase filter.
 //!
-//! The paper's windows sum to 1, so filtering every window alike is filtering the whole. Where the
-//! filter differs between two neighbouring windows, their outputs are crossfaded.
+//! The paper's windows sum to 1, so filtering every window alike is filtering the whole. If the filter differs between
+//! two neighbouring windows, their outputs are crossfaded.
 //!
-//! A block lasts from window k's centre to window k + 1's and is filtered in two halves, each as soon as its drive is there
-//! and half a block before it is to sound; in between its transforms are done one at a time, and the next filter is
-//! designed. So no sample has much to do.
+//! A block lasts from the centre of window k to that of window k + 1. It is filtered in two halves, each as soon as its
+//! drive has arrived and half a block before it must sound; in between, its transforms are done one at a time, and the
+//! next filter is designed. No single sample has much to do.
 
 use super::band::{Band, normalise};
 use super::layout::ExtensionSizes;
@@ -18,9 +18,9 @@ pub(crate) struct Low {
     transform: Transform,
     layout: ExtensionSizes,
     sample_rate_hz: f64,
-    /// Filters in force at the block's begin and end, and one that will be.
+    /// Filters in force at the block's start and end, and a future one.
     filters: [Filter; 3],
-    /// The filter being designed, and the parts of it that are done.
+    /// The filter being designed, and its finished parts.
     design: Option<(Band, usize)>,
     input: Vec<crate::fft::Complex64>,
     taps: Vec<f64>,
@@ -34,17 +34,17 @@ struct Filter {
     response: Vec<f64>,
 }
 
-/// Half a block under way.
+/// Half a block in progress.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Half {
-    /// Its first sample's position, its place in the block, and its length.
+    /// Position of its first sample, its offset in the block, and its length.
     pub start: i64,
     pub offset: usize,
     pub len: usize,
-    /// Bands in force at the block's begin and end.
+    /// Bands in force at the block's start and end.
     pub from: Band,
     pub to: Band,
-    /// Whether it begins from nothing.
+    /// True if it begins from nothing.
     pub fades_in: bool,
 }
 
@@ -60,9 +60,9 @@ impl Half {
     }
 }
 
-/// Parts in which the taps of a filter are computed; one more transforms them.
+/// Parts in which the taps of a filter are computed; one more part transforms them.
 const TAP_PARTS: usize = 4;
-/// Parts of a design.
+/// Number of parts of a design.
 pub(crate) const DESIGN_PARTS: usize = TAP_PARTS + 1;
 
 impl Low {
@@ -82,12 +82,12 @@ impl Low {
         }
     }
 
-    /// Forgets what is under way.
+    /// Discards all work in progress.
     pub fn reset(&mut self) {
         self.half = None;
     }
 
-    /// Begins half a block, whose drive is there up to the filter's length after it.
+    /// Begins half a block, whose drive has arrived up to the filter's length after it.
     pub fn begin(&mut self, half: Half, drive: &RingBuffer) {
         let reach = self.layout.low_reach;
         let input = drive.slice(half.start - reach as i64, half.len + 2 * reach);
@@ -102,7 +102,7 @@ impl Low {
         self.half = Some(half);
     }
 
-    /// Filters it as at the block's begin, and adds it where the end is alike.
+    /// Filters it as at the block's start, and adds it if the end is the same.
     pub fn filter_from(&mut self, out: &mut OverlapAdd) {
         let Some(half) = self.half else { return };
         if self.filters[0].band != Some(half.from) {
@@ -119,7 +119,7 @@ impl Low {
         }
     }
 
-    /// Filters it as at the block's end, and adds what lies between.
+    /// Filters it as at the block's end, and adds the transition.
     pub fn filter_to(&mut self, out: &mut OverlapAdd) {
         let Some(half) = self.half.take() else { return };
         if self.filters[1].band != Some(half.to) {
@@ -137,7 +137,7 @@ impl Low {
         half.add(faded, out);
     }
 
-    /// Does one of the parts of designing the filter that will be in force at a block's end, in order.
+    /// Does one of the parts of designing the filter for a block's end, in order.
     pub fn design(&mut self, part: usize, band: &Band) {
         if self.filters[1..].iter().any(|filter| filter.band == Some(*band)) {
             return;

@@ -1,16 +1,15 @@
 //! Spectral bandwidth extension (Chadwick & James 2011, §4, Algorithm 1), streaming.
 //!
-//! The drive's spectrum ends at a cutoff. Above it stands noise whose power falls as
-//! frequency^(-alpha), which follows the drive's envelope and is scaled, window by window, so that
-//! it joins the drive's spectrum at the cutoff.
+//! The drive's spectrum ends at a cutoff. Above it there is noise whose power falls as frequency^(-alpha), which
+//! follows the drive's envelope and is scaled, window by window, so that it joins the drive's spectrum at the cutoff.
 //!
-//! | module | does |
+//! | module | content |
 //! |---|---|
-//! | [`band`] | the blend between drive and noise, and filters made of it |
+//! | [`band`] | the blend between drive and noise, and the filters made from it |
 //! | [`window`] | triangular windows on the host's timeline |
 //! | `low` | the drive below the blend |
 //! | [`noise`] | endless power-law noise |
-//! | [`beta`] | the fit, and the rule that tames its outliers |
+//! | [`beta`] | the fit, and the rule against its outliers |
 //! | `high` | windows of noise |
 //! | [`mod@reference`] | the whole-file algorithm in double precision, as published |
 
@@ -41,14 +40,14 @@ use crate::timeline::Timeline;
 /// Largest number of channels.
 const MAX_CHANNELS: usize = 10;
 
-/// Drive below this amplitude counts as silence, which keeps denormals out.
+/// Drive below this amplitude counts as silence, which avoids denormals.
 const SILENCE: f64 = 1e-30;
 
-/// Seconds, beside the latency, for which the low part is made on after nobody wants it: levels that follow their controls
-/// have fallen to nothing by then.
+/// Seconds, in addition to the latency, for which the low part continues after it is no longer needed: by then, levels
+/// that follow their controls have fallen to nothing.
 const LOW_HOLD_S: f64 = 0.5;
 
-/// Parts of a hop between which the low part's events lie.
+/// Parts of a hop between which the low part's events are scheduled.
 const LOW_PARTS: usize = 16;
 /// The event at which a block's second half begins, in the middle of a hop.
 const LOW_SECOND: usize = LOW_PARTS / 2;
@@ -58,8 +57,8 @@ const _: () = assert!(3 + DESIGN_PARTS == LOW_SECOND);
 
 /// The streaming engine.
 ///
-/// Windows stand on multiples of the half-width on the host's timeline, so that which window does
-/// what, and when, depends neither on block sizes nor on where playing began.
+/// Windows are aligned with multiples of the half-width on the host's timeline, so that the work of each window, and
+/// its time, depend neither on block sizes nor on the start of playback.
 #[derive(Debug)]
 pub struct Extend<N = PowerLaw> {
     layout: ExtensionSizes,
@@ -73,30 +72,31 @@ pub struct Extend<N = PowerLaw> {
     origin: i64,
     /// Position of the latest drive that was not 0.
     last_loud: i64,
-    /// Samples after a window was due at which each step towards the next is done.
+    /// Offsets in samples, after a window is due, of each step towards the next.
     step_offsets: Vec<usize>,
-    /// Samples from a block of the low part's begin until its first half's drive has arrived, and from then on to each event.
+    /// Samples from the start of a block of the low part until the drive of its first half has arrived, and from then
+    /// to each event.
     low_start: usize,
     low_offsets: [usize; LOW_EVENTS],
     low_out: OverlapAdd,
-    /// Position up to which the low part is made, and whether its last block was.
+    /// Position up to which the low part is made, and whether it included the last block.
     low_until: i64,
     is_low_on: bool,
     low_hold_samples: i64,
     noise_out: Vec<OverlapAdd>,
     fits: Vec<Fit>,
-    /// The first channel's factors of windows since they were taken.
+    /// The first channel's noise factors since they were last taken.
     betas: Vec<f32>,
 }
 
-/// Most factors that are kept until they are taken; later ones are lost.
+/// Largest number of stored factors; later ones are lost.
 const BETA_CAPACITY: usize = 512;
 
 impl Extend {
     /// An engine at position 0.
     ///
-    /// Fails where a structure's value is out of its range, `channels` is not 1-10, or
-    /// `sample_rate_hz` is not 8,000-384,000.
+    /// Fails if a value of the structure is out of its range, `channels` is not 1-10, or `sample_rate_hz` is not
+    /// 8,000-384,000.
     pub fn new(structure: &EngineConfig, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
         in_range("number of channels", channels as f64, 1.0, MAX_CHANNELS as f64)?;
         let layout = ExtensionSizes::new(structure, sample_rate_hz)?;
@@ -105,10 +105,10 @@ impl Extend {
     }
 }
 
-/// Delay in samples of the outputs of engines of this structure at this sample rate in Hz.
+/// Output delay in samples of engines with this structure at this sample rate in Hz.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] where the structure or the rate is.
+/// [`Error::OutOfRange`] if the structure or the rate is out of range.
 pub fn latency_samples(structure: &EngineConfig, sample_rate_hz: f64) -> Result<usize, Error> {
     Ok(ExtensionSizes::new(structure, sample_rate_hz)?.latency)
 }
@@ -123,12 +123,12 @@ impl<N: NoiseSource> Extend<N> {
     ) -> Result<Self, Error> {
         in_range("number of channels", channels as f64, 1.0, MAX_CHANNELS as f64)?;
         let layout = ExtensionSizes::new(structure, sample_rate_hz)?;
-        // The oldest sample still needed: a low block's filter, or a window's envelope.
+        // The oldest sample still needed: for a low block's filter, or a window's envelope.
         let keep = (layout.half_width + 2 * layout.low_reach).max(2 * (layout.half_width + layout.envelope_reach));
         let span = layout.latency + layout.half_width + layout.high_reach;
         let high = High::new(&layout, channels, sample_rate_hz, structure.fit_width_hz);
         let (hop, steps) = (layout.half_width, high.steps(source.steps()));
-        // Halves need the controls at the block's end; where windows are longer than the filter, these come too late.
+        // Halves need the controls at the block's end; if windows are longer than the filter, these come too late.
         let first_half = if layout.low_reach < hop { hop } else { hop.div_ceil(2) };
         let mut extend = Self {
             source,
@@ -155,26 +155,25 @@ impl<N: NoiseSource> Extend<N> {
         Ok(extend)
     }
 
-    /// Delay of all outputs in samples; a function of structure and sample rate alone.
+    /// Delay of all outputs in samples; a function of structure and sample rate only.
     pub fn latency_samples(&self) -> usize {
         self.layout.latency
     }
 
-    /// Samples for which outputs may differ from 0 after the drive has become 0, counted from
-    /// that drive sample's own place in the output, [`latency_samples`](Self::latency_samples)
-    /// later.
+    /// Samples for which outputs may differ from 0 after the drive has become 0, counted from that drive sample's own
+    /// position in the output, [`latency_samples`](Self::latency_samples) later.
     pub fn tail_samples(&self) -> usize {
         (self.layout.low_reach + self.layout.half_width).max(2 * self.layout.half_width + self.layout.high_reach)
     }
 
-    /// Half-width of a window in samples, which is the distance from one window to the next.
+    /// Half-width of a window in samples, which is the distance between windows.
     pub fn hop_samples(&self) -> usize {
         self.layout.half_width
     }
 
-    /// Back to silence; the next sample stands at `position` on the host's timeline.
+    /// Resets to silence; the next sample is at `position` on the host's timeline.
     pub fn reset(&mut self, position: i64) {
-        // Room for years of sound on either side.
+        // Leaves room for years of sound on either side.
         let position = position.clamp(-(1 << 60), 1 << 60);
         self.origin = position;
         self.last_loud = i64::MIN;
@@ -191,15 +190,15 @@ impl<N: NoiseSource> Extend<N> {
         self.betas.clear();
     }
 
-    /// Processes one block of any length. `controls` hold for the whole block; a window works with
-    /// those in force at its centre. `low` and every channel of `noise` are as long as `drive`, and
-    /// delayed by the latency.
+    /// Processes one block of any length. `controls` apply to the whole block; a window uses those in force at its
+    /// centre. `low` and every channel of `noise` are as long as `drive`, and delayed by the latency.
     pub fn process(&mut self, drive: &[f64], controls: &ExtendControls, low: &mut [f64], noise: &mut [&mut [f64]]) {
         self.process_wanted(drive, controls, true, low, noise);
     }
 
-    /// The same with a low part that may not be wanted: half a second and the latency after it was wanted last it is no
-    /// longer made, and `low` is 0. When it is wanted again it fades in at once, and is whole before that sound comes out.
+    /// The same with an optional low part: half a second plus the latency after it was last needed, it is no longer
+    /// computed, and `low` is 0. When it is needed again it fades in at once, and is complete before that sound comes
+    /// out.
     pub fn process_wanted(
         &mut self,
         drive: &[f64],
@@ -226,7 +225,7 @@ impl<N: NoiseSource> Extend<N> {
         }
     }
 
-    /// Takes the drive up to the next event.
+    /// Processes the drive up to the next event.
     fn take(&mut self, drive: &[f64], controls: &ExtendControls) {
         let chunk = &mut self.chunk[..drive.len()];
         for (kept, sample) in chunk.iter_mut().zip(drive) {
@@ -239,7 +238,7 @@ impl<N: NoiseSource> Extend<N> {
         self.controls.push(*controls, drive.len());
     }
 
-    /// The first position after `position` at which there is something to do: a function of the position alone.
+    /// The first position after `position` at which there is work to do: a function of the position only.
     fn next_event(&self, position: i64) -> i64 {
         let hop = self.layout.half_width;
         let into = into_hop(position, self.layout.envelope_reach, hop);
@@ -254,7 +253,7 @@ impl<N: NoiseSource> Extend<N> {
         self.step_offsets.partition_point(|offset| *offset <= into)
     }
 
-    /// Does what is to be done once the drive has come up to `end`.
+    /// Does the work that is due once the drive has reached `end`.
     fn work(&mut self, end: i64) {
         let hop = self.layout.half_width;
         let into = into_hop(end, self.layout.envelope_reach, hop);
@@ -285,7 +284,7 @@ impl<N: NoiseSource> Extend<N> {
         let centre = window * hop as i64;
         let controls = self.controls_at(centre);
         let start = centre - hop as i64;
-        // After a silence, or a reset within a hop, two at a time catch up; what is left is done when the window is due.
+        // After a silence, or a reset within a hop, two at a time catch up; the rest is done when the window is due.
         for _ in 0..2 {
             let is_silent = self.high.is_ahead() && self.last_loud < start;
             if self.high.done() >= planned || is_silent {
@@ -301,18 +300,18 @@ impl<N: NoiseSource> Extend<N> {
         self.last_fit(0).applied
     }
 
-    /// What the last window found in `channel`; zeros before the first window, in silence, where
-    /// the noise amount is 0, and for a channel that is not there.
+    /// The last window's fit in `channel`; zeros before the first window, in silence, if the noise amount is 0, and for
+    /// a channel that does not exist.
     pub fn last_fit(&self, channel: usize) -> Fit {
         self.fits.get(channel).copied().unwrap_or_default()
     }
 
-    /// Takes the factors that windows have found in the first channel since this was taken last, 512 at most.
+    /// Returns the first channel's noise factors since they were last taken, at most 512.
     pub fn take_betas(&mut self) -> std::vec::Drain<'_, f32> {
         self.betas.drain(..)
     }
 
-    /// One of the events of the low part's block from `start` on.
+    /// Handles one of the events of the low part's block from `start` on.
     fn low_event(&mut self, event: usize, start: i64) {
         let hop = self.layout.half_width;
         match event {
@@ -320,7 +319,7 @@ impl<N: NoiseSource> Extend<N> {
             1 => self.low.filter_from(&mut self.low_out),
             2 => self.low.filter_to(&mut self.low_out),
             _ if event < LOW_SECOND => {
-                // The end of the next block, if its controls are known yet.
+                // The end of the next block, if its controls are known already.
                 let at = start + 2 * hop as i64;
                 if self.is_low_on && at < self.drive.end() {
                     self.low.design(event - 3, &self.band_at(at));
@@ -360,7 +359,7 @@ impl<N: NoiseSource> Extend<N> {
     }
 
     fn band_at(&self, position: i64) -> Band {
-        // The noise's exponent does not shape the low part.
+        // The noise's exponent does not affect the low part.
         Band { alpha: 0.0, ..Band::new(&self.controls_at(position)) }
     }
 }

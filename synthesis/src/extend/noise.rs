@@ -1,5 +1,5 @@
-//! Power-law noise that never ends (§4): white noise, a function of (seed, channel, position),
-//! shaped to frequency^(-alpha/2) above the blend.
+//! Endless power-law noise (§4): white noise, a function of (seed, channel, position), shaped to frequency^(-alpha/2)
+//! above the blend.
 
 use std::ops::Range;
 
@@ -10,24 +10,24 @@ use crate::controls::ExtendControls;
 use crate::error::within;
 use crate::noise::White;
 
-/// Where the extension's noise comes from.
+/// Source of the extension's noise.
 pub trait NoiseSource {
-    /// Writes the noise of `channel` at the positions from `start` on: real, its amplitude falling
-    /// as frequency^(-alpha/2), times the blend's upper ramp. `out` is as long as a window, or two
-    /// half-widths; at width 0 every channel gets the same.
+    /// Writes the noise of `channel` from position `start` on: real, with an amplitude that falls as
+    /// frequency^(-alpha/2), times the blend's upper ramp. `out` is as long as a window, two half-widths; at width 0
+    /// every channel gets the same noise.
     fn fill(&mut self, channel: usize, start: i64, controls: &ExtendControls, out: &mut [f64]);
 
-    /// Amplitude density of the noise at the cutoff, the ramp left out: the root of the mean power
-    /// of a stretch's Fourier transform per sample of the stretch.
+    /// Amplitude density of the noise at the cutoff, without the ramp: the root of the mean power of a section's
+    /// Fourier transform per sample of the section.
     fn level(&self, controls: &ExtendControls) -> f64;
 
-    /// Steps in which a window's noise can be made ahead; 0 where it cannot.
+    /// Number of steps in which a window's noise can be made in advance; 0 if it cannot.
     fn steps(&self) -> usize {
         0
     }
 
-    /// Does one of these steps for the window whose noise [`fill`](Self::fill) will be asked for next, in order. Whatever has
-    /// not been done by then, `fill` does.
+    /// Does one of these steps for the window whose noise [`fill`](Self::fill) will request next, in order. `fill` does
+    /// whatever has not been done by then.
     fn prepare(&mut self, _step: usize, _start: i64, _controls: &ExtendControls) {}
 }
 
@@ -45,13 +45,13 @@ pub struct PowerLaw {
     taps: Vec<f64>,
     /// The shape being designed, and the steps of it that are done.
     design: Option<(Band, usize)>,
-    /// The block being made, its channel, and the steps of it that are done.
+    /// The block being made, its channel, and its finished steps.
     making: Option<(usize, Kind, usize)>,
-    /// Blocks stand on multiples of their length, so that a block is the same whoever asks for it.
+    /// Blocks are aligned with multiples of their length, so that a block is the same for every caller.
     block_len: usize,
     /// Per channel the latest of even and of odd number.
     blocks: Vec<[Block; 2]>,
-    /// White noise around the block: one stream shared by all channels, then one of each.
+    /// White noise around the block: one stream shared by all channels, then one for each.
     streams: Vec<Stream>,
 }
 
@@ -78,7 +78,7 @@ impl PowerLaw {
     }
 
     fn kind(&self, number: i64, controls: &ExtendControls) -> Kind {
-        // One channel alone has no width.
+        // A single channel has no width.
         let own = if self.blocks.len() == 1 { 0.0 } else { within(controls.width, 0.0, 1.0) };
         Kind { number, band: Band::new(controls), seed: controls.seed, own }
     }
@@ -87,7 +87,7 @@ impl PowerLaw {
         &mut self.blocks[channel][number.rem_euclid(2) as usize]
     }
 
-    /// Makes a block that was not made ahead.
+    /// Makes a block that was not made in advance.
     fn make(&mut self, channel: usize, kind: &Kind) {
         (self.design, self.making) = (None, None);
         if self.band != Some(kind.band) {
@@ -158,7 +158,7 @@ impl PowerLaw {
     }
 }
 
-/// Steps in which the bins of a shape are set.
+/// Number of steps in which the bins of a shape are set.
 const BIN_STEPS: usize = 4;
 /// Steps of designing a shape: its bins, to time and back.
 const DESIGN_STEPS: usize = BIN_STEPS + 2;
@@ -202,9 +202,9 @@ impl NoiseSource for PowerLaw {
         };
         let (channel, step) = (step / (2 * BLOCK_STEPS), step % (2 * BLOCK_STEPS));
         let (which, step) = ((step / BLOCK_STEPS) as i64, step % BLOCK_STEPS);
-        // A window that begins with a block ends with it.
+        // A window that begins with a block also ends with it.
         let is_asked = which == 0 || start.rem_euclid(self.block_len as i64) != 0;
-        // At width 0 all channels are the first.
+        // At width 0 all channels equal the first.
         if !is_asked || channel > 0 && controls.width <= 0.0 || self.band != Some(band) {
             return;
         }
@@ -223,14 +223,14 @@ impl NoiseSource for PowerLaw {
     }
 }
 
-/// All that a block of noise depends on.
+/// All parameters of a block of noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Kind {
-    /// The block begins at this times the blocks' length.
+    /// The block begins at this multiple of the blocks' length.
     number: i64,
     band: Band,
     seed: u32,
-    /// Part of the channel's own stream in amplitude.
+    /// Share of the channel's own stream, in amplitude.
     own: f64,
 }
 
@@ -247,7 +247,7 @@ impl Block {
     }
 }
 
-/// The stretch of one white stream that was last asked for; the next one overlaps it.
+/// The section of one white stream that was requested last; the next one overlaps it.
 #[derive(Debug)]
 struct Stream {
     number: u32,

@@ -1,9 +1,9 @@
 //! Bandwidth extension of a whole signal as published (Chadwick & James 2011, §4, Algorithm 1),
 //! in double precision, for comparison with the authors' own results.
 //!
-//! It keeps the published program's peculiarities: a frequency axis that reaches the sample rate
-//! at its last bin, one-sided blend ramps (hence half the amplitude of everything), complex noise,
-//! and transforms as long as the signal. [`Extend`](super::Extend) is the engine for sound.
+//! It preserves the published program's peculiarities: a frequency axis whose last bin is at the sample rate, one-sided
+//! blend ramps (hence half the amplitude of everything), complex noise, and transforms as long as the signal.
+//! [`Extend`](super::Extend) is the engine for sound.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -14,7 +14,7 @@ use super::beta::positive_root;
 use super::chirp_z::ChirpZ;
 use crate::error::{Error, in_range};
 
-/// What the published program takes.
+/// Inputs of the published program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Sample rate in Hz.
@@ -29,9 +29,9 @@ pub struct Settings {
     pub fit_centre_hz: f64,
     /// Three standard deviations of the fit's Gaussian in Hz, above 0.
     pub fit_width_hz: f64,
-    /// Where the blend begins, in Hz, 0 or more.
+    /// Start of the blend in Hz, 0 or more.
     pub blend_start_hz: f64,
-    /// Where the blend ends, in Hz, above its begin and below half the sample rate.
+    /// End of the blend in Hz, above its start and below half the sample rate.
     pub blend_end_hz: f64,
     /// Factor on the noise, 0 or more.
     pub noise_amplitude: f64,
@@ -56,7 +56,7 @@ impl Settings {
         }
     }
 
-    /// Fails with the first setting outside its range.
+    /// Fails with the first setting out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         in_range("sample rate in Hz", self.sample_rate_hz, 1000.0, 768_000.0)?;
         let nyquist_hz = 0.499 * self.sample_rate_hz;
@@ -75,7 +75,7 @@ impl Settings {
 /// change a double.
 const FIT_REACH: f64 = 13.0;
 
-/// What the published program gives.
+/// Results of the published program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extended {
     /// The extended sound, as long as the input.
@@ -86,10 +86,9 @@ pub struct Extended {
 
 /// Extends `signal`.
 ///
-/// `progress` is told the share of windows done, 0-1, from time to time and calls the work off by
-/// returning `false`. Fails where a setting is out of range, where `signal` is shorter than a
-/// half-width or the envelope filter's 9-sample extension allows, and where it holds a value that
-/// is not finite.
+/// `progress` receives the share of windows done, 0-1, from time to time, and cancels the work by returning `false`.
+/// Fails if a setting is out of range, if `signal` is shorter than a half-width or than the envelope filter's 9-sample
+/// extension requires, or if it contains a value that is not finite.
 pub fn extend(signal: &[f64], settings: &Settings, progress: &mut dyn FnMut(f64) -> bool) -> Result<Extended, Error> {
     settings.validate()?;
     let least = settings.half_width.max(PADDING + 1);
@@ -115,7 +114,7 @@ pub fn extend(signal: &[f64], settings: &Settings, progress: &mut dyn FnMut(f64)
     Ok(Extended { samples, betas })
 }
 
-/// Everything that is the same for all windows.
+/// Data common to all windows.
 struct Work<'a> {
     signal: &'a [f64],
     settings: &'a Settings,
@@ -151,7 +150,7 @@ impl<'a> Work<'a> {
         let reach_hz = FIT_REACH * sigma_hz;
         let begin = axis.partition_point(|x| *x < settings.fit_centre_hz - reach_hz);
         let end = axis.partition_point(|x| *x <= settings.fit_centre_hz + reach_hz);
-        // The trapezoid rule weighs a bin by its neighbours' places.
+        // The trapezoid rule weights a bin by the distance of its neighbours.
         let fitted = begin.saturating_sub(1)..(end + 1).min(bins);
         let zeros = vec![Complex64::default(); fitted.len()];
         Self {
@@ -170,7 +169,7 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The part of the signal under a window.
+    /// The section of the signal under a window.
     fn span(&self, window: usize) -> Range<usize> {
         let (h, centre) = (self.settings.half_width, window * self.settings.half_width);
         centre.saturating_sub(h)..(centre + h).min(self.signal.len())
@@ -182,8 +181,8 @@ impl<'a> Work<'a> {
         1.0 - at.abs_diff(window * h) as f64 / h as f64
     }
 
-    /// All of the fit's spectra start their phases at the window's first sample, which does not
-    /// change their products.
+    /// The spectra of the fit all start their phases at the window's first sample, which does not change their
+    /// products.
     fn beta(&mut self, window: usize) -> f64 {
         let weights: Vec<f64> = self.span(window).map(|at| self.weight(window, at)).collect();
         let span = self.span(window);
@@ -197,7 +196,7 @@ impl<'a> Work<'a> {
         fit(&self.axis[fitted], gaussian, lower, &self.window_drive, &self.window_noise)
     }
 
-    /// The windows' sum. Transform and ramps are linear, so the sum is taken before them.
+    /// The sum of the windows. Transform and ramps are linear, so the sum is taken before them.
     fn output(&self, betas: &[f64]) -> Vec<f64> {
         let mut low = vec![Complex64::default(); self.axis.len()];
         let mut high = low.clone();
@@ -219,7 +218,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Frequencies in Hz of `bins` bins; the last one stands at the sample rate.
+/// Frequencies in Hz of `bins` bins; the last one is at the sample rate.
 pub fn frequency_axis(bins: usize, sample_rate_hz: f64) -> Vec<f64> {
     (0..bins).map(|bin| sample_rate_hz * bin as f64 / (bins - 1) as f64).collect()
 }
@@ -247,8 +246,8 @@ pub fn noise_spectrum(axis: &[f64], alpha: f64, phases: &mut Pcg32) -> Vec<Compl
     axis.iter().map(bin).collect()
 }
 
-/// The factor by which `noise` (times the upper ramp) joins `drive` (in full) at the fit's centre:
-/// the paper's quadratic, its integrals by the trapezoid rule.
+/// The factor by which `noise` (times the upper ramp) joins `drive` (in full) at the fit's centre: the paper's
+/// quadratic, with its integrals by the trapezoid rule.
 pub fn fit(axis: &[f64], gaussian: &[f64], lower: &[f64], drive: &[Complex64], noise: &[Complex64]) -> f64 {
     let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
     for bin in 0..axis.len() {
@@ -269,8 +268,8 @@ pub fn fit(axis: &[f64], gaussian: &[f64], lower: &[f64], drive: &[Complex64], n
 /// Samples by which the zero-phase filter extends a signal at either end.
 const PADDING: usize = 9;
 
-/// Butterworth low-pass of order 2, run forward and backward, with an odd extension of 9 samples
-/// at both ends and an initial state settled on the first value.
+/// Butterworth low-pass of order 2, run forwards and backwards, with an odd extension of 9 samples at both ends and an
+/// initial state settled on the first value.
 ///
 /// `signal` has at least 10 samples.
 pub fn zero_phase_low_pass(signal: &[f64], cutoff_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
@@ -296,7 +295,7 @@ fn low_pass_from_rest(signal: &mut [f64], cutoff_hz: f64, sample_rate_hz: f64) {
     let norm = 1.0 + std::f64::consts::SQRT_2 * w + w * w;
     let b = [w * w / norm, 2.0 * w * w / norm, w * w / norm];
     let a = [2.0 * (w * w - 1.0) / norm, (1.0 - std::f64::consts::SQRT_2 * w + w * w) / norm];
-    // State of the filter settled on a constant 1, for which its output is 1 too.
+    // State of the filter settled on a constant 1, for which its output is also 1.
     let (mut s1, mut s2) = ((1.0 - b[0]) * signal[0], (b[2] - a[1]) * signal[0]);
     for sample in signal {
         let x = *sample;

@@ -59,9 +59,8 @@ impl Transform {
         self.transform.inverse(&self.spectrum, &mut self.time, &mut self.room);
     }
 
-    /// Multiplies `spectrum` by a zero-phase filter's, made by [`response`](Self::response), and
-    /// transforms back. Sample i of `time` is then sample i of the filtered signal wherever the
-    /// filter did not reach around the ends.
+    /// Multiplies `spectrum` by a zero-phase filter's, made by [`response`](Self::response), and transforms back.
+    /// Sample i of `time` is then sample i of the filtered signal wherever the filter did not reach around the ends.
     pub fn filter(&mut self, response: &[f64]) {
         for (bin, gain) in self.spectrum.iter_mut().zip(response) {
             *bin *= gain;

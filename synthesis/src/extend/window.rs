@@ -1,7 +1,7 @@
-//! Windows, the grid they stand on, and the buffers that follow it.
+//! Windows, their grid, and the buffers that follow it.
 //!
-//! Window k is a triangle of half-width h centred at sample k h of the host's timeline (§4): the
-//! windows sum to 1, and where they stand does not depend on where playing started.
+//! Window k is a triangle of half-width h centred at sample k h of the host's timeline (§4): the windows sum to 1, and
+//! their positions do not depend on the start of playback.
 
 /// Triangle of half-width `half_width`, peak 1 at index `half_width`; the first of its
 /// 2 `half_width` values is 0.
@@ -19,7 +19,7 @@ pub(crate) fn into_hop(position: i64, offset: usize, hop: usize) -> usize {
 #[derive(Debug)]
 pub(crate) struct RingBuffer {
     data: Vec<f64>,
-    /// Samples that must stay readable.
+    /// Number of samples that must stay readable.
     keep: usize,
     len: usize,
     /// Position of the sample after the newest.
@@ -27,7 +27,7 @@ pub(crate) struct RingBuffer {
 }
 
 impl RingBuffer {
-    /// Keeps at least the newest `keep` samples.
+    /// A buffer of at least the newest `keep` samples.
     pub fn new(keep: usize) -> Self {
         Self { data: vec![0.0; 3 * keep], keep, len: keep, end: 0 }
     }
@@ -62,27 +62,27 @@ impl RingBuffer {
     }
 }
 
-/// A sum of overlapping pieces, taken out in order.
+/// A sum of overlapping pieces, read in order.
 #[derive(Debug)]
 pub(crate) struct OverlapAdd {
     ring: Vec<f64>,
-    /// Position of the next sample to be taken.
+    /// Position of the next sample to read.
     front: i64,
 }
 
 impl OverlapAdd {
-    /// Pieces may reach `span` samples past the next one to be taken.
+    /// A sum whose pieces may reach `span` samples past the next one to read.
     pub fn new(span: usize) -> Self {
         Self { ring: vec![0.0; span], front: 0 }
     }
 
-    /// Empty, with `position` the next to be taken.
+    /// Clears the sum; the next sample to read is at `position`.
     pub fn reset(&mut self, position: i64) {
         self.ring.fill(0.0);
         self.front = position;
     }
 
-    /// Adds a piece whose first sample stands at `start`; what comes too late is dropped.
+    /// Adds a piece whose first sample is at `start`; samples that come too late are dropped.
     pub fn add(&mut self, start: i64, piece: impl ExactSizeIterator<Item = f64>) {
         let skip = (self.front - start).max(0) as usize;
         let room = (self.front - start + self.ring.len() as i64).max(0) as usize - skip;
@@ -96,7 +96,7 @@ impl OverlapAdd {
         }
     }
 
-    /// Takes the next samples.
+    /// Reads the next samples.
     pub fn take(&mut self, out: &mut [f64]) {
         let mut at = self.index(self.front);
         for sample in out.iter_mut() {

@@ -1,4 +1,4 @@
-//! Crackles of all fuels, made once for a sample rate.
+//! Crackles of all fuels, made once for each sample rate.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -9,19 +9,20 @@ use super::draws::Draws;
 use super::kind::{BURNING, Properties};
 use crate::crackle::{Crackles, Made, Variation};
 
-/// Ruptures of each fuel that are made, about, and how many seconds they may take.
+/// Approximate number of ruptures made for each fuel, and their largest duration in seconds.
 const RUPTURES: f64 = 240.0;
 const SECONDS: [f64; 2] = [6.0, 60.0];
-/// Seed of all that is made; another choice of ruptures is not another fuel.
+/// Seed of the bank; a different choice of ruptures is not a different fuel.
 const SEED: u32 = 0x4655_454C;
-/// What is made is varied further than what was recorded, since it is less varied by itself; and placed, since it has no place.
+/// Synthetic crackles are varied more than recorded ones, since they are more alike; and panned, since they have no
+/// position.
 const VARIATION: Variation = Variation { level_db: 2.0, rate: 0.12, tilt_db: 1.5, balance_db: 7.0 };
 
-/// Banks by the bits of their rate, as long as somebody plays them.
+/// Banks by the bits of their rate, as long as they are in use.
 static BANKS: Mutex<Option<HashMap<u64, Weak<[Crackles]>>>> = Mutex::new(None);
 
 /// Crackles of the fuels that burn, in the order of [`Fuel::place`](crate::controls::Fuel::place), for output at
-/// `sample_rate_hz`, which lies within 8,000-384,000. A bank in use is shared. Not for the audio thread.
+/// `sample_rate_hz` (8,000-384,000). A bank in use is shared. Not for the audio thread.
 pub fn bank(sample_rate_hz: f64) -> Arc<[Crackles]> {
     let mut guard = BANKS.lock().unwrap_or_else(PoisonError::into_inner);
     let known = guard.get_or_insert_default();

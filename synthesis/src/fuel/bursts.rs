@@ -1,9 +1,9 @@
-//! When ruptures come: bursts at random, in each of them a few in a row (a Neyman-Scott process).
+//! Times of the ruptures: bursts at random, each with a few ruptures in a row (a Neyman-Scott process).
 
 use super::draws::Draws;
 use super::kind::Bursts;
 
-/// Gaps below this, in seconds, are not made: two such ruptures are heard as one.
+/// Smallest gap in seconds: two closer ruptures are heard as one.
 const LEAST_GAP_S: f64 = 0.001;
 
 impl Bursts {

@@ -1,4 +1,4 @@
-//! Random numbers of what is made beforehand, one after the other.
+//! Sequential random numbers for material that is made in advance.
 
 use crate::noise::White;
 
@@ -34,7 +34,7 @@ impl Draws {
     /// A number of mean 0 and variance 1, normally distributed within two standard deviations.
     pub fn normal(&mut self) -> f64 {
         loop {
-            // The polar method of Marsaglia and Bray (1964), four of five times at once.
+            // The polar method of Marsaglia and Bray (1964), successful at once four times out of five.
             let [a, b] = [self.unit(), self.unit()];
             let square = a * a + b * b;
             if square > 0.0 && square < 1.0 {

@@ -2,7 +2,7 @@
 
 use crate::controls::Fuel;
 
-/// What a fuel sounds like. Ranges are drawn from evenly on a logarithmic scale.
+/// Sound of a fuel. Values are drawn uniformly from their ranges on a logarithmic scale.
 #[derive(Debug)]
 pub(super) struct Properties {
     pub bursts: Bursts,
@@ -11,7 +11,7 @@ pub(super) struct Properties {
     pub body: Tone,
 }
 
-/// When ruptures come.
+/// Times of the ruptures.
 #[derive(Debug)]
 pub(super) struct Bursts {
     /// Bursts a second.
@@ -22,13 +22,13 @@ pub(super) struct Bursts {
     pub gap_s: f64,
 }
 
-/// What ruptures are like.
+/// Sound of the ruptures.
 #[derive(Debug)]
 pub(super) struct Rupture {
     /// Peak of the median one in dBFS, and the standard deviation of peaks in dB.
     pub median_db: f64,
     pub deviation_db: f64,
-    /// Time constant of the click in seconds, and the frequency in Hz about which it lies.
+    /// Time constant of the click in seconds, and its centre frequency in Hz.
     pub click_s: [f64; 2],
     pub click_hz: [f64; 2],
     /// Lowest mode in Hz of the piece that rings, its time constant in seconds, and its level against the click in dB.
@@ -46,7 +46,7 @@ pub(super) struct Tone {
     pub level_db: f64,
 }
 
-/// Where no fuel is chosen.
+/// Tone without a fuel.
 const NEUTRAL: [Tone; 2] = [Tone { hump_hz: 5000.0, level_db: 0.0 }, Tone { hump_hz: 160.0, level_db: 0.0 }];
 
 /// Seasoned wood: sharp snaps, some of them loud; little steam.

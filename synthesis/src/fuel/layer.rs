@@ -7,9 +7,9 @@ use crate::error::within;
 use crate::smoothed::Smoothed;
 use crate::timeline::Timeline;
 
-/// Most channels of any bus.
+/// Largest number of channels of any bus.
 const MOST_CHANNELS: usize = 10;
-/// Seconds, beside the latency, after which a layer that was switched off has fallen silent.
+/// Seconds, in addition to the latency, after which a layer that was turned off has fallen silent.
 const HOLD_S: f64 = 0.25;
 /// Time constant in seconds with which the tone follows its controls.
 const TONE_S: f64 = 0.02;
@@ -21,7 +21,7 @@ const LOUDEST: f64 = 30.0;
 const STREAMS: u32 = 16;
 const FLUTTER_STREAM: u32 = 256;
 
-/// What a block is made of.
+/// Inputs of a block.
 pub(super) struct Run<'a> {
     pub timeline: &'a Timeline<FuelControls>,
     /// The latency in samples, and the samples since reset.
@@ -31,7 +31,7 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Controls that are heard from sample `start` of the block on, and the sample before which they hold.
+    /// Controls that apply from sample `start` of the block on, and the sample up to which they apply.
     fn controls(&self, start: usize) -> (FuelControls, usize) {
         let entered = (self.now + start as u64).saturating_sub(self.late);
         let (controls, end) = self.timeline.run_at(entered);
@@ -50,7 +50,7 @@ pub(super) struct Layer {
     weights: Vec<Smoothed>,
     targets: Vec<f64>,
     flutters: [Octave; 2],
-    /// Samples for which it is made on after it was switched off, and how many are left.
+    /// Samples for which it continues after it was turned off, and the number left.
     hold_samples: usize,
     left_samples: usize,
 }
@@ -59,7 +59,7 @@ impl Layer {
     /// A layer that is off, for `channels` of output that come `latency_samples` after the controls.
     pub fn new(kind: NoiseKind, channels: usize, latency_samples: usize, sample_rate_hz: f64) -> Self {
         let (recipe, channels) = (kind.recipe(), channels.min(MOST_CHANNELS));
-        // What the rate cannot hold is left out, but for the lowest.
+        // Octaves too high for the sample rate are left out, except for the lowest.
         let holds = |hz: &&f64| **hz <= 0.24 * sample_rate_hz || **hz == recipe.octaves_hz[0];
         let middles_hz: Vec<f64> = recipe.octaves_hz.iter().filter(holds).copied().collect();
         let octave = |(number, hz): (usize, &f64)| {
@@ -81,12 +81,12 @@ impl Layer {
         }
     }
 
-    /// Back to silence.
+    /// Resets to silence.
     pub fn reset(&mut self) {
         self.left_samples = 0;
     }
 
-    /// Makes one block, whose first sample is heard at `position`. A layer that has been off for long is passed over.
+    /// Renders one block, whose first sample is heard at `position`. A layer that has been off for long is skipped.
     pub fn process(&mut self, run: &Run<'_>, position: i64, is_on: bool, outputs: &mut [&mut [f64]]) {
         let samples = run.loudness.len();
         let is_fresh = self.left_samples == 0;
@@ -106,7 +106,7 @@ impl Layer {
         }
     }
 
-    /// Sets out for the spectrum that `controls` ask for; a fresh layer has it at once.
+    /// Starts moving towards the spectrum of `controls`; a fresh layer has it at once.
     fn aim(&mut self, controls: &FuelControls, is_fresh: bool) {
         let (hump_hz, rms) = self.kind.hump(controls);
         let [rise, fall] = self.kind.recipe().slopes;

@@ -12,12 +12,12 @@ use super::recipe::NoiseKind;
 use crate::controls::FuelControls;
 use crate::timeline::Timeline;
 
-/// Factors with which the layers are mixed; a layer that is off is not made.
+/// Mixing factors of the layers; a layer that is off is not computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseLevels {
-    /// Of hiss.
+    /// Gain factor of hiss.
     pub hiss: f64,
-    /// Of body.
+    /// Gain factor of body.
     pub body: f64,
 }
 
@@ -28,7 +28,7 @@ pub struct FuelNoise {
     timeline: Timeline<FuelControls>,
     hiss: Layer,
     body: Layer,
-    /// Position of the next sample that is heard, and samples since reset.
+    /// Position of the next audible sample, and samples since reset.
     position: i64,
     now: u64,
 }
@@ -47,12 +47,12 @@ impl FuelNoise {
         }
     }
 
-    /// Samples by which the layers come after the drive.
+    /// Delay of the layers after the drive, in samples.
     pub fn latency_samples(&self) -> usize {
         self.latency_samples as usize
     }
 
-    /// Back to silence; the next sample of the drive stands at `position` on the host's timeline.
+    /// Resets to silence; the next sample of the drive is at `position` on the host's timeline.
     pub fn reset(&mut self, position: i64) {
         self.timeline.reset(FuelControls::default());
         self.position = position.wrapping_sub(self.latency_samples);
@@ -61,9 +61,9 @@ impl FuelNoise {
         self.body.reset();
     }
 
-    /// Makes one block of both layers, by channel. `loudness` is that of the drive, relative to its level on the whole, at
-    /// the samples that are heard: [`latency_samples`](Self::latency_samples) ago; `controls` and `levels` belong to those
-    /// that enter.
+    /// Renders one block of both layers, by channel. `loudness` is that of the drive, relative to its overall level, at
+    /// the audible samples, which are [`latency_samples`](Self::latency_samples) old; `controls` and `levels` belong to
+    /// the samples that enter.
     pub fn process(
         &mut self,
         loudness: &[f64],

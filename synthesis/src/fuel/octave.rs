@@ -1,15 +1,15 @@
-//! An octave of noise, as a function of seed and position alone.
+//! An octave of noise, as a function of seed and position only.
 
 use crate::noise::White;
 
-/// Frequency of the octave's middle in nodes: where the spectrum, sin(pi f)^2 sinc(f)^8, has its maximum.
+/// Centre frequency of the octave per node: the maximum of the spectrum sin(pi f)^2 sinc(f)^8.
 const MIDDLE: f64 = 0.24;
 /// Standard deviation of a cubic B-spline through white noise, and of one through its differences.
 const SMOOTH_DEVIATION: f64 = 0.692_4;
 const OCTAVE_DEVIATION: f64 = 0.697_2;
 
-/// Cubic B-splines whose coefficients are white noise, or its differences, at nodes on the timeline. There is no filter
-/// that would remember: what is heard at a position does not depend on where playing began, and costs four products.
+/// Cubic B-splines whose coefficients are white noise, or its differences, at nodes on the timeline. No filter has any
+/// memory: the sound at a position does not depend on the start of playback, and costs four products.
 #[derive(Debug, Clone)]
 pub(super) struct Octave {
     nodes_per_sample: f64,
@@ -17,7 +17,7 @@ pub(super) struct Octave {
     scale: f64,
     /// First of the streams of white noise, one for all channels and one for each.
     stream: u32,
-    /// Factors on what is common to all channels and on their own.
+    /// Gain factors of the part common to all channels and of their own parts.
     shares: [f64; 2],
     /// Seed and node of the coefficients at hand, by channel.
     held: Option<(u32, i64)>,
@@ -25,8 +25,8 @@ pub(super) struct Octave {
 }
 
 impl Octave {
-    /// Noise of unit variance about `middle_hz`, or where the rate does not reach so far as high as it does. It falls
-    /// by 6 dB an octave below, and faster above. The part `common` of its power is the same in all `channels`.
+    /// Noise of unit variance about `middle_hz`, or as high as the rate allows. It falls by 6 dB per octave below, and
+    /// faster above. The share `common` of its power is the same in all `channels`.
     pub fn new(middle_hz: f64, common: f64, channels: usize, stream: u32, sample_rate_hz: f64) -> Self {
         Self {
             nodes_per_sample: (middle_hz / (MIDDLE * sample_rate_hz)).min(1.0),
@@ -88,7 +88,7 @@ impl Octave {
     }
 }
 
-/// Weights of the cubic B-spline at a place `part` of the way from the second to the third of four coefficients.
+/// Weights of the cubic B-spline at the fraction `part` between the second and the third of four coefficients.
 #[inline]
 fn spline(part: f64) -> [f64; 4] {
     let rest = 1.0 - part;

@@ -1,4 +1,4 @@
-//! What distinguishes hiss from body.
+//! Differences between hiss and body.
 
 use super::kind::{Tone, tones};
 use crate::controls::FuelControls;
@@ -11,14 +11,14 @@ pub(super) enum NoiseKind {
     Body,
 }
 
-/// How a layer is made.
+/// Recipe of a layer.
 #[derive(Debug)]
 pub(super) struct Recipe {
     /// Middles of the octaves in Hz.
     pub octaves_hz: &'static [f64],
     /// Exponents of the amplitude of octaves over frequency, below the hump and above.
     pub slopes: [f64; 2],
-    /// Part of the power that all channels have in common.
+    /// Share of the power that all channels have in common.
     pub common: f64,
     /// Fastest changes of the unevenness in Hz, and its depth in nepers at a flutter of 1.
     pub flutter_hz: [f64; 2],
@@ -27,12 +27,12 @@ pub(super) struct Recipe {
     pub exponent: f64,
     /// Root mean square at a level of 1.
     pub rms: f64,
-    /// First of its streams of white noise, which no other stage uses.
+    /// First of its white-noise streams, which no other stage uses.
     pub stream: u32,
 }
 
-/// A jet's power spectrum rises with the square of frequency and falls with its inverse square; an octave holds one power
-/// of frequency more. Steam comes from many places, so that channels have little in common.
+/// A jet's power spectrum rises with the square of frequency and falls with its inverse square; an octave has one more
+/// power of frequency. Steam comes from many places, so channels have little in common.
 const HISS: Recipe = Recipe {
     octaves_hz: &[1400.0, 2800.0, 5600.0, 11_200.0],
     slopes: [1.5, -0.5],
@@ -44,8 +44,8 @@ const HISS: Recipe = Recipe {
     stream: 0x4846_0000,
 };
 
-/// Power falls by f^-3.5, at the steep end of what flames have, as the beds of recorded wood fires do; an octave's amplitude
-/// by f^-1.25 then.
+/// Power falls by f^-3.5, at the steep end of the range for flames, as in the beds of recorded wood fires; an octave's
+/// amplitude then falls by f^-1.25.
 const BODY: Recipe = Recipe {
     octaves_hz: &[55.0, 110.0, 220.0, 440.0, 880.0, 1760.0],
     slopes: [1.0, -1.25],

@@ -1,4 +1,4 @@
-//! What one rupture sounds like: a click, and the piece of fuel that it sets ringing.
+//! Sound of one rupture: a click, and the piece of fuel that it sets ringing.
 
 use std::f64::consts::PI;
 
@@ -7,12 +7,12 @@ use super::kind::Rupture;
 use crate::filter::{Svf, section_gain};
 
 /// Modes of a free bar, relative to the lowest (Euler and Bernoulli; Fletcher & Rossing, "The Physics of Musical
-/// Instruments", §2.16), and how far those of a broken piece may lie from them.
+/// Instruments", §2.16), and the deviation of those of a broken piece.
 const MODES: [f64; 3] = [1.0, 2.756, 5.404];
 const IRREGULAR: f64 = 0.08;
-/// Time in seconds in which pressure rises: a shock's.
+/// Rise time of the pressure in seconds: that of a shock.
 const RISE_S: f64 = 0.000_05;
-/// Time constants after which a wave ends (-52 dB), its greatest length in seconds, and its fade-out.
+/// Number of time constants after which a wave ends (-52 dB), its greatest length in seconds, and its fade-out.
 const TIME_CONSTANTS: f64 = 6.0;
 const LONGEST_S: f64 = 0.050;
 const FADE_S: f64 = 0.001;
@@ -20,7 +20,7 @@ const FADE_S: f64 = 0.001;
 const NOISE: f64 = 0.7;
 /// The click's band: corners relative to its middle.
 const BAND: [f64; 2] = [0.6, 1.6];
-/// How much of a rupture's duration and pitch goes with its size: large cells ring longer and lower.
+/// Dependence of a rupture's duration and pitch on its size: large cells ring longer and lower.
 const BY_SIZE: f64 = 0.6;
 
 impl Rupture {
@@ -53,7 +53,7 @@ impl Rupture {
     }
 }
 
-/// Pressure that is let go: it rises at once and falls with a time constant, in part as noise.
+/// Released pressure: it rises at once and falls with a time constant, partly as noise.
 fn release(samples: usize, time_s: f64, draws: &mut Draws, sample_rate_hz: f64) -> Vec<f64> {
     let at = |i: usize| {
         let now_s = i as f64 / sample_rate_hz;
@@ -62,9 +62,9 @@ fn release(samples: usize, time_s: f64, draws: &mut Draws, sample_rate_hz: f64) 
     (0..samples).map(|i| at(i) * (1.0 - NOISE + NOISE * draws.unit())).collect()
 }
 
-/// What leaves as sound at once: a broad band about `centre_hz`.
+/// Sound radiated at once: a broad band about `centre_hz`.
 fn click(release: &[f64], centre_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
-    // A rate that does not reach so far has the band's lower part only.
+    // At a low sample rate, only the lower part of the band remains.
     let [low, high] = BAND.map(|part| section_gain((part * centre_hz).min(0.45 * sample_rate_hz), sample_rate_hz));
     let [mut high_pass, mut low_pass] = [Svf::default(); 2];
     release.iter().map(|x| low_pass.process(high, high_pass.process(low, *x).high).low).collect()

@@ -17,7 +17,7 @@ mod settled;
 
 /// Time constant in seconds with which levels follow their controls.
 const SMOOTHING_S: f64 = 0.005;
-/// Most channels of any bus.
+/// Largest number of channels of any bus.
 const MAX_CHANNELS: usize = 10;
 
 /// Adds the layers. Controls are delayed by the latency, so that they act on the sound that they
@@ -25,7 +25,7 @@ const MAX_CHANNELS: usize = 10;
 #[derive(Debug, Clone)]
 pub struct Mix {
     latency_samples: u64,
-    /// The channel of low-frequency effects, which passes as it came.
+    /// The LFE channel, which is passed through.
     effects: Option<usize>,
     controls: Timeline<MixControls>,
     low: Smoothed,
@@ -69,19 +69,19 @@ impl Mix {
         }
     }
 
-    /// Back to the state of a fresh instance; the next controls are taken at once.
+    /// Restores the state of a fresh instance; the next controls apply at once.
     pub fn reset(&mut self) {
         self.controls.reset(MixControls::default());
         self.now = 0;
     }
 
-    /// Samples for which it sounds on after the layers have fallen silent.
+    /// Samples for which it continues after the layers have fallen silent.
     pub fn tail_samples(&self, controls: &MixControls) -> usize {
         self.tone.tail_samples(&controls.tone)
     }
 
-    /// Mixes one block into `outputs`, whose channels are as long as the layers'. `controls` belong
-    /// to the sound that enters with this block.
+    /// Mixes one block into `outputs`, whose channels are as long as the layers'. `controls` belong to the sound that
+    /// enters with this block.
     pub fn process(&mut self, layers: &Layers<'_>, controls: &MixControls, outputs: &mut [&mut [f32]]) -> Peaks {
         let samples = layers.low.len();
         if self.controls.end() == 0 {
@@ -126,7 +126,7 @@ impl Mix {
         self.bypass.value = f64::from(u8::from(controls.bypass));
     }
 
-    /// Whether all levels have arrived where the controls want them, and the tone is neutral: then they stay.
+    /// True if all levels have reached their controls and the tone is neutral: then they stay.
     fn is_settled(&self, controls: &MixControls) -> bool {
         let bypass = f64::from(u8::from(controls.bypass));
         self.low.value == controls.low
@@ -207,7 +207,7 @@ impl Mix {
             peaks.hiss = peaks.hiss.max(hiss.abs());
             peaks.body = peaks.body.max(body.abs());
         }
-        // All channels alike, so that the image stays.
+        // The same for all channels, so that the image stays.
         let held = if controls.ceiling { ceiling::gain(loudest) } else { 1.0 };
         for (channel, output) in outputs.iter_mut().enumerate() {
             let dry = layers.dry[channel][i];

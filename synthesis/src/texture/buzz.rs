@@ -1,52 +1,52 @@
-//! The buzz of windows that repeat, and how far scalingAlpha yields to it.
+//! The buzz of repeating windows, and the reduction of scalingAlpha against it.
 //!
-//! Mapped fully, a quiet passage of the drive can choose the same windows over and over, as loud as the drive
-//! asks: a tone whose lines stand at multiples of rate / hop, or of a whole fraction of that where a repeat lasts several hops.
-//! A sound's correlation with itself, a lag of as many hops ago, weighs its power at those lines against that
-//! between them (Wiener-Khinchin), for all lines at once and without a transform; the same at lags beside the hops tells
-//! what tones and colours the sound has otherwise. The difference is the buzz.
+//! At full mapping, a quiet passage of the drive can choose the same windows over and over, as loud as the drive
+//! demands: a tone whose lines are at multiples of rate / hop, or of an integer fraction of that if a repeat lasts
+//! several hops. A sound's autocorrelation, at a lag of as many hops, compares its power at those lines with that
+//! between them (Wiener-Khinchin), for all lines at once and without a transform; the same at lags beside the hops
+//! measures the tones and colours that the sound has anyway. The difference is the buzz.
 
 use crate::filter::{Svf, section_gain};
 
-/// Hops that a repeat may last: torch on its own recording repeats after six.
+/// Longest repeat in hops: torch on its own recording repeats after six.
 const HOPS: usize = 16;
-/// Hops that are kept.
+/// Number of hops that are stored.
 const ROWS: usize = HOPS + 1;
-/// Where, in a hop's 64ths, the lags beside the hops lie: off the hops of finer levels too.
+/// Position, in 64ths of a hop, of the lags beside the hops: away from the hops of finer levels too.
 const BESIDE: usize = 23;
-/// Corner in Hz of what is listened to: flames' own rumble lies below.
+/// Corner in Hz of the analysed signal: the flames' own rumble is below.
 const LOW_HZ: f64 = 500.0;
 /// Time constant in seconds of the correlations.
 const HEARD_S: f64 = 1.0;
-/// Buzz that is borne: recordings and results of the reference pairs that do not buzz stay below 0.06 but for moments,
+/// Tolerated buzz: recordings and results of the reference pairs without a buzz stay below 0.06 except for moments;
 /// those with a line beyond 5 dB reach 0.15 to 0.6.
 const TOLERATED: f64 = 0.08;
-/// Buzz beyond that at which the share falls as fast as it may.
+/// Buzz beyond that at which the share falls at its fastest.
 const SPAN: f64 = 0.1;
-/// Seconds in which the share falls from 1 to 0 at the fastest, and in which it comes back without any buzz.
+/// Shortest time in seconds in which the share falls from 1 to 0, and the time in which it recovers without any buzz.
 const FALL_S: f64 = 0.8;
 const RISE_S: f64 = 20.0;
-/// Part of the mean power below which a hop tells nothing, -40 dB, and power that is silence whatever went before.
+/// Share of the mean power below which a hop is ignored, -40 dB, and power that always counts as silence.
 const SILENT_PART: f64 = 1e-4;
 const SILENCE: f64 = 1e-20;
 
-/// Listens to what is synthesized.
+/// Buzz detector for the synthesized sound.
 #[derive(Debug)]
 pub struct Buzz {
     hop: usize,
     low: Svf,
     low_gain: f64,
     last: f64,
-    /// What was heard in the last `ROWS` hops: for every place in a hop a column of them, newest first from `newest` on, kept
-    /// twice so that hops in a row always lie in a row.
+    /// The last `ROWS` hops of the sound: a column for every position in a hop, newest first from `newest` on, stored
+    /// twice so that consecutive hops are always contiguous.
     past: Vec<[f64; 2 * ROWS]>,
     newest: usize,
     part: f64,
     power: f64,
-    /// Mean products with what was heard 1 to `HOPS` hops before, and beside.
+    /// Mean products with the sound 1 to `HOPS` hops before, and beside.
     on_grid: [f64; HOPS],
     beside: [f64; HOPS],
-    /// Samples in the hop under way, and their energy.
+    /// Samples in the present hop, and their energy.
     filled: usize,
     energy: f64,
     fall: f64,
@@ -55,7 +55,7 @@ pub struct Buzz {
 }
 
 impl Buzz {
-    /// For windows that are matched every `hop` samples, 1 at least.
+    /// A detector for windows that are matched every `hop` samples, at least 1.
     pub fn new(hop: usize, sample_rate_hz: f64) -> Self {
         let hop_s = hop as f64 / sample_rate_hz;
         Self {
@@ -77,7 +77,7 @@ impl Buzz {
         }
     }
 
-    /// Nothing heard yet.
+    /// Forgets everything.
     pub fn reset(&mut self) {
         self.low.reset();
         self.last = 0.0;
@@ -95,16 +95,16 @@ impl Buzz {
         self.beside = [0.0; HOPS];
     }
 
-    /// Part of scalingAlpha that is left, 0-1: it falls while there is a buzz and rises slowly when there is none.
+    /// Remaining share of scalingAlpha, 0-1: it falls during a buzz and rises slowly without one.
     pub fn share(&self) -> f64 {
         self.share
     }
 
-    /// Takes a sample of what is synthesized.
+    /// Adds a synthesized sample.
     pub fn push(&mut self, sample: f64) {
         // Fire falls by some 6 to 9 dB an octave: its differences are nearly white, so all lines count alike.
         let heard = self.low.process(self.low_gain, sample - std::mem::replace(&mut self.last, sample)).high;
-        // `lag` hops before, and `lag` hops and a part of one.
+        // `lag` hops before, and `lag` hops and a fraction.
         let place = self.filled;
         let beside = self.hop * BESIDE / 64;
         let (column, earlier) = if place >= beside { (place - beside, 0) } else { (place + self.hop - beside, 1) };
@@ -125,13 +125,14 @@ impl Buzz {
         }
     }
 
-    /// How much of what is heard repeats with the hops, and with nothing else: up to 1.
+    /// Strength of repetition with the hops, and with nothing else: up to 1.
     fn strength(&self) -> f64 {
         let most = |means: &[f64; HOPS], size: fn(f64) -> f64| means.iter().fold(0.0f64, |most, x| most.max(size(*x)));
         (most(&self.on_grid, |x| x) - most(&self.beside, f64::abs)) / self.power
     }
 
-    /// Lets the share follow, once a hop. What is as strong as is borne lets it be, so that it settles where the buzz just ends.
+    /// Updates the share, once per hop. Buzz at the tolerated level leaves it unchanged, so that it settles where the
+    /// buzz just ends.
     fn follow(&mut self) {
         let power = std::mem::take(&mut self.energy) / self.hop as f64;
         self.filled = 0;

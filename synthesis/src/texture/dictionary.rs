@@ -1,5 +1,4 @@
-//! A recording, ready to be searched: its pyramid, the windows of every level, and an index over
-//! them (§5.1-5.2).
+//! A recording prepared for searching: its pyramid, the windows of every level, and an index over them (§5.1-5.2).
 
 use std::io::{self, Read, Write};
 use std::ops::Range;
@@ -17,10 +16,10 @@ use crate::channels::mean_of;
 use crate::companding::Profile;
 use crate::crackle::Crackles;
 
-/// Called with the part done, 0-1; answers whether to go on.
+/// Progress callback: receives the finished share, 0-1, and returns whether to continue.
 pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);
 
-/// The part of an array that is needed.
+/// The needed part of an array.
 #[derive(Debug, Encode, Decode)]
 struct LevelSlice {
     #[bitcode(skip)]
@@ -55,19 +54,19 @@ pub struct Dictionary {
     seconds: f64,
     /// Index of the recording's first sample in level 0's array.
     first: usize,
-    /// What windows and their features are read from, of the pyramid of the mean of the channels.
+    /// Sources of windows and their features, from the pyramid of the channels' mean.
     levels: Vec<LevelSlice>,
     /// Level 0 of every channel; empty for a recording of one channel, whose mean it is.
     channels: Vec<LevelSlice>,
-    /// Index of each level below the top; none where the level has no whole window.
+    /// Index of each level below the top; none if the level has no complete window.
     indices: Vec<Option<Index>>,
     distribution: Distribution,
     prior: Histogram,
-    /// The recording's side of companding, where its loudness has been taken out.
+    /// Companding data of the recording, if its loudness was removed.
     profile: Option<Profile>,
-    /// What was split off it before.
+    /// Crackles that were separated from it before.
     crackles: Option<Crackles>,
-    /// Whether crackles are left in it.
+    /// True if it still contains crackles.
     is_impulsive: bool,
 }
 
@@ -130,7 +129,7 @@ impl Dictionary {
         let indices = (0..shape.top()).map(|level| {
             let windows = windows[level].clone();
             let step = |part: f32| {
-                // Level l holds half the windows of level l - 1.
+                // Level l has half the windows of level l - 1.
                 let share = 0.9 * part * maths::powi(0.5f32, level as i32 + 1);
                 let mut done = done.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
                 *done += share;
@@ -147,21 +146,21 @@ impl Dictionary {
         Ok(dictionary)
     }
 
-    /// Writes the dictionary, to be read back by [`read_from`](Self::read_from) of the same build on the same
-    /// machine: it is a copy of what is in memory, not a file format.
+    /// Writes the dictionary, for [`read_from`](Self::read_from) in the same build on the same machine: it is a copy of
+    /// memory, not a file format.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// The errors of `out`.
     pub fn write_to(&self, out: &mut dyn Write) -> io::Result<()> {
         write_array(&bitcode::encode(self), out)?;
         self.arrays().into_iter().try_for_each(|array| write_array(array.bytes(), out))
     }
 
-    /// Reads what [`write_to`](Self::write_to) wrote. `len` is how many bytes there are at most: no more memory is taken.
-    /// Whoever keeps the bytes checks that they are whole; wrong ones may make a dictionary that sounds wrong.
+    /// Reads the output of [`write_to`](Self::write_to). `len` is the largest number of bytes: no more memory is used.
+    /// The caller must verify that the bytes are complete; damaged ones may give a dictionary that sounds wrong.
     ///
     /// # Errors
-    /// Those of `from`, and [`io::ErrorKind::InvalidData`] where it holds no dictionary.
+    /// The errors of `from`, and [`io::ErrorKind::InvalidData`] if it does not contain a dictionary.
     pub fn read_from(from: &mut dyn Read, len: u64) -> io::Result<Self> {
         let (mut small, mut left) = (Vec::<u8>::new(), len);
         read_array(&mut small, &mut left, from)?;
@@ -171,12 +170,12 @@ impl Dictionary {
         Ok(dictionary)
     }
 
-    /// The shape it was made for.
+    /// Shape of the dictionary.
     pub fn shape(&self) -> &PyramidConfig {
         &self.shape
     }
 
-    /// The sample rate in Hz it was made for.
+    /// Sample rate of the dictionary in Hz.
     pub fn sample_rate_hz(&self) -> f64 {
         self.sample_rate_hz
     }
@@ -191,7 +190,7 @@ impl Dictionary {
         self.seconds
     }
 
-    /// Bytes held, about.
+    /// Approximate number of bytes held.
     pub fn bytes(&self) -> usize {
         let samples: usize = self.levels.iter().chain(&self.channels).map(|kept| kept.samples.len()).sum();
         samples * size_of::<f64>()
@@ -205,12 +204,12 @@ impl Dictionary {
         self.profile.as_ref()
     }
 
-    /// The crackles that were split off it, if it has any.
+    /// The crackles separated from it, if there are any.
     pub fn crackles(&self) -> Option<&Crackles> {
         self.crackles.as_ref()
     }
 
-    /// Whether the recording has crackles that were left in it, for the paper's dynamics: its amplitudes spread so far that
+    /// True if the recording still contains crackles, for the paper's dynamics: its amplitudes spread so far that
     /// mapping them onto a drive's lets one window repeat.
     pub fn is_impulsive(&self) -> bool {
         self.is_impulsive
@@ -233,7 +232,7 @@ impl Dictionary {
         self.crackles.as_mut()
     }
 
-    /// The recording's side of companding, to be changed before the dictionary is shared.
+    /// The companding data, to be changed before the dictionary is shared.
     pub(crate) fn profile_mut(&mut self) -> Option<&mut Profile> {
         self.profile.as_mut()
     }
@@ -243,12 +242,12 @@ impl Dictionary {
         &self.distribution
     }
 
-    /// The same as a histogram.
+    /// The same distribution as a histogram.
     pub fn histogram(&self) -> &Histogram {
         &self.prior
     }
 
-    /// The index over the windows of `level`, if it has any.
+    /// The index of the windows of `level`, if it has any.
     pub fn index(&self, level: usize) -> Option<&Index> {
         self.indices.get(level)?.as_ref()
     }
@@ -258,8 +257,8 @@ impl Dictionary {
         self.levels[level].excerpt()
     }
 
-    /// Level 0 of the sound for one of `outputs` channels: the same channel of a recording with
-    /// as many, the mean for one output, else the recording's channels in turn.
+    /// Level 0 of the sound for one of `outputs` channels: the same channel if the recording has as many, the mean for
+    /// one output, otherwise the recording's channels in turn.
     pub fn channel(&self, channel: usize, outputs: usize) -> Excerpt<'_> {
         if self.channels.is_empty() || outputs == 1 {
             self.level(0)
@@ -274,7 +273,7 @@ impl Dictionary {
         (centre - self.first as f64) / self.sample_rate_hz
     }
 
-    /// The features of `level`, which lies below the top.
+    /// The features of `level`, which must be below the top.
     pub fn features(&self, level: usize) -> Features<'_> {
         Features {
             fine: self.level(level),
@@ -303,8 +302,7 @@ pub(crate) fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &PyramidC
     Ok(())
 }
 
-/// The windows of `level` whose causal half lies within the signal and whose coarse taps lie within
-/// the array.
+/// The windows of `level` whose causal half lies within the signal and whose coarse taps lie within the array.
 fn windows(level: usize, shape: &PyramidConfig, Padding { size, start, end }: &Padding) -> Range<usize> {
     let (w, reach) = (shape.window, shape.reach());
     let whole = |window: &usize| {
@@ -319,7 +317,7 @@ fn windows(level: usize, shape: &PyramidConfig, Padding { size, start, end }: &P
     first..first + count
 }
 
-/// What the `windows` of all levels, and their features, read of each level's array.
+/// The parts of each level's array that the `windows` of all levels and their features read.
 fn needed(windows: &[Range<usize>], shape: &PyramidConfig, padding: &Padding) -> Vec<Range<usize>> {
     let (w, reach) = (shape.window, shape.reach());
     let nothing = Range { start: usize::MAX, end: 0 };

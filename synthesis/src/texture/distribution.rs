@@ -1,5 +1,5 @@
-//! Dynamic-range matching (§5.3): distributions of magnitudes, learned and running, and the
-//! factor that maps one onto the other.
+//! Dynamic-range matching (§5.3): learned and running distributions of magnitudes, and the factor that maps one onto
+//! the other.
 
 use crate::Error;
 use crate::companding::level::level_of;
@@ -7,7 +7,7 @@ use bitcode::{Decode, Encode};
 
 /// Up to this many magnitudes a distribution is exact.
 const EXACT_LIMIT: usize = 65_536;
-/// Quantiles kept beyond.
+/// Number of quantiles that represent larger distributions.
 const QUANTILES: usize = 4_096;
 
 /// Sorted magnitudes of a pyramid's top level.
@@ -19,8 +19,8 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// The distribution of `magnitudes`, in any order: exact up to 65,536 values, else 4,096
-    /// quantiles. Values that are not finite are left out.
+    /// The distribution of `magnitudes`, in any order: exact up to 65,536 values, otherwise as 4,096 quantiles.
+    /// Non-finite values are ignored.
     pub fn from_magnitudes(mut magnitudes: Vec<f64>) -> Self {
         magnitudes.retain(|x| x.is_finite());
         magnitudes.iter_mut().for_each(|x| *x = x.abs());
@@ -37,7 +37,7 @@ impl Distribution {
         Self { loudness: level_of(&quantiles), quantiles }
     }
 
-    /// A distribution from quantiles kept earlier: finite, not negative, ascending.
+    /// A distribution from stored quantiles: finite, not negative, ascending.
     pub fn from_quantiles(quantiles: Vec<f64>) -> Result<Self, Error> {
         let what = "learned distribution";
         if let Some(at) = quantiles.iter().position(|x| !x.is_finite()) {
@@ -60,7 +60,7 @@ impl Distribution {
         Ok(Self::sorted(quantiles))
     }
 
-    /// The level of a drive whose loudnesses these are; none where all are silent.
+    /// The level of a drive with these loudnesses; none if all are silent.
     pub fn loudness(&self) -> Option<f64> {
         self.loudness
     }
@@ -80,8 +80,8 @@ impl Distribution {
         self.quantiles[below] * (1.0 - part) + self.quantiles[above] * part
     }
 
-    /// CDF^-1(a): the fraction of the distribution below `amplitude`: 0 below the first value, 1
-    /// from the last on, linear between.
+    /// CDF^-1(a): the fraction of the distribution below `amplitude`: 0 below the first value, 1 from the last value
+    /// on, linear in between.
     pub fn fraction(&self, amplitude: f64) -> f64 {
         let not_above = self.quantiles.partition_point(|x| *x <= amplitude);
         if not_above == 0 {
@@ -129,7 +129,7 @@ impl Histogram {
         histogram
     }
 
-    /// Adds a magnitude; what lies below -90 dBFS counts as silence and is left out.
+    /// Adds a magnitude; below -90 dBFS it counts as silence and is ignored.
     fn add(&mut self, magnitude: f64, weight: f64) {
         let place = bin_place(magnitude);
         if place >= 0.0 {
@@ -156,13 +156,13 @@ fn bin_place(magnitude: f64) -> f64 {
     (20.0 * maths::log10(magnitude.max(1e-30)) - LOWEST_DB) * BINS_PER_DB
 }
 
-/// The drive's distribution as estimated while it plays: a histogram that forgets, over a prior
-/// that is the recording's own distribution, so that the mapping starts as none and grows into
-/// the drive's. Bounded memory; a function of the drive since reset.
+/// The drive's distribution, estimated during playback: a histogram that forgets, over a prior that is the recording's
+/// own distribution, so that the mapping starts as the identity and grows into the drive's. Memory is bounded; the
+/// result is a function of the drive since reset.
 #[derive(Debug, Clone)]
 pub struct RunningDistribution {
     seen: Histogram,
-    /// Weight of the next value; it grows, which makes the past count less.
+    /// Weight of the next value; it grows, which reduces the weight of the past.
     weight: f64,
     growth: f64,
     prior_weight: f64,
@@ -186,7 +186,7 @@ impl RunningDistribution {
         self.weight = 1.0;
     }
 
-    /// Takes the next magnitude.
+    /// Adds the next magnitude.
     pub fn push(&mut self, magnitude: f64) {
         self.seen.add(magnitude, self.weight);
         self.weight *= self.growth;
@@ -212,9 +212,8 @@ impl RunningDistribution {
 /// Below this mean magnitude a window is not mapped.
 const LEAST_MEAN: f64 = 1e-4;
 
-/// §5.3, equation 17: the factor on the feature's coarse half whose mean magnitude is `mean`,
-/// where `fraction` tells how much of the drive lies below an amplitude. 1 where the window is
-/// too quiet to be mapped or the factor would be of no use.
+/// §5.3, equation 17: the factor for the feature's coarse half with mean magnitude `mean`; `fraction` gives the share
+/// of the drive below an amplitude. 1 if the window is too quiet to map or the factor would be useless.
 pub fn feature_factor(mean: f64, scaling_alpha: f64, fraction: impl Fn(f64) -> f64, recording: &Distribution) -> f64 {
     if mean <= LEAST_MEAN {
         return 1.0;

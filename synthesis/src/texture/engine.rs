@@ -1,8 +1,7 @@
 //! Synchronized texture synthesis of a stream (§5.2).
 //!
-//! The same engine serves files and streams. Its samples carry the indices that they have in the
-//! reference's padded arrays; what lies before the start reads as zero, and for a signal of known
-//! length so does what lies beyond the end.
+//! The same engine serves files and streams. Its samples have the indices of the reference's padded arrays; samples
+//! before the start read as zero, and for a signal of known length so do those beyond the end.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -54,55 +53,55 @@ pub struct Texture {
     query: Vec<f64>,
     taps: Vec<f64>,
     window: Vec<f64>,
-    /// Samples of a level to which nothing is added any more.
+    /// Samples of a level that are complete.
     done: Vec<f64>,
-    /// Index of the first sample after reset, and what it lacks to the host's position.
+    /// Index of the first sample after reset, and its offset from the host's position.
     origin: i64,
     base: i64,
-    /// Most samples by which a window follows another choice of recordings late.
+    /// Largest delay in samples with which a window follows another choice of recordings.
     crossfade_samples: f64,
     /// Index of the next sample.
     now: i64,
     latency_samples: i64,
     /// Top-level magnitudes that arose in the last call of `process`.
     top_magnitudes: Vec<f64>,
-    /// Matches of the level below the top since they were taken.
+    /// Matches of the level below the top since they were last returned.
     matches: Vec<Match>,
     extents: Extents,
-    /// Windows and boxes compared since it was made.
+    /// Number of windows and boxes compared since creation.
     compared: u64,
-    /// Windows in a row, by level, that may follow one another where that is not the nearest.
+    /// Largest number of consecutive windows, by level, that may continue a run although another is nearer.
     longest_run: Vec<usize>,
     /// Exponent of the drive's loudness.
     dynamics: Smoothed,
     buzz: Buzz,
-    /// Whether it has listened since it was reset.
+    /// True if it has listened for a buzz since the reset.
     is_listening: bool,
     scaling_alpha: f64,
 }
 
-/// What a window of the level below the top was matched with.
+/// A match of a window of the level below the top.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Match {
-    /// Where the recording's window has its centre, in seconds from the recording's start.
+    /// Centre of the recording's window, in seconds from the recording's start.
     pub place_s: f32,
     /// Mean magnitude of the drive about the window, and the factor that took it into the recording's range (§5.3, eq. 17).
     pub magnitude: f32,
-    /// See `magnitude`; 1 where nothing is mapped.
+    /// See `magnitude`; 1 without mapping.
     pub factor: f32,
 }
 
 /// One level below the top.
 #[derive(Debug, Clone)]
 struct Level {
-    /// What has been synthesized: the mean of the channels.
+    /// Synthesized samples: the mean of the channels.
     samples: Ring,
     /// Next window to match, and when.
     next_window: i64,
     due: i64,
-    /// Whether the gate skipped the last window.
+    /// True if the gate skipped the last window.
     closed: bool,
-    /// Sample (of level 0) before which this level takes nothing into account.
+    /// Sample (of level 0) before which this level ignores everything.
     floor: i64,
     /// Array size, for a signal of known length.
     size: i64,
@@ -112,23 +111,23 @@ struct Level {
     run: usize,
 }
 
-/// In the companded mode the window that follows the last one in the recording is taken if its squared
-/// distance is at most so many times the least: 1.3 squared.
+/// Limit of continuity: in the companded mode, the window that follows the last one in the recording is used if its
+/// squared distance is at most this many times the smallest: 1.3 squared.
 const CONTINUITY: f64 = 1.69;
-/// Levels below the top for which that holds: what is taken whole there stays varied below.
+/// Number of levels below the top with continuity: runs there remain varied on finer levels.
 const CONTINUOUS_LEVELS: usize = 3;
-/// Seconds after which a run ends all the same, so that the recording is not played back.
+/// Seconds after which a run ends in any case, so that the recording is not played back.
 const LONGEST_RUN_S: f64 = 0.034;
-/// Time constant in seconds with which the part of the recording's own dynamics follows its control.
+/// Time constant in seconds with which the share of the recording's own dynamics follows its control.
 const DYNAMICS_S: f64 = 0.02;
 
-/// Streams of noise that no other stage uses, one for each level, and the share of it that the coarse half of a feature has.
+/// Noise streams that no other stage uses, one for each level, and the share of noise in the coarse half of a feature.
 const VARIETY_STREAM: u32 = 0x5641_5200;
 const COARSE_VARIETY: f64 = 0.5;
 
-/// Most matches that are kept until they are taken; later ones are lost.
+/// Largest number of stored matches; later ones are lost.
 const MATCH_CAPACITY: usize = 512;
-/// Most top-level samples that one call may leave in `top_magnitudes`; longer calls keep the last.
+/// Largest number of top-level samples that one call may leave in `top_magnitudes`; longer calls keep the last.
 const TOP_CAPACITY: usize = 8192;
 
 impl Texture {
@@ -140,8 +139,8 @@ impl Texture {
         let latency = shape.latency_samples();
         let schedule = Schedule::new(shape);
         let top_rate_hz = sample_rate_hz / (1u64 << shape.top()) as f64;
-        // A level's samples live from its own window, one half-width ahead of its centre, until the
-        // last finer window has read them.
+        // A level's samples are needed from its own window, one half-width ahead of its centre, until the last finer
+        // window has read them.
         let life = |level: usize| {
             let behind = if level == 0 { latency as i64 } else { schedule.offset[level - 1] };
             ((behind - schedule.offset.get(level).copied().unwrap_or(0)).max(0) as usize >> level)
@@ -210,26 +209,26 @@ impl Texture {
         self.latency_samples as usize
     }
 
-    /// Samples that may sound after the drive has fallen silent, latency not counted: the gate's
-    /// hold and the frame in which it closes.
+    /// Samples that may sound after the drive has fallen silent, not counting latency: the gate's hold and the frame in
+    /// which it closes.
     pub fn tail_samples(&self) -> usize {
         self.latency_samples as usize + 4 * self.shape.period_samples()
     }
 
-    /// The shape it was made for.
+    /// Shape of the engine.
     pub fn shape(&self) -> &PyramidConfig {
         &self.shape
     }
 
-    /// Starts anew at `position` of the host's timeline, as if silence had come before. The grid
-    /// of the windows is a function of the position.
+    /// Restarts at `position` of the host's timeline, as if after silence. The grid of the windows is a function of the
+    /// position.
     pub fn reset(&mut self, position: i64) {
         let origin = position.rem_euclid(self.shape.period_samples() as i64);
         self.start(origin, None);
         self.base = position.wrapping_sub(origin);
     }
 
-    /// Starts anew for one signal in padded arrays of these sizes.
+    /// Restarts for one signal in padded arrays of these sizes.
     pub(super) fn reset_for_arrays(&mut self, sizes: &[usize], eps: f64) {
         self.start(0, Some(sizes));
         self.eps = eps;
@@ -271,8 +270,8 @@ impl Texture {
         self.swap_slot(0, dictionary)
     }
 
-    /// Exchanges the recording of a slot; one of another shape, or for no slot, is handed back. The engine goes on where it
-    /// is with the new one.
+    /// Exchanges the recording of a slot; one of another shape, or for a slot that does not exist, is returned. The
+    /// engine continues with the new one.
     pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
         if slot >= SLOTS || dictionary.as_ref().is_some_and(|x| *x.shape() != self.shape) {
             return dictionary;
@@ -314,25 +313,26 @@ impl Texture {
         &self.top_magnitudes
     }
 
-    /// Takes what was matched on the level below the top, and how far all levels have swung, since they were taken last; 512
-    /// of each at most.
+    /// Returns the matches on the level below the top, and the extents of all levels, since they were last returned; at
+    /// most 512 of each.
     pub fn take_traces(&mut self) -> (std::vec::Drain<'_, Match>, std::vec::Drain<'_, Extent>) {
         (self.matches.drain(..), self.extents.drain())
     }
 
-    /// How far the recording's amplitudes are mapped onto the drive's now, 0-1: what the controls say, less what the buzz takes.
+    /// Present degree of mapping of the recording's amplitudes onto the drive's, 0-1: the control's value, reduced by
+    /// the buzz.
     pub fn scaling_alpha(&self) -> f64 {
         self.scaling_alpha
     }
 
-    /// Windows and boxes compared since it was made.
+    /// Number of windows and boxes compared since creation.
     pub fn compared(&self) -> u64 {
         self.compared
     }
 
-    /// Takes `drive` and writes as many samples to every channel of `outputs`, delayed by the
-    /// latency. `controls` hold for this call; a window uses those in force at its centre. Where
-    /// `loudness` is given, as long as the drive, the gate goes by it and not by the drive.
+    /// Processes `drive` and writes as many samples to every channel of `outputs`, delayed by the latency. `controls`
+    /// apply to this call; a window uses those in force at its centre. If `loudness` is given, as long as the drive,
+    /// the gate follows it instead of the drive.
     pub fn process(
         &mut self,
         drive: &[f64],
@@ -343,8 +343,8 @@ impl Texture {
         self.advance(drive, loudness, controls, |made, ready, range| made.sum(ready, range, outputs));
     }
 
-    /// As [`process`](Self::process), but hands out what was synthesized of each recording: `read` is asked to take the
-    /// samples from one on for a range of the block.
+    /// As [`process`](Self::process), but with the synthesized sound of each recording separately: `read` is called to
+    /// read the samples from an index on for a range of the block.
     pub(crate) fn advance(
         &mut self,
         drive: &[f64],
@@ -377,7 +377,7 @@ impl Texture {
                     self.match_window(l);
                 }
             }
-            // A window adds nothing to what was ready before it was matched, so all can be read now.
+            // A window adds nothing to samples that were ready before it was matched, so all of them can be read now.
             read(&self.outputs, ready, done..end);
             self.listen(controls.scaling_auto, last);
             done = end;
@@ -385,13 +385,13 @@ impl Texture {
         self.scaling_alpha = controls.scaling_alpha * self.share();
     }
 
-    /// Part of scalingAlpha that is left where it is turned down by itself: none over a recording that is bound to buzz.
+    /// Remaining share of scalingAlpha if it is lowered automatically: none over a recording that is bound to buzz.
     fn share(&self) -> f64 {
         let is_impulsive = self.slots.get(self.slot).is_some_and(Dictionary::is_impulsive);
         if is_impulsive && self.is_listening { 0.0 } else { self.buzz.share() }
     }
 
-    /// Listens for a buzz in the synthesized sample `ready`, where that is asked for.
+    /// Listens for a buzz in the synthesized sample `ready`, if requested.
     fn listen(&mut self, is_asked: bool, ready: i64) {
         if is_asked && ready >= self.origin {
             self.is_listening = true;
@@ -441,14 +441,14 @@ impl Texture {
                 self.slots.put(slot, dictionary);
             }
         }
-        // The next window begins with a weight of 0 at this one's centre: nothing is added up to there any more.
+        // The next window begins with a weight of 0 at this one's centre, so samples up to there are complete.
         let done = &mut self.done[..w as usize];
         self.levels[l].samples.copy(centre - w + 1, i64::MIN, done);
         self.extents.take_all(l, centre - w + 1, done);
     }
 
-    /// The slot of the window whose centre is at this sample: all that stand over one window of the level below the top
-    /// have the same.
+    /// The slot of the window whose centre is at this sample: the same for all windows over one window of the level
+    /// below the top.
     fn slot_of(&self, centre: i64) -> usize {
         let coarsest = self.shape.period_samples() as i64 / 2;
         let place = self.base.wrapping_add(centre).div_euclid(coarsest.max(1));
@@ -458,7 +458,7 @@ impl Texture {
         self.slots.choose(&recordings, controls.seed, place)
     }
 
-    /// Asks the gate; at an opening the level forgets what came before.
+    /// Returns whether the gate passes; at an opening, the level forgets everything before.
     fn passes_gate(&mut self, l: usize, centre: i64) -> bool {
         let frame_samples = self.shape.period_samples() as i64;
         let frame = (centre << l) / frame_samples;
@@ -566,8 +566,8 @@ impl Texture {
         self.query.iter_mut().zip(&self.weights).for_each(|(x, weight)| *x *= weight);
     }
 
-    /// Adds noise to `query`, so that another seed finds another window of the same kind. The coarse half, which says what
-    /// the drive does, has less of it.
+    /// Adds noise to `query`, so that another seed finds another window of the same kind. The coarse half, which
+    /// describes the drive, gets less of it.
     fn vary(&mut self, l: usize, window: i64, controls: &TextureControls) {
         let variety = within(controls.variety, 0.0, 1.0);
         if variety == 0.0 {
@@ -586,8 +586,8 @@ impl Texture {
         }
     }
 
-    /// Maps the coarse half of `query` into the recording's range (§5.3); answers its mean magnitude, and the factor, which
-    /// the match is divided by.
+    /// Maps the coarse half of `query` into the recording's range (§5.3); returns its mean magnitude, and the factor by
+    /// which the match is divided.
     fn map_dynamic_range(&mut self, controls: &TextureControls, dictionary: &Dictionary) -> (f64, f64) {
         let coarse = &mut self.query[self.shape.causal_len()..];
         let mean = coarse.iter().map(|x| x.abs()).sum::<f64>() / coarse.len() as f64;
@@ -613,13 +613,13 @@ impl Texture {
     }
 }
 
-/// Where a matched window goes.
+/// Destination of a matched window.
 struct Target {
-    /// First sample of the recording's window; may lie off its array.
+    /// First sample of the recording's window; may lie outside its array.
     from: i64,
-    /// First sample it goes to; may lie off the array.
+    /// First destination sample; may lie outside the array.
     to: i64,
-    /// First and one past the last sample that may be written.
+    /// First sample that may be written, and one past the last.
     floor: i64,
     end: i64,
 }

@@ -1,7 +1,7 @@
-//! How far the output pyramid's levels swing, for those who watch.
+//! Extents of the output pyramid's levels, for display.
 
-/// How far one level swung in a frame of a sixtieth of a second. Each level goes at its own pace: coarse levels are
-/// ahead of fine ones, by the latency at most.
+/// Extent of one level in a frame of a sixtieth of a second. Each level runs at its own pace: coarse levels are ahead
+/// of fine ones, by at most the latency.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Extent {
     /// Pyramid level, 0 the finest.
@@ -14,10 +14,10 @@ pub struct Extent {
 
 /// Frames per second.
 const FRAMES_HZ: f64 = 60.0;
-/// Most extents that are kept until they are taken; later ones are lost.
+/// Largest number of stored extents; later ones are lost.
 const CAPACITY: usize = 512;
 
-/// The frame under way on each level, and those that are done.
+/// The present frame of each level, and the finished ones.
 #[derive(Debug)]
 pub(super) struct Extents {
     frame_samples: i64,
@@ -34,7 +34,7 @@ struct Frame {
 }
 
 impl Extents {
-    /// For `levels` levels, the finest at `sample_rate_hz`.
+    /// Extents of `levels` levels, the finest at `sample_rate_hz`.
     pub fn new(levels: usize, sample_rate_hz: f64) -> Self {
         Self {
             frame_samples: ((sample_rate_hz / FRAMES_HZ).round() as i64).max(1),
@@ -43,13 +43,13 @@ impl Extents {
         }
     }
 
-    /// Starts anew with sample `origin` of the finest level.
+    /// Restarts with sample `origin` of the finest level.
     pub fn reset(&mut self, origin: i64) {
         self.levels.fill(Frame { end: origin + self.frame_samples, ..Frame::default() });
         self.done.clear();
     }
 
-    /// Takes the sample at `index` of `level`; real-time safe.
+    /// Adds the sample at `index` of `level`; real-time safe.
     #[inline]
     pub fn take(&mut self, level: usize, index: i64, sample: f64) {
         let frame = &mut self.levels[level];
@@ -64,7 +64,7 @@ impl Extents {
         frame.high = frame.high.max(sample);
     }
 
-    /// Takes samples of `level` from `first` on; real-time safe.
+    /// Adds samples of `level` from `first` on; real-time safe.
     pub fn take_all(&mut self, level: usize, first: i64, samples: &[f64]) {
         let frame = &mut self.levels[level];
         if (first + samples.len() as i64) << level > frame.end {
@@ -77,7 +77,7 @@ impl Extents {
         }
     }
 
-    /// Those that are done since they were taken last.
+    /// Returns the extents finished since the last call.
     pub fn drain(&mut self) -> std::vec::Drain<'_, Extent> {
         self.done.drain(..)
     }
@@ -110,7 +110,7 @@ mod tests {
         for n in 16..48_016 {
             let sample = if n == 4_100 { -2.0 } else { 0.5 };
             (0..3).filter(|level| n % (1 << level) == 0).for_each(|level| extents.take(level, n >> level, sample));
-            // A level that nobody takes from must not hold up the others.
+            // A level without a reader must not hold up the others.
             if n % 1_000 == 0 && n > 40_000 {
                 assert!(extents.done.len() <= CAPACITY);
             }

@@ -1,21 +1,21 @@
-//! The neighbourhood that a window is matched by (§5.1): what lies before it on its own level, and
-//! what lies around it on the next coarser one.
+//! The neighbourhood by which a window is matched (§5.1): the samples before it on its own level, and those around it
+//! on the next coarser one.
 
 use super::shape::PyramidConfig;
 
-/// Where the two halves of a window's feature lie.
+/// Position of the two halves of a window's feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
     /// First sample of the causal half, on the window's own level.
     pub causal: i64,
     /// First tap of the coarse half, on the next coarser level.
     pub coarse: i64,
-    /// Whether the coarse samples lie half-way between taps, the next one needed too.
+    /// True if the coarse samples lie half-way between taps, so that the next one is needed too.
     pub between: bool,
 }
 
 impl Place {
-    /// The place of window `window`'s feature.
+    /// Position of the feature of window `window`.
     pub fn of(window: i64, shape: &PyramidConfig) -> Self {
         let centre = window * shape.window as i64;
         let reach = shape.reach() as i64;
@@ -34,7 +34,7 @@ pub fn halfway(a: f64, b: f64) -> f64 {
 pub struct Excerpt<'a> {
     /// Its samples.
     pub samples: &'a [f64],
-    /// Index, in the whole array, of the first.
+    /// Index of the first sample in the whole array.
     pub first: usize,
 }
 
@@ -46,8 +46,8 @@ impl<'a> Excerpt<'a> {
     }
 }
 
-/// A recording's windows on one level, as features: read straight from the pyramid, so that they
-/// need no room of their own.
+/// A recording's windows on one level, as features that are read directly from the pyramid and need no memory of their
+/// own.
 #[derive(Debug, Clone, Copy)]
 pub struct Features<'a> {
     /// The level.
@@ -56,7 +56,7 @@ pub struct Features<'a> {
     pub coarse: Excerpt<'a>,
     /// Weights of a feature's samples.
     pub weights: &'a [f64],
-    /// Whether all weights are 1.
+    /// True if all weights are 1.
     pub unweighted: bool,
     /// The common shape.
     pub shape: &'a PyramidConfig,
@@ -83,7 +83,7 @@ impl Features<'_> {
         }
     }
 
-    /// Whether two windows have the same feature.
+    /// True if two windows have the same feature.
     pub fn equal(&self, a: usize, b: usize) -> bool {
         let (a, b) = (Place::of(a as i64, self.shape), Place::of(b as i64, self.shape));
         let taps = self.shape.coarse_len() + usize::from(a.between);
@@ -92,7 +92,7 @@ impl Features<'_> {
         a.between == b.between && causal(a) == causal(b) && coarse(a) == coarse(b)
     }
 
-    /// The samples of `window`'s feature where they lie, not weighted, if they need no interpolation.
+    /// The samples of `window`'s feature in place, without weights, if they need no interpolation.
     #[inline(always)]
     pub fn in_place(&self, window: usize) -> Option<[&[f64]; 2]> {
         let place = Place::of(window as i64, self.shape);

@@ -1,8 +1,8 @@
-//! Silence in, silence out: which stretches are synthesized at all.
+//! Gate: silence in, silence out.
 //!
-//! Nothing is nearest to silence: the search would answer with the recording's quietest window. So
-//! time is cut into frames of one top-level window; a frame is silent where the top level has been
-//! below the threshold for longer than the look-ahead and is not about to rise.
+//! Nothing is near to silence: the search would return the recording's quietest window. Time is therefore divided into
+//! frames of one top-level window; a frame is silent if the top level has been below the threshold for longer than the
+//! look-ahead and is not about to rise.
 
 /// Frames whose verdict is remembered.
 const FRAMES: usize = 64;
@@ -25,22 +25,22 @@ impl Gate {
         Self { open: vec![false; FRAMES], decided: None, last_loud: None, hold: hold as i64 }
     }
 
-    /// As if silence had lasted for ever.
+    /// Resets as if silence had lasted for ever.
     pub fn reset(&mut self) {
         self.open.fill(false);
         self.decided = None;
         self.last_loud = None;
     }
 
-    /// Takes top-level sample `index`; a `threshold` of 0 is always exceeded.
+    /// Adds top-level sample `index`; a `threshold` of 0 is always exceeded.
     pub fn push(&mut self, index: i64, magnitude: f64, threshold: f64) {
         if magnitude >= threshold {
             self.last_loud = Some(index);
         }
     }
 
-    /// Decides on `frame`, which begins at top-level sample `start`, from all that is known now;
-    /// a frame is decided on once.
+    /// Decides on `frame`, which begins at top-level sample `start`, from everything known now; a frame is decided on
+    /// once.
     pub fn decide(&mut self, frame: i64, start: i64, threshold: f64) {
         if self.decided == Some(frame) {
             return;

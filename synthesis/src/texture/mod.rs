@@ -1,21 +1,21 @@
 //! Synchronized texture synthesis (Chadwick & James 2011, §5).
 //!
-//! | module | does |
+//! | module | content |
 //! |---|---|
 //! | [`shape`] | sizes and positions |
 //! | [`pyramid`] | Gaussian pyramids, of a file and of a stream |
-//! | [`feature`] | the neighbourhood that a window is matched by |
+//! | [`feature`] | the neighbourhood by which a window is matched |
 //! | [`dictionary`] | a recording, analysed and indexed |
 //! | [`search`] | the nearest window |
 //! | [`distribution`] | dynamic-range matching |
-//! | [`schedule`] | which window is matched at which sample |
+//! | [`schedule`] | the sample at which each window is matched |
 //! | [`gate`] | silence in, silence out |
-//! | [`extents`] | how far the output's levels swing |
-//! | [`buzz`] | repeats that are heard as tones |
-//! | [`slots`] | several recordings, and which of them a window is of |
-//! | `output` | what was synthesized of each |
-//! | [`engine`] | all of it, as a stream |
-//! | [`offline`] | all of it, on a whole signal |
+//! | [`extents`] | extents of the output's levels |
+//! | [`buzz`] | repeats that are audible as tones |
+//! | [`slots`] | several recordings, and the choice between them for each window |
+//! | `output` | the synthesized sound of each |
+//! | [`engine`] | the whole process, on a stream |
+//! | [`offline`] | the whole process, on a complete signal |
 
 pub mod buzz;
 pub mod dictionary;

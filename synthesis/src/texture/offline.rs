@@ -1,5 +1,5 @@
-//! Texture synthesis of a whole signal, as the paper does it: padded with zeros, the drive's
-//! distribution known beforehand, no gate, exact search.
+//! Texture synthesis of a whole signal, as in the paper: padded with zeros, with the drive's distribution known in
+//! advance, no gate, and exact search.
 
 use std::sync::Arc;
 
@@ -13,9 +13,9 @@ use crate::controls::{DynamicRange, Quality, TextureControls};
 /// The paper's settings of one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Whether the recording's dynamic range is mapped onto the input's (§5.3).
+    /// True if the recording's dynamic range is mapped onto the input's (§5.3).
     pub dynamic_range: bool,
-    /// How far, 0-1.
+    /// Degree of mapping, 0-1.
     pub scaling_alpha: f64,
     /// The window found is at most (1 + eps) times as far as the nearest; 0 or more, 0 = exact.
     pub eps: f64,
@@ -30,9 +30,9 @@ impl Default for Options {
 /// Samples between two calls of the progress callback.
 const BLOCK: usize = 4096;
 
-/// Synthesizes the sound of `dictionary`'s recording that follows `input`: one output for every
-/// channel of the recording, each as long as the input. Fails where the input is too short for the
-/// levels or holds values that are not finite, an option is out of range, or `progress` calls it off.
+/// Synthesizes the sound of `dictionary`'s recording that follows `input`: one output for every channel of the
+/// recording, each as long as the input. Fails if the input is too short for the levels or contains values that are not
+/// finite, if an option is out of range, or if `progress` cancels the work.
 pub fn synthesize(
     input: &[f64],
     dictionary: &Arc<Dictionary>,
@@ -74,7 +74,7 @@ pub fn synthesize(
     Ok(outputs.into_iter().map(|x| x[start..end].to_vec()).collect())
 }
 
-/// The distribution of a drive's amplitudes (§5.3), as texture synthesis of the whole of it has it.
+/// The distribution of a drive's amplitudes (§5.3), as in texture synthesis of the whole drive.
 pub fn learn(drive: &[f64], shape: &super::PyramidConfig) -> Result<Distribution, Error> {
     Ok(Distribution::from_magnitudes(Pyramid::of_input(drive, shape)?.top_magnitudes()))
 }

@@ -1,4 +1,5 @@
-//! What an engine has synthesized and not handed out yet, by recording: each goes its own way from here on.
+//! An engine's synthesized sound that has not been read yet, by recording: the recordings are processed separately from
+//! here on.
 
 use std::ops::Range;
 
@@ -16,7 +17,7 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Rings for `channels`, which remember `samples`.
+    /// Rings for `channels`, with a memory of `samples`.
     pub fn new(channels: usize, samples: usize) -> Self {
         let rings = vec![vec![Ring::new(samples); channels]; SLOTS];
         Self { rings, ends: [i64::MIN; SLOTS], origin: 0 }
@@ -29,12 +30,12 @@ impl Outputs {
         self.origin = origin;
     }
 
-    /// Makes the samples up to before `end` ready to be added to.
+    /// Prepares the samples before `end` for addition.
     pub fn prepare(&mut self, end: i64) {
         self.rings.iter_mut().flatten().for_each(|ring| ring.prepare(end));
     }
 
-    /// The channels of a slot, to which samples up to before `end` are about to be added.
+    /// The channels of a slot, prepared for additions to the samples before `end`.
     pub fn channels_mut(&mut self, slot: usize, end: i64) -> &mut [Ring] {
         self.ends[slot] = self.ends[slot].max(end);
         &mut self.rings[slot]
@@ -45,7 +46,7 @@ impl Outputs {
         self.rings.first().map_or(0, Vec::len)
     }
 
-    /// Writes the samples of a slot from `ready` on to the `range` of every channel; zeros where there is nothing.
+    /// Writes the samples of a slot from `ready` on to the `range` of every channel; zeros if there are none.
     pub fn copy(&self, slot: usize, ready: i64, range: Range<usize>, channels: &mut [&mut [f64]]) {
         for (channel, ring) in channels.iter_mut().zip(&self.rings[slot]) {
             let part = &mut channel[range.clone()];

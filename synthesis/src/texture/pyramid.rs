@@ -11,7 +11,7 @@ const TAPS: [f64; 5] = [0.05, 0.25, 0.40, 0.25, 0.05];
 pub struct Pyramid {
     /// Samples of each level, finest first.
     pub levels: Vec<Vec<f64>>,
-    /// Where the signal lies in them.
+    /// Position of the signal in the levels.
     pub padding: Padding,
 }
 
@@ -40,7 +40,7 @@ impl Pyramid {
         Self { levels, padding }
     }
 
-    /// Magnitudes of the top level where the signal is.
+    /// Magnitudes of the top level within the signal.
     pub fn top_magnitudes(&self) -> Vec<f64> {
         let top = self.levels.len() - 1;
         let (start, end) = (self.padding.start[top], self.padding.end[top]);
@@ -79,15 +79,15 @@ pub struct PyramidStream {
     stages: Vec<Stage>,
 }
 
-/// One halving: the last four samples of its input, and how many there were.
+/// One halving: the last four samples of its input, and their number.
 #[derive(Debug, Clone)]
 struct Stage {
     history: [f64; 4],
     /// Index of the next input sample.
     next: i64,
-    /// First output index that exists; what would lie before is dropped.
+    /// First existing output index; earlier outputs are dropped.
     first: i64,
-    /// One past the last output index that exists; what would lie there reads as zero.
+    /// One past the last existing output index; outputs beyond it read as zero.
     end: i64,
 }
 
@@ -100,8 +100,8 @@ impl PyramidStream {
         stream
     }
 
-    /// Starts anew: the next sample has index `origin` (0 or more), zeros lie before it. `sizes`
-    /// bounds the array of each level, finest first, for a signal of known length.
+    /// Restarts: the next sample has index `origin` (0 or more), with zeros before it. `sizes` bounds the array of each
+    /// level, finest first, for a signal of known length.
     pub fn reset(&mut self, origin: i64, sizes: Option<&[usize]>) {
         let mut next = origin;
         for (i, stage) in self.stages.iter_mut().enumerate() {
@@ -114,7 +114,7 @@ impl PyramidStream {
         }
     }
 
-    /// Takes the next sample; answers the top level's new sample, if it brought one, with its index.
+    /// Adds the next sample; returns the top level's new sample with its index, if there is one.
     pub fn push(&mut self, sample: f64) -> Option<(i64, f64)> {
         let mut value = sample;
         let mut index = 0;

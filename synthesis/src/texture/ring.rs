@@ -5,7 +5,7 @@
 pub struct Ring {
     data: Vec<f64>,
     mask: i64,
-    /// One past the last sample that may hold something.
+    /// One past the last sample that may be non-zero.
     ready: i64,
 }
 
@@ -16,13 +16,13 @@ impl Ring {
         Self { data: vec![0.0; size], mask: size as i64 - 1, ready: 0 }
     }
 
-    /// All zero; nothing before `index` will be asked for.
+    /// Resets to zero; nothing before `index` will be requested.
     pub fn reset(&mut self, index: i64) {
         self.data.fill(0.0);
         self.ready = index;
     }
 
-    /// Makes the samples up to before `end` ready to be written, as zeros.
+    /// Prepares the samples before `end` for writing, as zeros.
     pub fn prepare(&mut self, end: i64) {
         while self.ready < end {
             self.data[(self.ready & self.mask) as usize] = 0.0;
@@ -36,7 +36,7 @@ impl Ring {
         self.data[(index & self.mask) as usize] = value;
     }
 
-    /// Adds products to the samples from `first` on, no more than it remembers, which must be prepared.
+    /// Adds products to the samples from `first` on, which must be prepared and no more than its memory.
     pub fn add_products(&mut self, first: i64, factors: &[f64], samples: &[f64]) {
         let start = (first & self.mask) as usize;
         let whole = factors.len().min(self.data.len() - start);

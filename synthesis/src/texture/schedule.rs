@@ -1,7 +1,7 @@
-//! Which window of which level is matched at which sample.
+//! The sample at which each window of each level is matched.
 //!
-//! Window w of level l is matched at sample w W 2^l + offset(l): as soon as all that it reads is
-//! known, whatever comes after. So the work is a function of the sample counter alone, flows evenly
+//! Window w of level l is matched at sample w W 2^l + offset(l): as soon as everything that it reads is known,
+//! regardless of later samples. The work is therefore a function of the sample counter alone and evenly distributed
 //! (level 0 every W samples, level 1 every 2 W ...), and the latency is that of the data.
 
 use super::shape::PyramidConfig;
@@ -16,8 +16,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// The schedule of `shape`. What latency leaves free is used to match the windows of
-    /// different levels at different samples.
+    /// The schedule of `shape`. Spare latency is used to match the windows of different levels at different samples.
     pub fn new(shape: &PyramidConfig) -> Self {
         let top = shape.top();
         let w = shape.window as i64;
@@ -46,7 +45,7 @@ fn earliest(shape: &PyramidConfig) -> i64 {
 /// The least offset of `level`, given those of the coarser levels.
 fn offset_after(shape: &PyramidConfig, level: usize, offset: &[i64]) -> i64 {
     let (w, reach, top) = (shape.window as i64, shape.reach() as i64, shape.top());
-    // Two windows in a row see every way in which their centres can lie between coarse samples.
+    // Two consecutive windows cover every position of their centres between coarse samples.
     let of_window = |window: i64| {
         let centre = window * w;
         let coarse = (centre + 1) / 2 + reach;
@@ -61,8 +60,8 @@ fn offset_after(shape: &PyramidConfig, level: usize, offset: &[i64]) -> i64 {
     of_window(0).max(of_window(1))
 }
 
-/// The least delay, up to `spare`, at which windows of `level` never meet those of a coarser one:
-/// the coarse levels share one sample in every W among them and leave the others to level 0.
+/// The smallest delay, up to `spare`, at which windows of `level` never coincide with those of a coarser one: the
+/// coarse levels share one sample in every W among them and leave the others to level 0.
 fn free_slot(due: i64, coarser: &[i64], period: &[i64], level: usize, w: i64, spare: i64) -> i64 {
     let Some(slot) = coarser.last().map(|offset| offset.rem_euclid(w)) else { return 0 };
     let meets = |delay: i64| coarser.iter().any(|offset| (due + delay - offset).rem_euclid(period[level]) == 0);

@@ -25,7 +25,7 @@ impl Default for PyramidConfig {
 }
 
 impl PyramidConfig {
-    /// The shape that keeps the structure's times and bands at `sample_rate_hz`.
+    /// The shape that preserves the structure's times and bands at `sample_rate_hz`.
     pub fn at_rate(structure: &EngineConfig, sample_rate_hz: f64) -> Self {
         Self {
             levels: structure.levels_at(sample_rate_hz),
@@ -35,7 +35,7 @@ impl PyramidConfig {
         }
     }
 
-    /// Fails with the first size outside its range.
+    /// Fails with the first size out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         in_range("levels", self.levels as f64, 2.0, 13.0)?;
         in_range("window", self.window as f64, 2.0, 16.0)?;
@@ -95,7 +95,7 @@ impl PyramidConfig {
     }
 }
 
-/// Where a signal lies in the padded arrays of every level.
+/// Position of a signal in the padded arrays of every level.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Padding {
     /// Array size of each level.
@@ -107,8 +107,8 @@ pub struct Padding {
 }
 
 impl Padding {
-    /// Padding of a signal of `samples` to the smallest 2^k + 1 that holds it, the signal in the
-    /// middle. Fails where the top level would have an even size.
+    /// Padding of a signal of `samples` to the smallest 2^k + 1 that holds it, with the signal in the middle. Fails if
+    /// the top level would have an even size.
     pub fn new(samples: usize, levels: usize, what: &'static str) -> Result<Self, Error> {
         let least = (1 << levels.saturating_sub(1)) + 2;
         if samples < least {

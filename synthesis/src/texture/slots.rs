@@ -1,7 +1,7 @@
-//! The recordings of an engine, and which of them a window is taken from.
+//! The recordings of an engine, and the choice between them for each window.
 //!
-//! What is synthesized is kept on one scale, that of the first recording that is not silent: windows of another one are
-//! brought to it by the ratio of what is matched of both, and are heard on their own.
+//! Synthesis uses one scale, that of the first recording that is not silent: windows of another one are brought to it
+//! by the ratio of the two matched signals, and are output separately.
 
 use std::sync::Arc;
 
@@ -11,7 +11,8 @@ use crate::noise::White;
 /// Seconds over which one recording gives way to another, window by window.
 pub const CROSSFADE_S: f64 = 0.05;
 
-/// Streams of noise that no other stage uses: which recording a window is of, and when it follows the controls.
+/// Noise streams that no other stage uses: for the choice of a window's recording, and for the time at which it follows
+/// the controls.
 const BLEND_STREAM: u32 = 0x424C_4E44;
 const LATE_STREAM: u32 = 0x4C41_5445;
 
@@ -19,7 +20,7 @@ const LATE_STREAM: u32 = 0x4C41_5445;
 #[derive(Debug)]
 pub struct Slots<T> {
     recordings: [Option<Arc<T>>; SLOTS],
-    /// Root mean square of what is matched of each; 0 where nothing is.
+    /// Root mean square of each recording's matched signal; 0 for an empty slot.
     matched_rms: [f64; SLOTS],
     /// Factor from the scale that is matched on to a recording's own.
     scales: [f64; SLOTS],
@@ -34,7 +35,7 @@ impl<T> Default for Slots<T> {
 }
 
 impl<T> Slots<T> {
-    /// Exchanges the recording of a slot; `matched_rms` is that of what is matched of the new one, 0 where nothing is.
+    /// Exchanges the recording of a slot; `matched_rms` is that of the new one's matched signal, 0 without one.
     pub fn swap(&mut self, slot: usize, recording: Option<Arc<T>>, matched_rms: f64) -> Option<Arc<T>> {
         let old = std::mem::replace(&mut self.recordings[slot], recording);
         self.matched_rms[slot] = matched_rms;
@@ -46,12 +47,12 @@ impl<T> Slots<T> {
         old
     }
 
-    /// Takes a recording out for the while, so that the engine can be changed beside it.
+    /// Takes a recording out temporarily, so that the engine can be changed meanwhile.
     pub fn take(&mut self, slot: usize) -> Option<Arc<T>> {
         self.recordings[slot].take()
     }
 
-    /// Puts back what [`take`](Self::take) took.
+    /// Puts back the result of [`take`](Self::take).
     pub fn put(&mut self, slot: usize, recording: Arc<T>) {
         self.recordings[slot] = Some(recording);
     }
@@ -71,7 +72,7 @@ impl<T> Slots<T> {
         self.scales[slot]
     }
 
-    /// The slot of the windows that stand at `place` among the coarsest.
+    /// The slot of the windows at `place` among the coarsest.
     pub fn choose(&self, recordings: &RecordingControls, seed: u32, place: i64) -> usize {
         match recordings.other(|slot| self.get(slot).is_some()) {
             Some((slot, share)) if draw(seed, BLEND_STREAM, place) < share => slot,
@@ -80,7 +81,8 @@ impl<T> Slots<T> {
     }
 }
 
-/// Part of the crossfade after which the windows at `place` among the coarsest follow another choice of recordings, 0-1.
+/// Share of the crossfade, 0-1, after which the windows at `place` among the coarsest follow another choice of
+/// recordings.
 pub fn lateness(seed: u32, place: i64) -> f64 {
     draw(seed, LATE_STREAM, place)
 }

@@ -1,8 +1,8 @@
-//! A texture as the renderer reads it: by directions, and at a multiple of its rate.
+//! A texture prepared for the renderer: by directions, and at a multiple of its rate.
 //!
-//! Cubic B-splines pass between the steps. Their prefilter and the raising of the rate are done on the whole period at
-//! once, in the spectrum, so both are exact and the period stays without a seam. At four times the texture's rate the
-//! images of its highest frequency are 67 dB down, of half that 94 dB.
+//! Cubic B-splines interpolate between the steps. Their prefilter and the change of rate are applied to the whole
+//! period at once, in the spectrum, so both are exact and the period remains seamless. At four times the texture's
+//! rate, the images of its highest frequency are 67 dB down, those of half that frequency 94 dB.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use super::upsampler::top_hz;
 use crate::error::{Error, in_range};
 use crate::extend::spectrum::Transform;
 
-/// Directions that a bank holds.
+/// Number of directions in a bank.
 pub const DIRECTIONS: usize = 6;
 
 /// Steps of a bank per step of the texture.
@@ -23,10 +23,10 @@ const OVERSAMPLING: usize = 4;
 /// Largest number of bytes of a bank.
 const MOST_BYTES: usize = 128 << 20;
 
-/// Longest stretch in steps that is read at once, with what interpolation reads around it.
+/// Longest section in steps that is read at once, including the surroundings that interpolation needs.
 pub(super) const LONGEST_READ: usize = 1024;
 
-/// A texture made ready for one output rate; shared, and never changed.
+/// A texture prepared for one output rate; shared and immutable.
 ///
 /// It takes 48 bytes per row and step of the texture: 13 MB for 16 rows of 4 s at 4 kHz.
 #[derive(Debug)]
@@ -36,18 +36,19 @@ pub struct Bank {
     rate_hz: f64,
     /// Steps of a period.
     period: usize,
-    /// Steps from one series to the next: a period, and as much of its beginning again as one read may cross its end.
+    /// Steps from one series to the next: a period, followed by a repetition of its beginning as long as one read may
+    /// cross its end.
     stride: usize,
     levels: Levels,
-    /// Row by row, direction by direction: what a number of a series stands for, and the spline's coefficients.
+    /// Row by row, direction by direction: the scale of a series' numbers, and the spline's coefficients.
     scales: Vec<f32>,
     series: Vec<i16>,
 }
 
-/// The six axes of an icosahedron, turned away from the box's planes and axes of symmetry.
+/// The six axes of an icosahedron, rotated away from the box's planes and axes of symmetry.
 ///
-/// They form a design of strength 5: over them the mean square of any vortex sound is that over the whole sphere. Any
-/// two of them see sounds that correlate by 1/5 alone, as little as six directions can.
+/// They form a design of strength 5: their mean square of any vortex sound is that over the whole sphere. The sounds in
+/// any two of them correlate by only 1/5, the smallest value for six directions.
 pub fn directions() -> [[f64; 3]; DIRECTIONS] {
     let golden = 0.5 * (1.0 + 5f64.sqrt());
     let norm = 1.0 / maths::hypot(golden, 1.0);
@@ -59,7 +60,7 @@ pub fn directions() -> [[f64; 3]; DIRECTIONS] {
         [golden, 0.0, 1.0],
         [golden, 0.0, -1.0],
     ];
-    // Angles that keep every coordinate of every axis well away from 0 and from another's.
+    // Angles that keep every coordinate of every axis well away from 0 and from those of other axes.
     let ((sin_a, cos_a), (sin_b, cos_b)) = (maths::sin_cos(1.43), maths::sin_cos(1.26));
     axes.map(|[x, y, z]| {
         let (x, y) = (cos_a * x - sin_a * y, sin_a * x + cos_a * y);
@@ -69,9 +70,9 @@ pub fn directions() -> [[f64; 3]; DIRECTIONS] {
 }
 
 impl Bank {
-    /// Makes `texture` ready for output at `sample_rate_hz` (8,000-384,000). Takes about 0.1 s per million values.
+    /// Prepares `texture` for output at `sample_rate_hz` (8,000-384,000). Takes about 0.1 s per million values.
     ///
-    /// Fails where the rate is out of range, and where the bank would be larger than 128 MB.
+    /// Fails if the rate is out of range, or if the bank would be larger than 128 MB.
     pub fn new(texture: &VortexTexture, sample_rate_hz: f64) -> Result<Self, Error> {
         in_range("sample rate in Hz", sample_rate_hz, 8_000.0, 384_000.0)?;
         let steps = texture.period_samples();
@@ -79,13 +80,13 @@ impl Bank {
         let stride = period + LONGEST_READ;
         let bytes = texture.rows().len() * DIRECTIONS * stride * size_of::<i16>();
         if bytes > MOST_BYTES {
-            let reason = format!("it would take {} MB, but {} MB are the most", bytes >> 20, MOST_BYTES >> 20);
+            let reason = format!("it would take {} MB, but at most {} MB are allowed", bytes >> 20, MOST_BYTES >> 20);
             return Err(Error::VortexTexture { reason });
         }
         let top = top_hz(sample_rate_hz) / texture.sample_rate_hz();
         let rows = texture.rows();
         let mut series = vec![0; rows.len() * DIRECTIONS * stride];
-        // Hosts wait for it in their main thread: rows are made side by side.
+        // Hosts wait for this in their main thread, so rows are made in parallel.
         let scales: Vec<[f32; DIRECTIONS]> = series
             .par_chunks_mut(DIRECTIONS * stride)
             .zip(rows)
@@ -103,12 +104,12 @@ impl Bank {
         })
     }
 
-    /// The output's rate that it was made for, in Hz.
+    /// Sample rate of its output in Hz.
     pub fn sample_rate_hz(&self) -> f64 {
         self.sample_rate_hz
     }
 
-    /// Its size in bytes.
+    /// Size in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.series) + size_of_val(&*self.scales)
     }
@@ -132,7 +133,7 @@ impl Bank {
         &self.levels
     }
 
-    /// What a coefficient stands for, and the coefficients from that before `step`, which is below the period.
+    /// Scale of the coefficients, and the coefficients from the one before `step`, which is below the period.
     #[inline]
     pub(super) fn series(&self, row: usize, direction: usize, step: usize) -> (f32, &[i16]) {
         let which = row * DIRECTIONS + direction;
@@ -144,7 +145,7 @@ impl Bank {
 
 /// The largest magnitude of `values`.
 fn largest(values: &[f64]) -> f64 {
-    // Several at once: which comes first does not matter.
+    // Several at once: their order does not matter.
     let mut most = [0.0f64; 8];
     let (chunks, rest) = values.as_chunks::<8>();
     for chunk in chunks {
@@ -153,7 +154,7 @@ fn largest(values: &[f64]) -> f64 {
     most.iter().chain(rest).fold(0.0, |most, value| most.max(value.abs()))
 }
 
-/// Writes what `values` are of `scale`, rounded; half a step is rounded away from 0.
+/// Writes `values` in units of `scale`, rounded; half a unit is rounded away from 0.
 struct Quantise<'a> {
     values: &'a [f64],
     scale: f64,
@@ -171,7 +172,7 @@ impl pulp::WithSimd for Quantise<'_> {
     }
 }
 
-/// As `f64::round`, which is a call for every value; `steps` is within the range of the answer.
+/// As `f64::round`, which would be a call for every value; `steps` is within the range of the result.
 #[inline(always)]
 fn rounded(steps: f64) -> i16 {
     let whole = steps as i32;
@@ -179,7 +180,7 @@ fn rounded(steps: f64) -> i16 {
     (whole + i32::from(rest >= 0.5) - i32::from(rest <= -0.5)) as i16
 }
 
-/// From a texture's steps to the coefficients of a spline at the higher rate.
+/// Conversion of a texture's steps to spline coefficients at the higher rate.
 struct Oversample {
     low: Transform,
     high: Transform,
@@ -187,21 +188,21 @@ struct Oversample {
 }
 
 impl Oversample {
-    /// For periods of `steps`; what lies above `top`, in periods per step, is left out.
+    /// A conversion for periods of `steps`; frequencies above `top`, in periods per step, are removed.
     fn new(steps: usize, top: f64) -> Self {
         let raised = OVERSAMPLING * steps;
         let gain = |bin: usize| {
             let turn = bin as f64 / raised as f64;
             // A constant pressure is no sound.
             let heard = bin > 0 && bin as f64 <= top * steps as f64;
-            // The bin at half the rate holds both of its neighbours' halves.
+            // The bin at half the rate contains the halves of both of its neighbours.
             let share = if 2 * bin == steps { 0.5 } else { 1.0 };
             if heard { share * 3.0 / (2.0 + maths::cos(TAU * turn)) / steps as f64 } else { 0.0 }
         };
         Self { low: Transform::new(steps), high: Transform::new(raised), gains: (0..=steps / 2).map(gain).collect() }
     }
 
-    /// Fills `to` with what `row` sends in all directions, one stride after the other, and answers with the scale of each.
+    /// Fills `to` with the output of `row` in all directions, one stride after another, and returns the scale of each.
     fn fill(&mut self, row: &Row, period: usize, to: &mut [i16]) -> [f32; DIRECTIONS] {
         let stride = to.len() / DIRECTIONS;
         let mut strides = to.chunks_exact_mut(stride);
@@ -211,14 +212,14 @@ impl Oversample {
             let scale = if largest > 0.0 { largest / f64::from(i16::MAX) } else { 1.0 };
             if let Some(to) = strides.next() {
                 pulp::Arch::new().dispatch(Quantise { values: coefficients, scale, to: &mut to[..period] });
-                // A read that crosses the period's end goes on in its beginning.
+                // A read that crosses the period's end continues into its beginning.
                 (period..stride).for_each(|step| to[step] = to[step - period]);
             }
             scale as f32
         })
     }
 
-    /// The coefficients of what `row` sends in `direction`.
+    /// The coefficients of the output of `row` in `direction`.
     fn process(&mut self, row: &Row, direction: [f64; 3]) -> &[f64] {
         let weights: [f64; COMPONENTS] = directivity(direction);
         self.low.time.fill(0.0);

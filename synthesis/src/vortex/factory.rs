@@ -1,4 +1,4 @@
-//! The textures, and the scenes' speed fields, that come with the engines.
+//! The built-in textures and speed fields of scenes.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
@@ -12,7 +12,8 @@ use crate::error::Error;
 /// Names of the shipped textures.
 pub const TEXTURES: &[&str] = &["fire", "jet"];
 
-/// Output per Pa at which gas that flows at 8 m/s, with the default controls else, gives an rms of about 0.1 (-20 dBFS).
+/// Output per Pa at which gas flowing at 8 m/s, with the other controls at their defaults, gives an rms of about 0.1
+/// (-20 dBFS).
 pub const OUTPUT_PER_PA: [f64; TEXTURES.len()] = [132.0, 89.0];
 
 /// Files in the order of [`TEXTURES`].
@@ -35,22 +36,22 @@ const FIELDS: [&[u8]; SCENES.len()] = [
 static READ_FIELDS: LazyLock<Result<Vec<Arc<SpeedField>>, Error>> =
     LazyLock::new(|| FIELDS.into_iter().map(|file| SpeedField::from_bytes(file).map(Arc::new)).collect());
 
-/// All scenes' speed fields, in the order of [`SCENES`]; read at the first call.
+/// Speed fields of all scenes, in the order of [`SCENES`]; read at the first call.
 pub fn fields() -> Result<&'static [Arc<SpeedField>], Error> {
     READ_FIELDS.as_deref().map_err(Error::clone)
 }
 
-/// The textures made ready for a rate, in the order of [`TEXTURES`].
+/// The textures prepared for one rate, in the order of [`TEXTURES`].
 pub type Banks = [Arc<Bank>; TEXTURES.len()];
 
-/// Banks that were made before.
+/// Banks made earlier.
 static MADE: Mutex<Made> = Mutex::new(Made { latest: None, played: BTreeMap::new() });
 
-/// Making the banks takes as long as some hosts give an activation altogether, and hosts activate again and again.
+/// Making the banks takes as long as some hosts allow for a whole activation, and hosts activate repeatedly.
 struct Made {
-    /// Those of the rate that was asked for last, by the rate's bits.
+    /// Banks of the most recent rate, by the rate's bits.
     latest: Option<(u64, Banks)>,
-    /// Those of all rates, as long as somebody plays them.
+    /// Banks of all rates that are in use.
     played: BTreeMap<u64, [Weak<Bank>; TEXTURES.len()]>,
 }
 
@@ -79,10 +80,10 @@ fn made(sample_rate_hz: f64) -> Result<Banks, Error> {
     Ok([make(fire)?, make(jet)?])
 }
 
-/// The shipped textures, made ready for output at `sample_rate_hz` (8,000-384,000); those that are in use already, and those
-/// of the rate that was asked for last, are shared. Not for the audio thread.
+/// The built-in textures, prepared for output at `sample_rate_hz` (8,000-384,000); banks in use, and those of the most
+/// recent rate, are shared. Not for the audio thread.
 pub fn banks(sample_rate_hz: f64) -> Result<Banks, Error> {
-    // Whoever asks meanwhile needs the same ones, mostly.
+    // A concurrent caller usually needs the same ones.
     MADE.lock().unwrap_or_else(PoisonError::into_inner).get(sample_rate_hz)
 }
 

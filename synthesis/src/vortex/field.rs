@@ -1,10 +1,9 @@
-//! Sources whose places and speeds a simulation has told.
+//! Sources whose positions and speeds come from a simulation.
 
 use super::acoustics::SPEED_OF_SOUND_M_S;
 use crate::error::Error;
 
-/// Sources that move faster than this have been put elsewhere: they fade out and in again instead of being heard to
-/// move.
+/// Speed beyond which a source has been relocated: it fades out and in again instead of being heard to move.
 const FASTEST_M_S: f64 = 0.45 * SPEED_OF_SOUND_M_S;
 
 /// Largest number of values of a field.
@@ -15,20 +14,19 @@ const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=120.0;
 pub(super) const FARTHEST_M: f32 = 1e5;
 const FASTEST_FLOW_M_S: f32 = 1e4;
 
-/// What a field does beyond its last step.
+/// Behaviour of a field beyond its last step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum End {
     /// The first step follows the last.
     #[default]
     Periodic,
-    /// The last step holds, and before the start of the timeline the first.
+    /// Holds the last step, and before the start of the timeline the first.
     Clamped,
 }
 
-/// Positions and flow speeds of sources by time: the speed field of a simulated flow (Dobashi et al. 2004, §6).
+/// Positions and flow speeds of sources over time: the speed field of a simulated flow (Dobashi et al. 2004, §6).
 ///
-/// Step k stands `start_s` + k / `rate_hz` seconds after the timeline's start; between steps positions and speeds are
-/// linear.
+/// Step k is at `start_s` + k / `rate_hz` seconds on the timeline; positions and speeds are linear between steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedField {
     rate_hz: f64,
@@ -39,7 +37,7 @@ pub struct SpeedField {
     speeds: Vec<f32>,
 }
 
-/// Two steps, and how far it is from one to the other (0-1).
+/// Two steps, and the fraction of the way from one to the other (0-1).
 pub(super) type Moment = (usize, usize, f64);
 
 /// One source of a field at one time.
@@ -48,17 +46,17 @@ pub(super) struct SourceState {
     /// Right, front and up from the field's origin, in m.
     pub position: [f64; 3],
     pub speed_m_s: f64,
-    /// 1, but for a source that is being put elsewhere.
+    /// 1, except for a source that is being relocated.
     pub presence: f64,
 }
 
 impl SpeedField {
     /// A field of `sources` sources at `rate_hz` (0.1-120) steps per second.
     ///
-    /// `positions` are in m to the right, to the front (away from the listener) and up, from an origin that the controls
-    /// place; `speeds` in m/s. Both go step by step and, within a step, source by source; `positions` of one step alone
-    /// hold for all. Fails where lengths do not fit, and where a value is no number, a position farther than 100 km or a
-    /// speed not 0-10,000 m/s.
+    /// `positions` are in m to the right, to the front (away from the listener) and up, from an origin set by the
+    /// controls; `speeds` are in m/s. Both are ordered by step and, within a step, by source; `positions` of a single
+    /// step apply to all steps. Fails if lengths do not match, if a value is not finite, if a position is farther than
+    /// 100 km, or if a speed is not within 0-10,000 m/s.
     pub fn new(
         rate_hz: f64,
         sources: usize,
@@ -71,7 +69,7 @@ impl SpeedField {
             return refuse(format!("its rate is {rate_hz} Hz, but must lie between 0.1 and 120 Hz"));
         }
         if sources == 0 || speeds.is_empty() || !speeds.len().is_multiple_of(sources) || speeds.len() > MOST_VALUES {
-            return refuse(format!("{} speeds are no steps of {sources} sources", speeds.len()));
+            return refuse(format!("{} speeds do not divide into steps of {sources} sources", speeds.len()));
         }
         if positions.len() != sources && positions.len() != speeds.len() {
             let (found, expected) = (positions.len(), speeds.len());
@@ -87,7 +85,7 @@ impl SpeedField {
         Ok(Self { rate_hz, start_s: 0.0, end, sources, positions, speeds })
     }
 
-    /// The same field, its first step `start_s` seconds after the timeline's start; what is not finite is taken as 0.
+    /// The same field, with its first step at `start_s` seconds on the timeline; a non-finite time counts as 0.
     pub fn starting_at(self, start_s: f64) -> Self {
         Self { start_s: if start_s.is_finite() { start_s } else { 0.0 }, ..self }
     }
@@ -97,12 +95,12 @@ impl SpeedField {
         self.start_s
     }
 
-    /// What it does beyond its last step.
+    /// Behaviour beyond its last step.
     pub fn end(&self) -> End {
         self.end
     }
 
-    /// Places of the sources in m: of one step, which holds for all, or step by step.
+    /// Positions of the sources in m: of one step, which applies to all, or step by step.
     pub fn positions(&self) -> &[[f32; 3]] {
         &self.positions
     }
@@ -127,7 +125,7 @@ impl SpeedField {
         self.speeds.len() / self.sources
     }
 
-    /// The steps around a time in seconds, and how far it is from one to the other (0-1).
+    /// The steps around a time in seconds, and the fraction of the way from one to the other (0-1).
     pub(super) fn place(&self, time_s: f64) -> Moment {
         let steps = self.steps();
         let at = (time_s - self.start_s) * self.rate_hz;
@@ -156,7 +154,7 @@ impl SpeedField {
         let (a, b) = (position(from), position(to));
         let moved = a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum::<f64>().sqrt() * self.rate_hz;
         let (position, presence) = if moved > FASTEST_M_S {
-            // Silent for half a step, in the middle of which it is put elsewhere.
+            // Silent for half a step, in the middle of which it is relocated.
             (if part < 0.5 { a } else { b }, (2.0 * (1.0 - 2.0 * part).abs() - 1.0).max(0.0))
         } else {
             (std::array::from_fn(|axis| a[axis] + part * (b[axis] - a[axis])), 1.0)

@@ -1,18 +1,18 @@
-//! A speed field as bytes: what a simulation hands to the plugin.
+//! A speed field as bytes, from a simulation to the plug-in.
 //!
-//! Little-endian: `PYROFLD1`; steps per second and seconds from the timeline's start to the first step as `f64`; whether
-//! it repeats (1 or 0), number of sources, and number of steps as `u32`; the fastest speed in m/s as `f32`; per source
-//! its place in m (right, front, up) as `f32`; then, step by step and source by source, one byte b for a speed of
-//! (b / 255)^2 times the fastest: steps are finest where gas is slow, as levels are.
+//! Little-endian: `PYROFLD1`; steps per second and time of the first step in seconds on the timeline as `f64`; a flag
+//! for repetition (1 or 0), number of sources, and number of steps as `u32`; the fastest speed in m/s as `f32`; per
+//! source its position in m (right, front, up) as `f32`; then, step by step and source by source, one byte b for a
+//! speed of (b / 255)^2 times the fastest: resolution is finest where gas is slow, as for levels.
 
 use super::field::{End, SpeedField};
 use crate::error::Error;
 
 /// First bytes; the number changes with the layout.
 const MAGIC: &[u8; 8] = b"PYROFLD1";
-/// Bytes before the places.
+/// Number of bytes before the positions.
 const HEAD: usize = 8 + 8 + 8 + 4 * 4;
-/// Bytes of a place.
+/// Number of bytes in a position.
 const PLACE: usize = 12;
 
 /// Farthest start from the timeline's, in seconds: thirty years.
@@ -23,8 +23,8 @@ const MOST_SOURCES: usize = 4096;
 const MOST_STEPS: usize = 1 << 20;
 
 impl SpeedField {
-    /// The field as bytes. Speeds are rounded to 1/255 of the square root of the fastest; of places that change, those
-    /// of the first step are kept.
+    /// The field as bytes. Speeds are rounded to 1/255 of the square root of the fastest; of changing positions, only
+    /// those of the first step are kept.
     pub fn to_bytes(&self) -> Vec<u8> {
         let fastest = self.speeds().iter().fold(0.0f32, |fastest, speed| fastest.max(*speed));
         let mut bytes = Vec::with_capacity(HEAD + PLACE * self.sources() + self.speeds().len());
@@ -44,15 +44,15 @@ impl SpeedField {
         bytes
     }
 
-    /// Reads what [`to_bytes`](Self::to_bytes) has made.
+    /// Reads the output of [`to_bytes`](Self::to_bytes).
     ///
-    /// Fails where the bytes are something else, are too few or too many, or tell what no field may
-    /// ([`new`](Self::new)), and where there are more than 4,096 sources or 1,048,576 steps.
+    /// Fails if the bytes are something else, are too few or too many, or contain values that [`new`](Self::new)
+    /// rejects, and if there are more than 4,096 sources or 1,048,576 steps.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
         let refuse = |reason: String| Error::SpeedField { reason };
         let head = bytes.first_chunk::<HEAD>().filter(|head| head.starts_with(MAGIC));
         let Some((head, rest)) = head.map(|head| (head, &bytes[HEAD..])) else {
-            return Err(refuse("this is no speed field, or of another version".to_owned()));
+            return Err(refuse("this is not a speed field, or it has an unknown version".to_owned()));
         };
         let double = |at: usize| f64::from_le_bytes(std::array::from_fn(|byte| head[at + byte]));
         let word = |at: usize| std::array::from_fn(|byte| head[at + byte]);
@@ -61,7 +61,7 @@ impl SpeedField {
         let fastest = f32::from_le_bytes(word(36));
         if sources > MOST_SOURCES || steps > MOST_STEPS {
             let most = format!("{MOST_SOURCES} sources and {MOST_STEPS} steps");
-            return Err(refuse(format!("it claims {sources} sources and {steps} steps; {most} are the most")));
+            return Err(refuse(format!("it declares {sources} sources and {steps} steps; at most {most} are allowed")));
         }
         // Within 32 bits too: 4096 times a million.
         let expected = sources as u64 * (PLACE + steps) as u64;
@@ -114,7 +114,7 @@ mod tests {
             for value in [0, 0x7f, 0x80, 0xff] {
                 let mut damaged = bytes.clone();
                 damaged[at] = value;
-                // Whatever is accepted tells speeds and places at any time.
+                // Any accepted file gives speeds and places at any time.
                 let Ok(field) = SpeedField::from_bytes(&damaged) else { continue };
                 for time_s in [-1e9, 0.0, 0.21, 1e9] {
                     let told = field.at(0, field.place(time_s));

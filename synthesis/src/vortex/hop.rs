@@ -4,7 +4,7 @@ use super::field::Moment;
 use super::moving::{Frame, Pose};
 use super::source::Identity;
 
-/// What is the same for all sources of a hop.
+/// Data common to all sources of a hop.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Hop {
     /// Position of its first sample.
@@ -15,16 +15,16 @@ pub(super) struct Hop {
     pub identity: Identity,
     /// Steps of the speed field around its start and end.
     pub moments: Option<[Moment; 2]>,
-    /// Sources that are to be heard by its end.
+    /// Number of sources that should sound by its end.
     pub wanted: usize,
     /// The envelope's speed in m/s.
     pub speed_m_s: f64,
     /// Logarithms of that and of the reference's gain.
     pub ln_speed: f32,
     pub ln_reference: f32,
-    /// Whether sources that nothing moves stand where they stood.
+    /// True if sources without external motion stay in place.
     pub stays: bool,
-    /// Whether it comes before the first that is heard.
+    /// True if it precedes the first audible hop.
     pub is_fresh: bool,
     /// Sources from here on are silent.
     pub sources: usize,

@@ -1,10 +1,10 @@
-//! The receivers: what of a source reaches which channel.
+//! The receivers: each source's contribution to each channel.
 //!
-//! All receivers stand where the listener is and differ by direction alone. Spaced ones would get every source at two
-//! times, and 20 cm are 0.6 ms: in a fold-down to mono the first notch stands at 860 Hz, in the middle of the whoosh, and
-//! sources spread about the listener still leave 3 dB more below than above. Coincident ones fold down flat, and one
-//! read of a source's sound serves all channels. Sources still differ in distance, hence in time, and that is what makes
-//! channels unlike: each gets sources of its own.
+//! All receivers are at the listener's position and differ only in direction. Spaced receivers would get every source
+//! at two times, and 20 cm are 0.6 ms: in a fold-down to mono the first notch would be at 860 Hz, in the middle of the
+//! whoosh, and sources spread around the listener would still leave 3 dB more below than above. Coincident receivers
+//! fold down flat, and one read of a source's sound serves all channels. Sources still differ in distance, hence in
+//! time, which is what makes channels differ: each channel gets its own sources.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -19,7 +19,7 @@ const ROUNDING: f64 = 1e-12;
 /// The loudspeakers of the output, in the order of their channels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SpeakerLayout {
-    /// One channel that gets everything.
+    /// One channel for everything.
     Mono,
     /// Left and right at 30°.
     #[default]
@@ -76,17 +76,17 @@ impl SpeakerLayout {
         ][channels - 1])
     }
 
-    /// Its number of channels.
+    /// Number of channels.
     pub fn channels(self) -> usize {
         self.speakers().len()
     }
 
-    /// The channel of low-frequency effects, which no source is panned to.
+    /// The LFE channel, to which no source is panned.
     pub fn low_frequency_effects(self) -> Option<usize> {
         self.speakers().iter().position(|speaker| matches!(speaker, Speaker::Silent))
     }
 
-    /// Azimuths of the loudspeakers that stand around the listener, in degrees, positive to the right.
+    /// Azimuths of the loudspeakers around the listener, in degrees, positive to the right.
     pub fn azimuths_deg(self) -> impl Iterator<Item = f64> {
         self.speakers().iter().filter_map(|speaker| match speaker {
             Speaker::Ring(azimuth_deg) => Some(*azimuth_deg),
@@ -112,11 +112,11 @@ impl SpeakerLayout {
     }
 }
 
-/// Two loudspeakers between which sources may stand.
+/// Two loudspeakers between which sources may be panned.
 #[derive(Debug)]
 struct Pair {
     channels: [usize; 2],
-    /// From right and front to the loudspeakers' gains, but for their norm.
+    /// Conversion from right and front to the loudspeakers' gains, without normalisation.
     inverse: [[f64; 2]; 2],
 }
 
@@ -124,13 +124,13 @@ struct Pair {
 /// 1997, "Virtual sound source positioning using vector base amplitude panning").
 #[derive(Debug)]
 pub(super) struct Panner {
-    /// By rising azimuth; none where there is one loudspeaker only.
+    /// Pairs by rising azimuth; none with a single loudspeaker.
     pairs: Vec<Pair>,
     /// Channels of the first and of the last loudspeaker.
     ends: [usize; 2],
     /// Channels of top left and right.
     top: Option<[usize; 2]>,
-    /// Whether no loudspeaker stands behind the listener.
+    /// True if there is no loudspeaker behind the listener.
     front_only: bool,
 }
 
@@ -165,7 +165,7 @@ impl Panner {
         }
         let flat_m = (right * right + front * front).sqrt();
         let [right, front] = if flat_m > 0.0 { [right / flat_m, front / flat_m] } else { [0.0, 1.0] };
-        // What is below the horizon is heard at it.
+        // Directions below the horizon are heard at the horizon.
         let (above, level) = match (up * up + flat_m * flat_m).sqrt() {
             distance_m if distance_m > 0.0 && up > 0.0 && self.top.is_some() => (up / distance_m, flat_m / distance_m),
             _ => (0.0, 1.0),
@@ -197,7 +197,7 @@ impl Panner {
 }
 
 impl Pair {
-    /// Of azimuths in radians and channels. From one to the other it is less than half a turn.
+    /// A pair from azimuths in radians and channels. The angle between the two is less than half a turn.
     fn new((from, from_channel): (f64, usize), (to, to_channel): (f64, usize)) -> Self {
         let ((from_x, from_y), (to_x, to_y)) = (maths::sin_cos(from), maths::sin_cos(to));
         let determinant = from_x * to_y - from_y * to_x;

@@ -1,4 +1,4 @@
-//! Which rows a flow speed sounds by, and how loudly.
+//! Rows and level of a flow speed.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -7,8 +7,8 @@ use super::texture::Row;
 /// Exponent of the level below a table of one row: the least that theory and measurements give.
 const LONE_EXPONENT: f32 = 4.0;
 
-/// Bounds of the exponent that is carried on below the lowest row. The lower one makes sound fade out below it without
-/// a corner, whatever the range control.
+/// Bounds of the exponent that is extrapolated below the lowest row. The lower bound makes sound fade out below it
+/// without a corner, whatever the range control.
 const LEAST_EXPONENT: f32 = 2.0;
 const MOST_EXPONENT: f32 = 12.0;
 
@@ -37,7 +37,7 @@ pub(super) struct Blend {
 }
 
 impl Levels {
-    /// For `rows` by rising speed, at least one.
+    /// Levels for `rows` by rising speed, at least one.
     pub fn new(rows: &[Row]) -> Self {
         let ln_speeds: Vec<f32> = rows.iter().map(|row| maths::ln(row.speed_m_s) as f32).collect();
         let ln_gains: Vec<f32> = rows.iter().map(|row| maths::ln(row.gain.max(LEAST_GAIN)) as f32).collect();
@@ -54,8 +54,8 @@ impl Levels {
         [speed(self.ln_speeds.first()), speed(self.ln_speeds.last())]
     }
 
-    /// The lower row of the two around a speed, which is likely to be `near`, how far it is from there to the upper one (0-1),
-    /// and the logarithm of the table's gain, which is a power law between rows and holds its ends beyond them.
+    /// The lower row of the two around a speed, which is probably `near`, the fraction of the way to the upper one
+    /// (0-1), and the logarithm of the table's gain, which is a power law between rows and constant beyond them.
     fn place(&self, near: usize, ln_speed: f32) -> (usize, f32, f32) {
         let is_near =
             |row: usize, ln: f32| ln <= ln_speed && self.ln_speeds.get(row + 1).is_none_or(|ln| ln_speed < *ln);
@@ -76,9 +76,9 @@ impl Levels {
     }
 
     /// The rows for a speed in m/s by its logarithm, which is minus infinity for 0. Gains are compressed to `range`
-    /// times as many decibels around `ln_reference`, the logarithm of a gain. The lower row is likely to be `near`.
+    /// times as many decibels around `ln_reference`, the logarithm of a gain. The lower row is probably `near`.
     ///
-    /// What is unlike in detail adds by power, so the squares of the two amplitudes sum to that of the gain.
+    /// Rows differ in detail and add by power, so the squares of the two amplitudes add up to that of the gain.
     pub fn at(&self, near: usize, ln_speed: f32, range: f32, ln_reference: f32) -> Blend {
         let (row, part, ln_gain) = self.place(near, ln_speed);
         let mut ln_level = ln_reference + range * (ln_gain - ln_reference);

@@ -1,38 +1,39 @@
-//! A flow that is simulated while it sounds: the coarse simulation of Dobashi et al. 2004, §6, at some 60 steps a second.
+//! A flow simulated during playback: the coarse simulation of Dobashi et al. 2004, §6, at some 60 steps per second.
 //!
-//! It is simulated elsewhere, since a step takes longer than a block may. Steps are counted from reset, and what an
-//! envelope has told during step k is asked for at the end of it, to be heard from the end of step k + 1 on: a whole
-//! step of time for the simulation, so that every start repeats. A step that is late holds the one before.
+//! It is simulated elsewhere, since a step takes longer than a block may. Steps are counted from reset; the envelope
+//! during step k becomes a request at the end of that step, and the result is heard from the end of step k + 1 on. The
+//! simulation therefore has a whole step of time, and every start repeats. A late step repeats the one before.
 
 use super::field::{FARTHEST_M, SourceState};
 use crate::error::Error;
 
-/// Speed in m/s that is taken off all: what it leaves of gas that nothing blows at is nothing, within some seconds.
+/// Speed in m/s that is subtracted from all speeds, so that gas at which nothing blows becomes silent within some
+/// seconds.
 const CALM_M_S: f32 = 0.25;
 
 /// Fastest speed that is believed, in m/s.
 const FASTEST_M_S: f32 = 1e4;
 
-/// About how many steps there are per second.
+/// Approximate number of steps per second.
 const STEPS_PER_S: f64 = 60.0;
 
-/// What a simulation is asked for.
+/// A request to a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Asked {
-    /// Which start of the sound the step belongs to; every one begins in still gas.
+    /// Run that the step belongs to, counted by starts of the sound; every run begins in still gas.
     pub run: u64,
-    /// Number of the step, from 0; a run's steps are asked for in their order.
+    /// Number of the step, from 0; a run's steps are requested in order.
     pub step: u64,
-    /// Speed in m/s at which gas comes in.
+    /// Speed in m/s of the incoming gas.
     pub speed_m_s: f64,
 }
 
-/// A simulation of gas, here or elsewhere. Both calls are made on the audio thread.
+/// A simulation of gas, local or remote. Both calls are made on the audio thread.
 pub trait Simulator: Send {
-    /// Takes note of a step to be simulated.
+    /// Requests a step.
     fn ask(&mut self, asked: Asked);
 
-    /// Writes the sources' speeds in m/s after a step that was asked for; whether they are there.
+    /// Writes the sources' speeds in m/s after a requested step; returns whether they are available.
     fn answer(&mut self, run: u64, step: u64, speeds_m_s: &mut [f32]) -> bool;
 }
 
@@ -40,16 +41,16 @@ pub trait Simulator: Send {
 pub(super) struct Live {
     simulator: Box<dyn Simulator>,
     places: Vec<[f64; 3]>,
-    /// Speeds between which the present step leads, and room for those to come.
+    /// Speeds at the ends of the present step, and working memory for the next.
     speeds: [Vec<f32>; 2],
     coming: Vec<f32>,
     hops_per_step: u64,
     run: u64,
-    /// Hops since the run began; none before.
+    /// Hops since the run began; none before that.
     hop: Option<u64>,
-    /// Hops since the present step began; what is stopped stands still there.
+    /// Hops since the present step began; constant while stopped.
     into: u64,
-    /// Sum over the step's hops of the speed that is asked for.
+    /// Sum over the step's hops of the requested speed.
     asked_m_s: f64,
     late: u64,
 }
@@ -66,13 +67,15 @@ pub fn hops_per_step(sample_rate_hz: f64, hop: usize) -> u64 {
 }
 
 impl Live {
-    /// For sources at `places`, in m to the right, to the front and up.
+    /// A live flow for sources at `places`, in m to the right, to the front and up.
     ///
-    /// Fails without a place, and where one is no number or farther than 100 km.
+    /// Fails without positions, and if one is not finite or farther than 100 km.
     pub fn new(simulator: Box<dyn Simulator>, places: &[[f32; 3]], hops_per_step: u64) -> Result<Self, Error> {
         let far = |value: &f32| !(-FARTHEST_M..=FARTHEST_M).contains(value);
         if places.is_empty() || places.iter().flatten().any(far) {
-            return Err(Error::SpeedField { reason: "a simulation has no places, or some out of reach".to_owned() });
+            return Err(Error::SpeedField {
+                reason: "a simulation has no positions, or some are out of range".to_owned(),
+            });
         }
         let still = vec![0.0; places.len()];
         Ok(Self {
@@ -94,24 +97,24 @@ impl Live {
         self.places.len()
     }
 
-    /// Steps that came too late since the last call.
+    /// Number of steps that came too late since the last call.
     pub fn take_late(&mut self) -> u64 {
         std::mem::take(&mut self.late)
     }
 
-    /// Still gas.
+    /// Resets to still gas.
     pub fn reset(&mut self) {
         self.stop();
         self.into = 0;
         self.speeds.iter_mut().for_each(|speeds| speeds.fill(0.0));
     }
 
-    /// The next hop starts a run of its own.
+    /// Makes the next hop start a new run.
     pub fn stop(&mut self) {
         self.hop = None;
     }
 
-    /// One hop on, for which gas comes in at `speed_m_s`.
+    /// Moves on by one hop, in which gas enters at `speed_m_s`.
     pub fn advance(&mut self, speed_m_s: f64) {
         let hop = match self.hop {
             Some(hop) => hop + 1,
@@ -135,13 +138,13 @@ impl Live {
         self.asked_m_s += speed_m_s;
     }
 
-    /// From what was heard to a step's speeds.
+    /// Moves from the present speeds to those of a step.
     fn take(&mut self, step: u64) {
         let [from, to] = &mut self.speeds;
         std::mem::swap(from, to);
         if self.simulator.answer(self.run, step, &mut self.coming) {
             for (to, speed) in to.iter_mut().zip(&self.coming) {
-                // What is no number is calm too.
+                // NaN counts as calm too.
                 *to = if *speed > CALM_M_S { (speed - CALM_M_S).min(FASTEST_M_S) } else { 0.0 };
             }
         } else {

@@ -1,12 +1,12 @@
-//! The loudest that a microphone takes.
+//! Ceiling of the microphone.
 //!
-//! The paper (§7) cuts the sound off at a microphone's largest sound pressure, which is how explosions stay audible as
-//! such. Here the edge is rounded.
+//! The paper (§7) clips the sound at a microphone's largest sound pressure, which is how explosions remain recognisable
+//! as such. Here the corner is rounded.
 
-/// Part of the largest pressure up to which nothing is changed.
+/// Share of the largest pressure up to which nothing changes.
 const KNEE: f64 = 0.7;
 
-/// `pressure_pa` as a microphone takes it that ends at `most_pa`: unchanged up to 0.7 of that, never beyond it.
+/// `pressure_pa` through a microphone with a ceiling of `most_pa`: unchanged up to 0.7 of that, never beyond it.
 #[inline]
 pub(super) fn limited(pressure_pa: f64, most_pa: f64) -> f64 {
     let knee = KNEE * most_pa;

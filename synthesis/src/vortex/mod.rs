@@ -1,28 +1,28 @@
 //! Vortex sound: the whoosh of turbulent flow (Dobashi, Yamamoto & Nishita 2004).
 //!
-//! p(t) = sum over sources of Q(u_i, t - r_i/c0) / r_i^n (eq. 5): every source reads the texture Q of what a small
-//! turbulent region radiates, by its flow speed u_i and as late as its distance r_i tells. All that moves, moves
-//! linearly from hop to hop on the host's timeline.
+//! p(t) = sum over sources of Q(u_i, t - r_i/c0) / r_i^n (eq. 5): every source reads the texture Q, the sound of a
+//! small turbulent region, according to its flow speed u_i and with the delay of its distance r_i. Everything that
+//! moves is linear from hop to hop on the host's timeline.
 //!
-//! | module | does |
+//! | module | content |
 //! |---|---|
-//! | [`texture`] | what a region radiates, by flow speed |
-//! | [`bank`] | a texture made ready for an output rate |
-//! | `level` | the rows and the level of a speed |
-//! | [`field`] | places and speeds that a simulation told; `field_file`: as bytes |
-//! | [`live`] | a flow that is simulated while it sounds |
+//! | [`texture`] | the sound of a region, by flow speed |
+//! | [`bank`] | a texture prepared for an output rate |
+//! | `level` | rows and level of a speed |
+//! | [`field`] | positions and speeds from a simulation; `field_file`: as bytes |
+//! | [`live`] | a flow simulated during playback |
 //! | `renderer` | hops on the host's timeline |
-//! | `hop`, `render_hop` | what a hop is decided to be, and how it is summed |
+//! | `hop`, `render_hop` | decisions about a hop, and its summation |
 //! | `acoustics` | constants of sound in air |
-//! | `source` | what a seed decides of a source |
-//! | `motion` | which of these two tells the sources |
+//! | `source` | properties of a source, drawn from a seed |
+//! | `motion` | the origin of the sources' motion |
 //! | `moving` | controls without jumps |
 //! | `read` | the inner loop |
-//! | `raise` | from the rate that sources are summed at to the output's |
+//! | `upsampler` | conversion from the sources' rate to the output's |
 //! | [`layout`] | receivers and channels |
-//! | `seen` | where sources stand, to be drawn |
+//! | `seen` | positions of sources, for display |
 //! | `microphone` | the largest pressure |
-//! | [`factory`] | the textures that come with the engines |
+//! | [`factory`] | the built-in textures |
 
 mod acoustics;
 pub mod bank;

@@ -1,16 +1,16 @@
-//! What moves the sources that do not all follow one envelope.
+//! Motion of sources that do not all follow one envelope.
 
 use super::field::{Moment, SourceState, SpeedField};
 use super::live::Live;
 use crate::controls::Flow;
 
-/// What tells speeds and places of single sources. Both may be there at once: sources that leave one for the other still
-/// sound by the one they had.
+/// Origin of the speeds and positions of single sources. Both may be present at once: sources that change from one to
+/// the other still sound by the one that they had.
 #[derive(Clone, Copy)]
 pub(super) struct Motion<'a> {
     /// A field, and its steps around the hop's start and end.
     pub field: Option<(&'a SpeedField, [Moment; 2])>,
-    /// A simulation that goes on meanwhile.
+    /// A simulation that runs alongside.
     pub live: Option<&'a Live>,
 }
 

@@ -5,14 +5,14 @@ use crate::controls::VortexControls;
 use crate::error::within;
 use crate::smoothed::Smoothed;
 
-/// Time constant in seconds with which a value follows its control, twice in a row: not even its speed jumps, which for
+/// Time constant in seconds with which a value follows its control, applied twice: not even its speed jumps, which for
 /// a distance is the pitch.
 const FOLLOW_S: f64 = 0.04;
 
 /// Values of a [`Frame`].
 const VALUES: usize = 14;
 
-/// What controls say at the edge of a hop.
+/// Control values at the edge of a hop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Frame {
     pub speed_m_s: f64,
@@ -27,19 +27,19 @@ pub(super) struct Frame {
     pub place: Place,
 }
 
-/// The part of a frame that says where sources stand.
+/// The part of a frame that sets the sources' positions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Place {
     distance_m: f64,
     spread_m: f64,
-    /// Sine and cosine of the azimuth, but for a factor: as they move, it takes the short way round.
+    /// Sine and cosine of the azimuth, up to a common factor: a moving azimuth takes the shorter way round.
     azimuth: [f64; 2],
     elevation: f64,
     exponent: f64,
 }
 
 impl Frame {
-    /// What `controls` ask for.
+    /// The frame of `controls`.
     pub fn of(controls: &VortexControls) -> Self {
         let azimuth = maths::sin_cos(within(controls.azimuth_deg % 360.0, -360.0, 360.0).to_radians());
         Self {
@@ -83,7 +83,7 @@ impl Frame {
     }
 }
 
-/// A [`Place`] with its angles worked out.
+/// A [`Place`] with its angles converted.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pose {
     spread_m: f64,
@@ -96,7 +96,7 @@ pub(super) struct Pose {
 }
 
 impl Place {
-    /// What sources are placed by.
+    /// The pose of the sources.
     pub fn stand(&self) -> Pose {
         let [sin, cos] = self.azimuth;
         let norm = maths::hypot(sin, cos);
@@ -114,12 +114,12 @@ impl Place {
 }
 
 impl Pose {
-    /// Right, front and up from the listener, in m, for a place in the ball that sources are spread in.
+    /// Right, front and up from the listener, in m, for a position in the ball over which sources are spread.
     pub fn in_ball(&self, ball: [f64; 3]) -> [f64; 3] {
         self.at(ball.map(|x| self.spread_m * x))
     }
 
-    /// The same for a place in m from the middle. Right and front are those of a listener who looks at the middle.
+    /// The same for a position in m from the centre. Right and front are those of a listener who faces the centre.
     pub fn at(&self, [right, front, up]: [f64; 3]) -> [f64; 3] {
         let front = front + self.front_m;
         [right * self.cos + front * self.sin, front * self.cos - right * self.sin, up + self.up_m]
@@ -150,7 +150,7 @@ impl ControlSnapshot {
         self.now
     }
 
-    /// Takes the controls' values at once.
+    /// Applies the controls' values at once.
     pub fn jump(&mut self, controls: &VortexControls) {
         self.now = Frame::of(controls);
         for (stages, value) in self.smoothed.iter_mut().zip(self.now.values()) {

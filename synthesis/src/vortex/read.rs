@@ -1,11 +1,11 @@
 //! The inner loop: one source's sound over one hop.
 //!
-//! Rows are summed step by step before anything is interpolated, so that a source costs one pass of interpolation
-//! whatever rows it sounds by. Amplitudes that move are linear in the output's time; so the sum is kept in two parts,
-//! that with the amplitudes of the hop's start, and that with their change, which grows over the hop.
+//! Rows are summed step by step before interpolation, so that a source costs one pass of interpolation, whatever its
+//! rows. Moving amplitudes are linear in the output's time, so the sum has two parts: that with the amplitudes at the
+//! hop's start, and that with their change, which grows over the hop.
 //!
-//! What goes step by step or sample by sample is compiled for the widest vectors that the machine has. What reads at
-//! the samples' places is not: compilers would gather there, which takes longer than the reads one by one.
+//! Loops over steps or samples are compiled for the widest vectors of the machine. Reads at the samples' positions are
+//! not: compilers would use gather instructions, which take longer than single reads.
 
 use super::bank::LONGEST_READ;
 
@@ -17,7 +17,7 @@ const AROUND: usize = 3;
 pub(super) struct Part<'a> {
     /// Coefficients from that before the hop's first step on.
     pub series: &'a [i16],
-    /// Amplitude at the start, and how much it changes until the end.
+    /// Amplitude at the start, and its change until the end.
     pub from: f32,
     pub change: f32,
 }
@@ -26,21 +26,21 @@ pub(super) struct Part<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gain {
     pub channel: usize,
-    /// At the hop's start and at its end.
+    /// Values at the hop's start and at its end.
     pub from: f32,
     pub to: f32,
 }
 
-/// Steps that are summed at once: reads are short, and what is left over at their ends would be summed one by one.
+/// Number of steps summed at once: reads are short, and the remainders at their ends would be summed one by one.
 const LANES: usize = 16;
 
-/// Length of the sums: any place up to the longest read has its cubic's steps.
+/// Length of the sums: any position up to the longest read has its cubic's steps.
 const ROOM: usize = LONGEST_READ + AROUND;
 
-/// Samples that are weighed at once; every hop is a multiple.
+/// Number of samples weighted at once; every hop is a multiple.
 const SAMPLES: usize = 8;
 
-/// Where some samples lie: the step before each, and the weights of that and the next three.
+/// Positions of some samples: the step before each, and the weights of that step and the next three.
 #[derive(Debug, Clone, Copy, Default)]
 struct Places {
     steps: [u32; SAMPLES],
@@ -54,14 +54,14 @@ pub(super) struct Reader {
     start: Box<[f32; ROOM]>,
     change: Box<[f32; ROOM]>,
     places: Vec<Places>,
-    /// How far the hop has come, by sample (0-1).
+    /// Progress of the hop by sample (0-1).
     parts: Vec<[f32; SAMPLES]>,
     /// The source's sound.
     sound: Vec<[f32; SAMPLES]>,
 }
 
 impl Reader {
-    /// For hops of `hop` samples, a multiple of 8.
+    /// A reader for hops of `hop` samples, a multiple of 8.
     pub fn new(hop: usize) -> Self {
         let count = hop / SAMPLES;
         let part = |n: usize| n as f32 / hop as f32;
@@ -74,8 +74,8 @@ impl Reader {
         }
     }
 
-    /// Adds the sum of `parts` to `channels`, whose lengths are a hop. The first sample lies `phase` (0-1) after a
-    /// series' first step, each other one `step` later.
+    /// Adds the sum of `parts` to `channels`, whose lengths are a hop. The first sample is `phase` (0-1) after a
+    /// series' first step, and each further sample one `step` later.
     pub fn process(&mut self, parts: &[Part<'_>], phase: f32, step: f32, gains: &[Gain], channels: &mut [Vec<f32>]) {
         let moving = parts.iter().any(|part| part.change != 0.0);
         let arch = pulp::Arch::new();
@@ -97,7 +97,7 @@ impl Reader {
         for ((sound, places), parts) in self.sound.iter_mut().zip(&self.places).zip(&self.parts) {
             let [a, b, c, d] = &places.weights;
             for n in 0..SAMPLES {
-                // A mask instead of a check: no place lies beyond it.
+                // A mask instead of a bounds check: no position lies beyond it.
                 let at = places.steps[n] as usize & (LONGEST_READ - 1);
                 let mut sum = (a[n] * start[at] + b[n] * start[at + 1]) + (c[n] * start[at + 2] + d[n] * start[at + 3]);
                 if MOVING {
@@ -110,7 +110,7 @@ impl Reader {
     }
 }
 
-/// What comes step by step. A type of its own, as closures are not sure to be compiled for wide vectors.
+/// Work by steps. A separate type, because closures are not certain to be compiled for wide vectors.
 struct Prepare<'a> {
     reader: &'a mut Reader,
     parts: &'a [Part<'a>],
@@ -135,7 +135,7 @@ impl pulp::WithSimd for Prepare<'_> {
     }
 }
 
-/// What comes sample by sample.
+/// Work by samples.
 struct Mix<'a> {
     reader: &'a Reader,
     gains: &'a [Gain],
@@ -159,18 +159,19 @@ impl pulp::WithSimd for Mix<'_> {
     }
 }
 
-/// Places of the samples from `first` on, and the weights of the cubic B-spline there.
+/// Positions of the samples from `first` on, with their cubic B-spline weights.
 ///
-/// Not inlined: compilers would take samples of several groups together and scatter them.
+/// Not inlined: compilers would combine samples of several groups and scatter them.
 #[inline(never)]
 fn weigh(phase: f32, step: f32, first: f32, places: &mut Places) {
     const SIXTH: f32 = 1.0 / 6.0;
-    // From here on numbers are whole, and so are their last bits: a cast would have to look for what does not fit.
+    // From here on numbers are integers, and so are their last bits: a cast would have to check for values that do not
+    // fit.
     const WHOLE: f32 = 12_582_912.0;
     let Places { steps, weights: [a, b, c, d] } = places;
     for n in 0..SAMPLES {
         let at = phase + step * (first + n as f32);
-        // Halfway it rounds to either side, at which the two cubics are equal.
+        // Half-way it may round to either side, where the two cubics are equal.
         let whole = at - 0.5 + WHOLE;
         let x = at - (whole - WHOLE);
         let (y, xx) = (1.0 - x, x * x);
@@ -182,7 +183,7 @@ fn weigh(phase: f32, step: f32, first: f32, places: &mut Places) {
     }
 }
 
-/// Sum of `parts` by `weight`.
+/// Sum of `parts`, weighted by `weight`.
 #[inline(always)]
 fn sum(parts: &[Part<'_>], weight: impl Fn(&Part<'_>) -> f32, sums: &mut [f32]) {
     sums.fill(0.0);

@@ -1,4 +1,4 @@
-//! Rendering of a hop: it is decided, its sources are summed a few at a time, and it is made ready to be heard.
+//! Rendering of a hop: it is decided, its sources are summed a few at a time, and it is prepared for output.
 
 use super::acoustics::SPEED_OF_SOUND_M_S;
 use super::bank::Bank;
@@ -13,10 +13,10 @@ use super::source::{Edge, Identity, Source};
 use crate::controls::{Flow, VortexControls};
 use crate::error::within;
 
-/// Part of the speed of sound at which a source's distance follows a jump at most.
+/// Largest speed, as a share of the speed of sound, with which a source's distance follows a jump.
 const FASTEST: f64 = 0.5;
 
-/// What a source is summed by.
+/// Inputs of the summation of a source.
 struct Summing<'a> {
     hop: Hop,
     bank: &'a Bank,
@@ -29,7 +29,8 @@ impl Vortex {
         self.is_fresh = false;
         self.is_exchanged = false;
         self.moving.jump(controls);
-        // It starts in its midst: the hop before is heard during this one, and the one before that is what the filter has heard.
+        // The start is mid-stream: the previous hop is heard during this one, and the one before that is the filter's
+        // past.
         for (back, is_fresh) in [(2, true), (1, false)] {
             self.decide(start - back * self.hop as i64, controls, is_fresh);
             self.sum_rest();
@@ -55,7 +56,7 @@ impl Vortex {
         }
     }
 
-    /// Decides what the hop at `start` sounds like.
+    /// Decides the sound of the hop at `start`.
     fn decide(&mut self, start: i64, controls: &VortexControls, is_fresh: bool) {
         self.flow = controls.flow;
         let identity = Identity { seed: controls.seed, flow: controls.flow };
@@ -99,7 +100,7 @@ impl Vortex {
         self.pressures.iter_mut().for_each(|channel| channel.fill(0.0));
     }
 
-    /// Sums what is left of the hop.
+    /// Sums the remaining sources of the hop.
     pub(super) fn sum_rest(&mut self) {
         self.sum(self.present.sources);
     }
@@ -112,7 +113,7 @@ impl Vortex {
             return;
         }
         self.present.summed = range.end;
-        // Out of the way of what changes meanwhile; nothing is taken from the heap.
+        // Moved out of `self` while other fields change; nothing is allocated.
         let (field, live, bank) = (self.field.take(), self.live.take(), self.bank.take());
         let mut sources = std::mem::take(&mut self.sources);
         let motion = Motion { field: field.as_deref().zip(hop.moments), live: live.as_ref() };
@@ -139,7 +140,7 @@ impl Vortex {
         }
         let heard = present > 0.0 && source.edge.gains.iter().any(|gain| *gain != 0.0);
         let end = self.edge(summing, true, index, source, heard);
-        // What was not heard may have stood anywhere.
+        // A source that was not heard may have been anywhere.
         let start = if heard { source.edge } else { Edge { gains: [0.0; MOST_CHANNELS], ..end } };
         source.edge = end;
 
@@ -191,8 +192,7 @@ impl Vortex {
         self.reader.process(&parts[..count], phase, step as f32, &gains[..audible], &mut self.pressures);
     }
 
-    /// What a source sounds like at the start of the hop, or at its `end`; `heard` tells whether its edge is what it sounded
-    /// like before.
+    /// Sound of a source at the start of the hop, or at its `end`; `heard` is true if its edge is its previous sound.
     fn edge(&self, summing: &Summing<'_>, end: bool, index: usize, source: &Source, heard: bool) -> Edge {
         let Summing { hop, bank, motion } = summing;
         let stand = &hop.stand;
@@ -214,7 +214,7 @@ impl Vortex {
         let distance_m = position.iter().map(|x| x * x).sum::<f64>().sqrt();
         let level = (presence * stand.attenuation(distance_m)) as f32;
         let gains = self.panner.gains(position).map(|gain| level * gain);
-        // A distance that jumps is walked: the time that a source is heard at must go on.
+        // A distance that jumps is traversed gradually, because the time at which a source is heard must advance.
         let walk = FASTEST * SPEED_OF_SOUND_M_S * self.hop as f64 / self.sample_rate_hz;
         let delayed_m =
             if heard { edge.distance_m + (distance_m - edge.distance_m).clamp(-walk, walk) } else { distance_m };
@@ -222,7 +222,7 @@ impl Vortex {
         Edge { blend, gains, position, told: presence, distance_m: delayed_m, settled }
     }
 
-    /// From the hop's pressures to output: what an exchange left, the output's rate, the microphone and the level.
+    /// Converts the hop's pressures to output: remains of an exchange, the output's rate, the microphone and the level.
     pub(super) fn finish(&mut self) {
         self.declick_tail();
         let Hop { before: from, frame: to, .. } = &self.present;
@@ -238,7 +238,7 @@ impl Vortex {
         }
     }
 
-    /// What was heard before an exchange goes on as it went, but not for long.
+    /// The sound from before an exchange continues in a straight line, but only briefly.
     fn declick_tail(&mut self) {
         if self.farewell_hop == FAREWELL_HOPS {
             return;

@@ -21,21 +21,21 @@ pub const MOST_SOURCES: usize = 16_384;
 /// Samples of a hop at about 48 kHz; at other rates it lasts about as long.
 const HOP: f64 = 128.0;
 
-/// Hops over which what sounded before an exchange dies away.
+/// Number of hops over which the sound before an exchange fades away.
 pub(super) const FAREWELL_HOPS: usize = 2;
 
 /// Drive beyond this magnitude is a broken signal.
 const LARGEST_DRIVE: f64 = 1e4;
 
-/// What is left of a full-scale drive, in nepers, where there is no threshold: the envelope's own end.
+/// Decay of a full-scale drive, in nepers, without a threshold: the envelope's own end.
 const SILENCE_NEPERS: f64 = 27.7;
 
 /// The renderer of vortex sound.
 ///
-/// Hops stand on multiples of their length on the host's timeline. What a hop sounds like is decided at its first sample; its
-/// sources are then summed a few at a time, as the hop goes by, and heard in the next one: so the load is as even as blocks
-/// are. Output does not depend on how blocks are cut, and, given constant controls and flow, is a function of the position.
-/// Speeds by envelope follow it one hop (2.7 ms) late.
+/// Hops are aligned with multiples of their length on the host's timeline. The sound of a hop is decided at its first
+/// sample; its sources are then summed a few at a time during the hop, and heard in the next one, so the load is as
+/// even as blocks are. Output does not depend on the division into blocks and, with constant controls and flow, is a
+/// function of the position. Speeds from the envelope follow it one hop (2.7 ms) late.
 #[derive(Debug)]
 pub struct Vortex {
     pub(super) sample_rate_hz: f64,
@@ -64,21 +64,21 @@ pub struct Vortex {
     pub(super) ready: Vec<Vec<f64>>,
     /// Position of the next sample.
     pub(super) position: i64,
-    /// Whether nothing has been rendered since reset.
+    /// True if nothing has been rendered since the reset.
     pub(super) is_fresh: bool,
-    /// What told the speeds in the last hop.
+    /// Origin of the speeds in the last hop.
     pub(super) flow: Flow,
-    /// Whether a bank or field that is heard was exchanged during the last hop.
+    /// True if an audible bank or field was exchanged during the last hop.
     pub(super) is_exchanged: bool,
-    /// Last pressures before an exchange and their slopes per sample; hops since.
+    /// Last pressures before an exchange with their slopes per sample, and hops since.
     pub(super) farewell: Vec<[f32; 2]>,
     pub(super) farewell_hop: usize,
 }
 
 impl Vortex {
-    /// A renderer at position 0, without bank and field: it is silent until it gets a bank.
+    /// A renderer at position 0, without bank and field: silent until it has a bank.
     ///
-    /// Fails where `sample_rate_hz` is not 8,000-384,000, or `sources`, the most that it will render, not 1-16,384.
+    /// Fails if `sample_rate_hz` is not 8,000-384,000, or `sources`, its capacity, is not 1-16,384.
     pub fn new(sample_rate_hz: f64, layout: SpeakerLayout, sources: usize) -> Result<Self, Error> {
         in_range("sample rate in Hz", sample_rate_hz, 8_000.0, 384_000.0)?;
         in_range("number of sources", sources as f64, 1.0, MOST_SOURCES as f64)?;
@@ -114,13 +114,13 @@ impl Vortex {
         })
     }
 
-    /// Delay of the output in samples, a function of the sample rate alone: a hop, and the filter that raises the rate.
+    /// Delay of the output in samples, a function of the sample rate alone: a hop, and the filter of the upsampler.
     pub fn latency_samples(&self) -> usize {
         self.hop + self.raise.latency_samples()
     }
 
     /// Samples for which output may differ from 0 after a full-scale drive has ended: the envelope's release down to
-    /// its threshold, and what has been on its way. None where a field drives the sources, which ends never.
+    /// its threshold, and sound that is still on its way. None if a field drives the sources, which never ends.
     pub fn tail_samples(&self, controls: &VortexControls) -> Option<usize> {
         let release_s = within(controls.release_s, 1e-3, 5.0);
         let nepers = (-maths::ln(within(controls.threshold, 0.0, 1.0))).clamp(0.0, SILENCE_NEPERS);
@@ -159,10 +159,11 @@ impl Vortex {
         std::mem::replace(&mut self.field, field)
     }
 
-    /// Takes a simulation for [`Flow::Live`], whose sources stand at `places`, in m to the right, to the front and up from
-    /// where the controls place the middle. Its steps last [`live_step_s`](Self::live_step_s). Not for the audio thread.
+    /// Installs a simulation for [`Flow::Live`], whose sources are at `places`, in m to the right, to the front and up
+    /// from the centre set by the controls. Its steps last [`live_step_s`](Self::live_step_s). Not for the audio
+    /// thread.
     ///
-    /// Fails without a place, and where one is no number or farther than 100 km.
+    /// Fails without positions, and if one is not finite or farther than 100 km.
     pub fn set_simulator(&mut self, simulator: Box<dyn Simulator>, places: &[[f32; 3]]) -> Result<(), Error> {
         self.sum_rest();
         self.live = Some(Live::new(simulator, places, hops_per_step(self.sample_rate_hz, self.hop))?);
@@ -174,14 +175,14 @@ impl Vortex {
         hops_per_step(self.sample_rate_hz, self.hop) as f64 * self.hop as f64 / self.sample_rate_hz
     }
 
-    /// Steps of the live simulation that came too late since the last call.
+    /// Number of steps of the live simulation that came too late since the last call.
     pub fn take_late(&mut self) -> u64 {
         self.live.as_mut().map_or(0, Live::take_late)
     }
 
-    /// Back to silence; the next sample stands at `position` on the host's timeline. Bank and field stay.
+    /// Resets to silence; the next sample is at `position` on the host's timeline. Bank and field stay.
     pub fn reset(&mut self, position: i64) {
-        // Room for centuries of sound on either side, whose places in the period are still exact enough.
+        // Leaves room for centuries of sound on either side, with positions in the period still accurate enough.
         self.position = position.clamp(-(1 << 50), 1 << 50);
         self.envelope.reset();
         self.envelope_now = 0.0;
@@ -196,7 +197,7 @@ impl Vortex {
         }
     }
 
-    /// Lets `samples` go by unheard, at next to no cost; what comes next begins as after a [`reset`](Self::reset).
+    /// Skips `samples` unheard, at next to no cost; afterwards it begins as after a [`reset`](Self::reset).
     pub fn skip(&mut self, samples: usize) {
         if !self.is_fresh {
             self.reset(self.position);
@@ -205,8 +206,8 @@ impl Vortex {
     }
 
     /// Renders one block of any length into `outputs`, whose channels are as long as `drive`; channels that the layout
-    /// does not have stay silent. A hop works with the `controls` in force at its first sample. Where a field tells the
-    /// speeds, `drive` is of no account but for its length.
+    /// does not have stay silent. A hop uses the `controls` in force at its first sample. If a field sets the speeds,
+    /// only the length of `drive` matters.
     pub fn process(&mut self, drive: &[f64], controls: &VortexControls, outputs: &mut [&mut [f64]]) {
         let count = outputs.iter().map(|channel| channel.len()).fold(drive.len(), usize::min);
         let follow = DriveControls {

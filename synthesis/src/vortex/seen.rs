@@ -1,13 +1,13 @@
-//! Where sources stand, for whoever draws them.
+//! Positions of the sources, for display.
 
 use super::renderer::Vortex;
 
-/// A source as it was at the end of the last hop.
+/// A source at the end of the last hop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SeenSource {
     /// Right, front and up from the listener, in m.
     pub position_m: [f32; 3],
-    /// Amplitude with which it reaches the listener, in the texture's own scale.
+    /// Amplitude at the listener, in the texture's own scale.
     pub level: f32,
 }
 
@@ -24,7 +24,7 @@ impl Vortex {
         })
     }
 
-    /// Number of the hop under way.
+    /// Number of the present hop.
     pub fn hop(&self) -> i64 {
         self.position.div_euclid(self.hop as i64)
     }

@@ -1,4 +1,4 @@
-//! One source: what its seed decides, where it stands, and what it sounded like at the end of the last hop.
+//! One source: its properties drawn from a seed, its position, and its sound at the end of the last hop.
 
 use super::bank::DIRECTIONS;
 use super::layout::MOST_CHANNELS;
@@ -6,40 +6,40 @@ use super::level::Blend;
 use crate::controls::Flow;
 use crate::noise::White;
 
-/// Hops that a source takes to fade out or in.
+/// Number of hops in which a source fades out or in.
 const FADE_HOPS: f32 = 4.0;
 
 /// Sources change their identity in turn, within this many hops: together they would leave a gap.
 const TURN_HOPS: i64 = 16;
 
-/// How far the sources' paces differ. Flows have tones of their own (eddies that shed in step, the box they were recorded
-/// in), which a crowd at one pace would hum; a lone source reads as recorded.
+/// Spread of the sources' paces. Flows have their own tones (eddies that shed in step, the recording box), which a
+/// crowd at one pace would hum; a single source reads at the recorded pace.
 const PACES: f64 = 0.12;
 
 /// Numbers that a seed gives each source.
 const STREAM: u32 = 0x0076_6f72;
 const NUMBERS: i64 = 8;
 
-/// What a source is made by.
+/// Parameters that define a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Identity {
     pub seed: u32,
     pub flow: Flow,
 }
 
-/// What a source sounds like at the edge of a hop.
+/// Sound of a source at the edge of a hop.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Edge {
     pub blend: Blend,
     /// Gains by channel: direction and distance.
     pub gains: [f32; MOST_CHANNELS],
-    /// Where it stands: to the right, to the front and up, in m.
+    /// Position: to the right, to the front and up, in m.
     pub position: [f64; 3],
-    /// How much of it is there, as told by what moves it.
+    /// Presence as set by the source's motion.
     pub told: f64,
     /// Distance that delays, in m.
     pub distance_m: f64,
-    /// Whether that is the source's own distance by now.
+    /// True if that is the source's own distance by now.
     pub settled: bool,
 }
 
@@ -47,22 +47,22 @@ pub(super) struct Edge {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Source {
     pub identity: Identity,
-    /// How much of it is there, 0-1, at the edge.
+    /// Presence, 0-1, at the edge.
     pub presence: f32,
-    /// At the end of the last hop.
+    /// Edge at the end of the last hop.
     pub edge: Edge,
     /// Index of its direction in the bank.
     pub direction: usize,
-    /// Where in the period it reads, 0-1.
+    /// Reading position in the period, 0-1.
     pub offset: f64,
-    /// Place in a ball of radius 1.
+    /// Position in a ball of radius 1.
     pub ball: [f64; 3],
     /// Deviation of its flow speed, -1..1.
     deviation: f32,
-    /// How far that varies its speed, and the logarithm of the factor.
+    /// Variation of its speed, and the logarithm of the factor.
     variation: f32,
     pub ln_deviation: f32,
-    /// How fast it reads, as a multiple of the texture's pace.
+    /// Reading speed as a multiple of the texture's pace.
     pub pace: f64,
 }
 
@@ -93,7 +93,7 @@ impl Source {
         }
     }
 
-    /// Takes the variation of speeds (0-1).
+    /// Sets the variation of speeds (0-1).
     pub fn vary(&mut self, variation: f32) {
         if self.variation != variation {
             self.variation = variation;
@@ -101,7 +101,7 @@ impl Source {
         }
     }
 
-    /// Goes on by one hop towards being `wanted` as `identity`. Returns the presence at the hop's start.
+    /// Moves on by one hop towards being `wanted` as `identity`. Returns the presence at the hop's start.
     pub fn turn(&mut self, index: usize, hop: i64, wanted: bool, identity: Identity) -> f32 {
         let before = self.presence;
         let stays = wanted && self.identity == identity;

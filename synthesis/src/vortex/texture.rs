@@ -1,9 +1,9 @@
-//! A vortex-sound texture: what a small turbulent region radiates, for a range of flow speeds.
+//! A vortex-sound texture: the sound of a small turbulent region, over a range of flow speeds.
 //!
-//! A region's sound is x·T(t)x for a listener in direction x, T symmetric and without trace (see `algorithms` §4), so
-//! five series hold what it sends in every direction. They are kept in the basis of [`directivity`].
+//! A region's sound is x·T(t)x for a listener in direction x, with T symmetric and without trace, so five series
+//! represent its sound in every direction. They are stored in the basis of [`directivity`].
 //!
-//! As bytes (little-endian): `PYROVTX1`; step rate in Hz, number of rows, and steps of a period as `u32`; per row its
+//! As bytes (little-endian): `PYROVTX1`; step rate in Hz, number of rows, and steps in a period as `u32`; per row its
 //! speed, gain and scale as `f32`; then, row by row and component by component, the steps as `i16`, whose products with
 //! the row's scale are the values.
 
@@ -19,12 +19,12 @@ const HEAD: usize = 20;
 /// Bytes of a row in the table.
 const ROW_HEAD: usize = 12;
 
-/// Most rows, and most steps of a period, that a file may have.
+/// Largest number of rows, and of steps in a period, in a file.
 const MOST_ROWS: usize = 256;
 const MOST_STEPS: usize = 1 << 20;
 
-/// How much of each component reaches a listener in direction `x` (a unit vector): harmonics of degree two, whose mean
-/// square over the sphere is 1.
+/// Share of each component that reaches a listener in direction `x` (a unit vector): harmonics of degree two, whose
+/// mean square over the sphere is 1.
 pub fn directivity([x, y, z]: [f64; 3]) -> [f64; COMPONENTS] {
     let root15 = 15f64.sqrt();
     [
@@ -47,7 +47,7 @@ pub struct Row {
     pub components: [Vec<f32>; COMPONENTS],
 }
 
-/// Rows by rising speed, all of one period, which repeats without a seam.
+/// Rows by rising speed, all with the same period, which repeats seamlessly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VortexTexture {
     sample_rate_hz: f64,
@@ -55,10 +55,10 @@ pub struct VortexTexture {
 }
 
 impl VortexTexture {
-    /// A texture of rows that were recorded at `sample_rate_hz` (1,000-48,000, whole).
+    /// A texture of rows recorded at `sample_rate_hz` (1,000-48,000, an integer).
     ///
-    /// Fails without a row, where speeds do not rise from above 0, where series differ in length or hold what is no
-    /// number, and where a period has less than 16 steps.
+    /// Fails without a row, if speeds do not rise from above 0, if series differ in length or contain values that are
+    /// not finite, or if a period has less than 16 steps.
     pub fn new(sample_rate_hz: f64, rows: Vec<Row>) -> Result<Self, Error> {
         let refuse = |reason: String| Err(Error::VortexTexture { reason });
         if !(1_000.0..=48_000.0).contains(&sample_rate_hz) || sample_rate_hz.fract() != 0.0 {
@@ -84,7 +84,7 @@ impl VortexTexture {
                 return refuse(format!("the series of {speed_m_s} m/s differ in length"));
             }
             if components.iter().flatten().any(|value| !value.is_finite()) {
-                return refuse(format!("a series of {speed_m_s} m/s holds what is not a number"));
+                return refuse(format!("a series of {speed_m_s} m/s holds a value that is not finite"));
             }
         }
         Ok(Self { sample_rate_hz, rows })
@@ -127,16 +127,16 @@ impl VortexTexture {
         bytes
     }
 
-    /// Reads what [`to_bytes`](Self::to_bytes) has made.
+    /// Reads the output of [`to_bytes`](Self::to_bytes).
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Error> {
         let refuse = |reason: &str| Error::VortexTexture { reason: reason.to_owned() };
         let Some(head) = bytes.get(..HEAD).filter(|head| head.starts_with(MAGIC)) else {
-            return Err(refuse("this is no vortex texture, or of another version"));
+            return Err(refuse("this is not a vortex texture, or it has an unknown version"));
         };
         let number = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]) as usize;
         let (sample_rate_hz, rows, steps) = (number(8), number(12), number(16));
         if rows > MOST_ROWS || steps > MOST_STEPS {
-            return Err(refuse("it claims more rows or steps than are possible"));
+            return Err(refuse("it declares more rows or steps than are allowed"));
         }
         let (table, data) = (rows * ROW_HEAD, rows * COMPONENTS * steps * 2);
         if bytes.len() != HEAD + table + data {
@@ -159,7 +159,7 @@ impl VortexTexture {
 }
 
 impl Row {
-    /// What one step of the 16-bit form stands for.
+    /// Value of one step of the 16-bit form.
     fn scale(&self) -> f32 {
         let largest = self.components.iter().flatten().fold(0.0f32, |largest, value| largest.max(value.abs()));
         if largest > 0.0 { largest / 32_767.0 } else { 1.0 }

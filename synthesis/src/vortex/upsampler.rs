@@ -1,20 +1,20 @@
-//! From the rate that sources are summed at to the output's.
+//! Conversion from the rate at which sources are summed to the output's.
 //!
-//! What sources sound like ends far below half of the output's rate, and a crowd of them is summed sample by sample. So they
-//! are summed at 22-44 kHz, and the sum of each channel is raised to the output's rate once.
+//! The sources' sound ends far below half of the output's rate, and a crowd of them is summed sample by sample. They
+//! are therefore summed at 22-44 kHz, and the sum of each channel is upsampled to the output's rate once.
 
 use std::f64::consts::{PI, TAU};
 
-/// Lowest rate that sources are summed at where the output's is higher, in Hz.
+/// Lowest rate in Hz at which sources are summed if the output's rate is higher.
 const LEAST_RATE_HZ: f64 = 22_000.0;
 
-/// Samples at the lower rate on either side of a sample of the output by which it is interpolated.
+/// Number of samples at the lower rate, on either side of an output sample, that interpolate it.
 const REACH: usize = 12;
 
-/// Part of the lower rate up to which the filter is flat; from 1 less that its images are 92 dB down.
+/// Share of the lower rate up to which the filter is flat; from 1 minus that, its images are 92 dB down.
 const FLAT: f64 = 1.0 / 3.0;
 
-/// Part of the output's rate up to which sound goes where nothing is raised.
+/// Share of the output's rate up to which sound extends without upsampling.
 const UNRAISED: f64 = 0.45;
 
 /// Samples of the output per sample of the sum: a power of two.
@@ -26,7 +26,7 @@ pub(super) fn factor(sample_rate_hz: f64) -> usize {
     factor
 }
 
-/// Highest frequency in Hz that is heard as it is meant to be.
+/// Highest frequency in Hz that is reproduced correctly.
 pub(super) fn top_hz(sample_rate_hz: f64) -> f64 {
     match factor(sample_rate_hz) {
         1 => UNRAISED * sample_rate_hz,
@@ -40,18 +40,18 @@ pub(super) struct Upsampler {
     factor: usize,
     /// Weights of the samples around, by phase, the oldest sample's first.
     weights: Vec<[f32; 2 * REACH]>,
-    /// By channel: what was heard last, and the present hop.
+    /// By channel: the most recent samples, and the present hop.
     heard: Vec<Vec<f32>>,
     /// One phase of a hop.
     phase: Vec<f32>,
 }
 
 impl Upsampler {
-    /// For hops of `hop` samples at the lower rate.
+    /// An upsampler for hops of `hop` samples at the lower rate.
     pub fn new(factor: usize, channels: usize, hop: usize) -> Self {
         let weights = (0..factor).map(|phase| {
             std::array::from_fn(|at| {
-                // The output's sample stands `phase` after the sample before the middle.
+                // The output's sample is `phase` after the sample before the middle.
                 let from = (at + 1) as f64 - REACH as f64 - phase as f64 / factor as f64;
                 let sinc = if from == 0.0 { 1.0 } else { maths::sin(PI * from) / (PI * from) };
                 (sinc * window(from / REACH as f64)) as f32
@@ -65,17 +65,17 @@ impl Upsampler {
         }
     }
 
-    /// Samples of the output by which it is late.
+    /// Delay in samples of the output.
     pub fn latency_samples(&self) -> usize {
         if self.factor == 1 { 0 } else { REACH * self.factor }
     }
 
-    /// Nothing was heard.
+    /// Resets to silence.
     pub fn reset(&mut self) {
         self.heard.iter_mut().for_each(|heard| heard.fill(0.0));
     }
 
-    /// One hop of a channel, written to `raised`, which is `factor` times as long.
+    /// Converts one hop of a channel, written to `raised`, which is `factor` times as long.
     pub fn process(&mut self, channel: usize, hop: &[f32], raised: &mut [f32]) {
         if self.factor == 1 {
             raised.copy_from_slice(hop);

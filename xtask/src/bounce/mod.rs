@@ -1,6 +1,6 @@
 //! `cargo xtask bounce`: a file through the built plugin, in a headless host.
 //!
-//! For any preset the output is the one of `pyrophone render`, bit for bit.
+//! For any preset the output equals that of `pyrophone render`, bit for bit.
 
 mod play;
 
@@ -41,13 +41,13 @@ pub struct Args {
     /// Source of the input's loudness distribution, instead of the preset's choice
     #[arg(long, value_enum)]
     dynamic_range: Option<DynamicRange>,
-    /// Learn that distribution from this file instead of a first pass over the input
+    /// File to learn that distribution from, instead of a first pass over the input
     #[arg(long, value_name = "FILE.wav")]
     learn: Option<PathBuf>,
-    /// Steps and ramps of parameters: time_s,id,value or sample,id,value, and ,curve (step or linear)
+    /// Parameter automation: rows of time_s,id,value or sample,id,value, optionally with ,curve (step or linear)
     #[arg(long, value_name = "FILE.csv")]
     automation: Option<PathBuf>,
-    /// Set a parameter after the preset; may be repeated
+    /// Parameter to set after loading the preset; may be repeated
     #[arg(long = "set", value_name = "id=value")]
     settings: Vec<String>,
     /// Frames of a block, or `random`, or `random:SEED`: 0 to 1024 frames
@@ -56,7 +56,7 @@ pub struct Args {
     /// Tell the plugin that the host renders offline
     #[arg(long)]
     offline: bool,
-    /// Feed the zeros that the published program puts before and after the input, and trim them again
+    /// Add the zeros that the published program puts before and after the input, and trim them again
     #[arg(long)]
     reference_padding: bool,
     /// Resample the input to this rate first
@@ -149,18 +149,20 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Files that the output is made from.
+/// Files from which the output is made.
 fn sources(args: &Args) -> Vec<&Path> {
     let optional = [&args.sidechain, &args.training, &args.learn, &args.automation];
     let given = optional.into_iter().flatten().map(PathBuf::as_path);
     [args.input.as_path(), Path::new(&args.preset)].into_iter().chain(given).collect()
 }
 
-/// The preset, then `--dynamic-range` (or `--learn`, which asks for the learned one), then `--set`.
+/// The preset, then `--dynamic-range` (or `--learn`, which implies the learned one), then `--set`.
 fn values(args: &Args) -> Result<Values> {
     let choice = match (args.dynamic_range, &args.learn) {
         (Some(DynamicRange::Learned) | None, Some(_)) => Some(DynamicRange::Learned),
-        (Some(_), Some(_)) => bail!("--learn contradicts --dynamic-range off and running; leave one of them out"),
+        (Some(_), Some(_)) => {
+            bail!("--learn contradicts --dynamic-range off and --dynamic-range running; leave one of them out")
+        }
         (choice, None) => choice,
     };
     let choice = choice.map(|choice| match choice {
@@ -184,7 +186,7 @@ pub fn preset<'a>(name: &str, settings: impl IntoIterator<Item = &'a str>) -> Re
     Ok(values)
 }
 
-/// Reads a sound and brings it to a rate.
+/// Reads a sound and resamples it to a given rate.
 pub fn load(path: &Path, rate_hz: Option<u32>) -> Result<Recording> {
     let sound = decode(path, &no_progress)?;
     match rate_hz {
@@ -201,7 +203,7 @@ pub fn reference(path: &Path) -> Result<RecordingReference> {
     Ok(RecordingReference { path, content_hash, embedded: None })
 }
 
-/// The distribution of the input's amplitudes, as a session keeps it.
+/// The distribution of the input's amplitudes, in the form stored in a session.
 pub fn learned(values: &Values, main: &Recording, sidechain: &[Vec<f32>]) -> Result<Learned> {
     let sample_rate_hz = f64::from(main.sample_rate_hz);
     let structure = values.structure();
@@ -227,10 +229,10 @@ fn fitted(mut channels: Vec<Vec<f32>>, samples: usize) -> Vec<Vec<f32>> {
     channels
 }
 
-/// Channels that a bus of the plugin may have: mono, stereo, 5.0 and 5.1.
+/// Possible numbers of channels of a plugin's bus: mono, stereo, 5.0 and 5.1.
 const BUSES: [usize; 4] = [1, 2, 5, 6];
 
-/// Channels of a bus; a sidechain may have none. Which go together is the plugin's to say.
+/// Channels of a bus; a sidechain may have none. The plugin decides on valid combinations.
 fn bus(what: &str, channels: usize) -> Result<u32> {
     ensure!(
         BUSES.contains(&channels) || what == SIDECHAIN && channels == 0,
@@ -242,7 +244,7 @@ fn bus(what: &str, channels: usize) -> Result<u32> {
 /// Name of the optional bus.
 const SIDECHAIN: &str = "sidechain";
 
-/// The plugin's buses for a request; whether it has such a layout is seen when it is activated.
+/// The plugin's buses for a request; an unsupported layout fails at activation.
 fn layout(request: &Request<'_>) -> Result<BusLayout> {
     Ok(BusLayout {
         input: bus("input", request.main.channels.len())?,

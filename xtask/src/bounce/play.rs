@@ -15,7 +15,7 @@ use pyrophone_synthesis::texture::shape::Padding;
 use super::layout;
 use crate::project;
 
-/// A signal to play, and how.
+/// A signal to play, with its settings.
 pub struct Request<'a> {
     /// Format of the bundle.
     pub format: Format,
@@ -33,9 +33,9 @@ pub struct Request<'a> {
     pub learned: Option<Learned>,
     /// Cutting into blocks.
     pub block: BlockSize,
-    /// Whether the host renders offline.
+    /// True if the host renders offline.
     pub offline: bool,
-    /// Whether to feed the reference's zero padding (algorithms §3) and trim it again.
+    /// True to add the reference's zero padding (algorithms §3) and trim it again.
     pub reference_padding: bool,
     /// Channels of the output.
     pub output_channels: usize,
@@ -49,7 +49,7 @@ pub struct Played {
     pub latency_samples: u32,
     /// Time until the recording was read and indexed.
     pub loading: Duration,
-    /// Time in which everything was played.
+    /// Time for playing everything.
     pub playing: Duration,
 }
 
@@ -102,7 +102,7 @@ fn set_session(plugin: &mut dyn Plugin, request: &Request<'_>) -> Result<()> {
     Ok(())
 }
 
-/// A parameter's text as the plugin gives it to hosts of this format: VST3's put the unit behind it themselves.
+/// A parameter's text as the plugin gives it to hosts of this format: VST3 hosts append the unit themselves.
 fn shown<'a>(format: Format, unit: &str, text: &'a str) -> &'a str {
     match format {
         Format::Clap => text,
@@ -110,7 +110,7 @@ fn shown<'a>(format: Format, unit: &str, text: &'a str) -> &'a str {
     }
 }
 
-/// Sets every parameter by its text, as a person would, and makes sure that the plugin says the same back.
+/// Sets every parameter by its text, as a person would, and checks that the plugin returns the same text.
 fn set_values(plugin: &mut dyn Plugin, format: Format, values: &Values) -> Result<()> {
     for (parameter, plain) in PARAMETERS.iter().zip(values.as_slice()) {
         let id = numeric_id(parameter.id);
@@ -125,7 +125,7 @@ fn set_values(plugin: &mut dyn Plugin, format: Format, values: &Values) -> Resul
     Ok(())
 }
 
-/// An activation that is said to be offline returns when the recording is ready, however long that takes.
+/// An activation in offline mode returns only when the recording is ready.
 fn wait_for_recording(plugin: &mut dyn Plugin, sample_rate: f64, layout: BusLayout) -> Result<()> {
     let processor = plugin.activate(&Configuration { sample_rate, max_block: 512, layout, offline: true })?;
     plugin.run_callbacks();

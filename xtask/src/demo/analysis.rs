@@ -13,7 +13,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a whole sound.
+    /// The spectrum of a whole sound.
     pub fn of(channels: &[Vec<f32>], sample_rate_hz: u32) -> Self {
         const SIZE: usize = 16_384;
         let samples = channels.first().map_or(0, Vec::len);
@@ -43,7 +43,7 @@ impl Spectrum {
         decibels(mean_between(&self.bins, self.bin_hz, frequency_hz / half, frequency_hz * half))
     }
 
-    /// Highest frequency that it tells anything of.
+    /// Highest frequency of the spectrum.
     pub fn nyquist_hz(&self) -> f64 {
         self.bin_hz * (self.bins.len() - 1) as f64
     }
@@ -57,12 +57,12 @@ pub struct Spectrogram {
     pub rows: usize,
 }
 
-/// FFT sizes at 44.1 kHz, each with the frequency in Hz from which the next shorter one takes over: long windows keep low
-/// tones apart, short ones keep crackles apart.
+/// FFT sizes at 44.1 kHz, each with the frequency in Hz above which the next shorter one is used: long windows separate
+/// low tones, short ones separate crackles.
 const SIZES: [(usize, f64); 4] = [(8192, 160.0), (4096, 600.0), (2048, 2_400.0), (1024, f64::INFINITY)];
 
 impl Spectrogram {
-    /// Of a whole sound.
+    /// The spectrogram of a whole sound.
     pub fn of(channels: &[Vec<f32>], sample_rate_hz: u32, columns: usize, rows: usize) -> Self {
         let samples = channels.first().map_or(0, Vec::len);
         let (low_hz, high_hz) = BAND_HZ;
@@ -115,7 +115,7 @@ fn decibels(power: f64) -> f64 {
     10.0 * power.max(1e-20).log10()
 }
 
-/// Mean of the bins between two frequencies; where they lie closer than bins do, interpolated.
+/// Mean of the bins between two frequencies; where these are closer than bins, interpolated.
 fn mean_between(bins: &[f64], bin_hz: f64, low_hz: f64, high_hz: f64) -> f64 {
     let (low, high) = (low_hz / bin_hz, high_hz / bin_hz);
     let first = low.ceil() as usize;
@@ -139,7 +139,7 @@ struct Transform {
     frame: Vec<f64>,
     spectrum: Vec<Complex64>,
     bin_hz: f64,
-    /// From squared magnitude to density.
+    /// Factor from squared magnitude to density.
     scale: f64,
 }
 

@@ -1,4 +1,5 @@
-//! What the demo burns: the user's sounds, a simulated flame, a recorded fire where one is at hand, else a generated one.
+//! Sources of the demo: the user's sounds, a simulated flame, and a recorded fire if available, otherwise a generated
+//! one.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -19,13 +20,13 @@ pub struct Found {
     pub rights: String,
 }
 
-/// Rights in what the demo makes itself.
+/// Rights in sounds made by the demo itself.
 const OWN_RIGHTS: &str = "none reserved";
 
 /// Resources of the program Blanket, as Debian's package of that name installs them, and the fire among them.
 const BLANKET: &str = "/usr/share/blanket/blanket.gresource";
 const FIREPLACE: &str = "/com/rafaelmardojai/Blanket/sounds/fireplace.ogg";
-/// What every Ogg file begins with.
+/// Magic number of Ogg files.
 const OGG: &[u8] = b"OggS";
 
 /// A sound of the user's.
@@ -34,10 +35,10 @@ pub fn own(path: &Path) -> Found {
     Found { path: path.to_owned(), note: format!("{}.", page::escaped(&name)), rights: "your own file".to_owned() }
 }
 
-/// A flame that is simulated here.
+/// A flame simulated here.
 ///
 /// # Errors
-/// Where it cannot be simulated or written.
+/// If it cannot be simulated or written.
 pub fn simulated(folder: &Path) -> Result<Found> {
     let path = folder.join("generated-flame.wav");
     write_wav_f32(&path, &[flame::simulate(signals::RATE_HZ, flame::SECONDS)?], signals::RATE_HZ)?;
@@ -45,7 +46,8 @@ pub fn simulated(folder: &Path) -> Result<Found> {
     Ok(Found { path, note: note.to_owned(), rights: OWN_RIGHTS.to_owned() })
 }
 
-/// A recorded fire in the public domain: from the program Blanket if that is installed, else from the reference data.
+/// A recorded fire in the public domain: from the program Blanket if that is installed, otherwise from the reference
+/// data.
 pub fn recorded(folder: &Path) -> Option<Found> {
     let path = of_blanket(Path::new(BLANKET), folder).or_else(|| {
         let path = reference_folder()?.join("recordings/fireplace.flac");
@@ -55,7 +57,7 @@ pub fn recorded(folder: &Path) -> Option<Found> {
     Some(Found { path, note: note.to_owned(), rights: "public domain, ezwa (soundbible.com)".to_owned() })
 }
 
-/// The fire among Blanket's resources, taken out by GLib's own tool.
+/// The fire among Blanket's resources, extracted by GLib's own tool.
 fn of_blanket(resources: &Path, folder: &Path) -> Option<PathBuf> {
     if !resources.is_file() {
         return None;
@@ -73,10 +75,10 @@ fn of_blanket(resources: &Path, folder: &Path) -> Option<PathBuf> {
     written.ok().map(|()| path)
 }
 
-/// A fire that is generated here.
+/// A fire generated here.
 ///
 /// # Errors
-/// Where it cannot be written.
+/// If it cannot be written.
 pub fn generated(folder: &Path) -> Result<Found> {
     let path = folder.join("generated-fire.wav");
     write_wav_f32(&path, &signals::fire(), signals::RATE_HZ)?;

@@ -1,4 +1,4 @@
-//! A flame's pressure for those who have none at hand: simulated here, at a resolution that takes less than a minute.
+//! A flame's pressure for users without one: simulated here, at a resolution that needs less than a minute.
 
 use anyhow::Result;
 use pyrophone_flame::pressure::{self, Options as PressureOptions};

@@ -1,4 +1,4 @@
-//! Loudness of what the page plays (ITU-R BS.1770), so that sounds are compared and not their levels.
+//! Loudness of the page's sounds (ITU-R BS.1770), so that a comparison is not one of levels.
 
 use anyhow::Result;
 use ebur128::{EbuR128, Mode};
@@ -9,7 +9,7 @@ const HIGHEST_PEAK_DB: f64 = -1.0;
 /// The quietest loudness that is believed, in LUFS: below it BS.1770 has no gate.
 const QUIETEST_LUFS: f64 = -70.0;
 
-/// Gain of a sound for listening, and what it comes to.
+/// Gain of a sound for listening, and the resulting loudness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Listening {
     /// Gain in dB.
@@ -18,10 +18,11 @@ pub struct Listening {
     pub lufs: Option<f64>,
 }
 
-/// Gains that bring all of `sounds` to one loudness: [the target](TARGET_LUFS), or the loudest at which no peak is too high.
+/// Gains that match the loudness of all `sounds`: at [the target](TARGET_LUFS), or the highest at which no peak is too
+/// high.
 ///
 /// # Errors
-/// Where a sound has no channels, or more than there are names for.
+/// If a sound has no channels, or more than there are names for.
 pub fn matched(sounds: &[(&[Vec<f32>], u32)]) -> Result<Vec<Listening>> {
     let own: Vec<(Option<f64>, f64)> = sounds
         .iter()

@@ -1,4 +1,4 @@
-//! `cargo xtask demo`: fire from every engine, on a page to hear and see it.
+//! `cargo xtask demo`: fire from every engine, on a page with players and pictures.
 
 mod analysis;
 pub mod comparisons;
@@ -27,7 +27,7 @@ pub struct Args {
     /// Low-frequency flame signal, mono or stereo [default: a simulated one]
     #[arg(long, value_name = "IN.wav")]
     input: Option<PathBuf>,
-    /// Fire recording that texture draws from [default: a real one if one is found, else a generated one]
+    /// Fire recording for the texture engine [default: a real one if one is found, otherwise a generated one]
     #[arg(long, value_name = "T.wav")]
     training: Option<PathBuf>,
     /// Folder to write to [default: target/demo]
@@ -94,7 +94,7 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// One input through every factory preset, and the pair of the input and what the first of them makes of it.
+/// One input through every factory preset, and the pair of the input and the first preset's output.
 fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Result<(Section, Pair)> {
     let input = &flame.recording;
     let mut rows = vec![
@@ -177,7 +177,7 @@ fn sources(studio: &Studio, args: &Args) -> Result<(Source, Source)> {
     Ok((Source::new(flame)?, Source::new(fire)?))
 }
 
-/// The three papers' systems, each alone and all together: their names, what they are, and their layers' levels.
+/// The three papers' systems, each alone and all together: their names, descriptions, and layers' levels.
 const SYSTEMS: [(&str, &str, &str, [&str; 4]); 4] = [
     (
         "system-extension",

@@ -12,7 +12,7 @@ pub struct Side {
     pub slug: String,
     /// Its loudness, in small print.
     pub fact: String,
-    /// A WAV file in Base64: browsers let no page read files beside it.
+    /// A WAV file in Base64: browsers do not let a page read files beside it.
     pub wav: String,
 }
 
@@ -37,9 +37,9 @@ pub struct Row {
     pub name: String,
     /// Its description, HTML.
     pub note: String,
-    /// Whether it is an input or a recording, not a result.
+    /// True for an input or a recording, false for a result.
     pub is_source: bool,
-    /// Its length: players of one length go on where another was.
+    /// Its length: switching between players of equal length keeps the position.
     pub duration_ms: u64,
     /// Short facts in small print.
     pub facts: Vec<String>,
@@ -124,7 +124,7 @@ fn row(row: &Row) -> String {
     )
 }
 
-/// How the page was made, and where everything on it comes from.
+/// Origin of the page and of everything on it.
 const ABOUT: &str = "<section id='sources-and-licences'><h2>Sources and licences</h2>
 <ul><li>Each sound states its rights. A result may be used as the sounds allow that it was made from; Pyrophone claims nothing in it.
 <li>Pyrophone: MIT or Apache-2.0, in the files <code>LICENSE-MIT</code> and <code>LICENSE-APACHE</code>; its manual is <code>docs/manual.md</code>.
@@ -139,8 +139,8 @@ click one to play from there. A player that starts while another of the same len
 
 const STYLE: &str = include_str!("page.css");
 
-/// The pair at matched loudness; one player at a time, which goes on where another of the same length was; a line that moves
-/// along the spectrogram; a click into it plays from there.
+/// Script for the pair at matched loudness; one player at a time, which continues at the position of another of the
+/// same length; a line that moves along the spectrogram; a click into it plays from there.
 const SCRIPT: &str = include_str!("page.js");
 
 #[cfg(test)]

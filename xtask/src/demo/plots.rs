@@ -24,11 +24,11 @@ const TICKS_HZ: [(f64, &str); 7] =
 const BACKGROUND: RGBColor = RGBColor(0x15, 0x10, 0x10);
 const GRID: RGBColor = RGBColor(0x33, 0x29, 0x27);
 const LABEL: RGBColor = RGBColor(0xc0, 0xae, 0xa3);
-/// Of a result.
+/// Colour of a result.
 pub const EMBER: RGBColor = RGBColor(0xff, 0x7a, 0x2f);
-/// Of an input.
+/// Colour of an input.
 pub const FLAME_BLUE: RGBColor = RGBColor(0x6f, 0xb7, 0xff);
-/// Of a recording.
+/// Colour of a recording.
 pub const ASH: RGBColor = RGBColor(0xb9, 0xab, 0x9e);
 
 /// Black body, roughly: level 0-1 to colour.
@@ -52,11 +52,11 @@ pub struct Curve<'a> {
     pub gain_db: f64,
     /// Colour.
     pub color: RGBColor,
-    /// Whether it is what the plot is about.
+    /// True for the main curve of the plot.
     pub is_main: bool,
 }
 
-/// Draws levels over time and frequency, with the scale of colours beside it.
+/// Draws levels over time and frequency, with the colour scale beside it.
 pub fn spectrogram(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> Result<()> {
     let (left, right, top, bottom) = (78, 118, 14, 46);
     let (width, height) = (SPECTROGRAM.0 as i32 - left - right, SPECTROGRAM.1 as i32 - top - bottom);
@@ -105,7 +105,7 @@ pub fn spectrogram(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> R
     })
 }
 
-/// Draws power spectral densities over each other, and a line of slope -`alpha` where one is given.
+/// Draws overlaid power spectral densities, and a line of slope -`alpha` where one is given.
 pub fn spectrum(path: &Path, curves: &[Curve<'_>], alpha: Option<f64>) -> Result<()> {
     let sampled: Vec<Vec<(f64, f64)>> = curves.iter().map(sample).collect();
     let loudest = sampled.iter().flatten().map(|(_, level)| *level).fold(f64::NEG_INFINITY, f64::max);
@@ -143,7 +143,7 @@ impl Frame {
     const TOP: i32 = 14;
     const WIDTH: i32 = SPECTRUM.0 as i32 - Self::LEFT - 16;
     const HEIGHT: i32 = SPECTRUM.1 as i32 - Self::TOP - 46;
-    /// From the lower to the upper edge in dB.
+    /// Range from the lower to the upper edge in dB.
     const RANGE_DB: f64 = 100.0;
 
     fn place(&self, (frequency_hz, level_db): (f64, f64)) -> (i32, i32) {
@@ -161,7 +161,7 @@ impl Frame {
             let (x, y) = self.place((frequency_hz, self.highest_db - Self::RANGE_DB));
             area.draw(&PathElement::new([(x, Self::TOP), (x, y)], GRID))?;
             let anchor = if frequency_hz > 15e3 { HPos::Right } else { HPos::Center };
-            // There is no room for it beside the last one.
+            // There is no room for its label beside the last one.
             if frequency_hz != 1e4 {
                 area.draw(&Text::new(label, (x, y + 12), text(22, anchor, VPos::Top)))?;
             }
@@ -218,7 +218,7 @@ fn sample(curve: &Curve<'_>) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Place of a frequency between the lowest and the highest shown, 0-1.
+/// Position of a frequency between the lowest and the highest shown, 0-1.
 fn octave_share(frequency_hz: f64) -> f64 {
     (frequency_hz / BAND_HZ.0).ln() / (BAND_HZ.1 / BAND_HZ.0).ln()
 }
@@ -237,7 +237,7 @@ fn text(size: i32, horizontal: HPos, vertical: VPos) -> TextStyle<'static> {
 
 fn draw(path: &Path, size: (u32, u32), content: impl FnOnce(&Area<'_>) -> Result<()>) -> Result<()> {
     static FONT: Once = Once::new();
-    // The picture does not depend on which fonts the system has.
+    // A bundled font makes the picture independent of the system's fonts.
     FONT.call_once(|| {
         let _ = register_font("ubuntu", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT);
     });

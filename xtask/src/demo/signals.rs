@@ -1,4 +1,4 @@
-//! A fire recording for those who have none at hand: generated, and said to be so wherever it is shown.
+//! A generated fire recording for users without a real one, always labelled as generated.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ const SECONDS: usize = 10;
 /// Its peak.
 const PEAK: f64 = 0.7;
 
-/// A fire, stereo: roar, hiss, and crackle that comes in bursts.
+/// A fire, stereo: roar, hiss, and bursts of crackle.
 pub fn fire() -> Vec<Vec<f32>> {
     let samples = SECONDS * RATE_HZ as usize;
     let activity: Vec<f64> = low_passed(&White::new(3, 0), SECONDS, 1.5).iter().map(|x| (0.7 * x).exp()).collect();
@@ -24,7 +24,7 @@ pub fn fire() -> Vec<Vec<f32>> {
         if start >= samples {
             break;
         }
-        // Wood bursts where it is hot: more often and louder.
+        // Hot wood bursts more often and more loudly.
         if draw.uniform() > 0.35 * activity[start] {
             continue;
         }
@@ -34,8 +34,8 @@ pub fn fire() -> Vec<Vec<f32>> {
     normalised(channels)
 }
 
-/// Roar and hiss of one channel. The roar is the same in both but for a part, so that their mean, which the texture
-/// engine searches in, does not lose it.
+/// Roar and hiss of one channel. Most of the roar is common to both channels, so that it survives in their mean, which
+/// the texture engine searches.
 fn bed(activity: &[f64], channel: u32) -> Vec<f64> {
     let shared = White::new(5, 0);
     let own = White::new(6, channel);
@@ -62,7 +62,7 @@ fn bed(activity: &[f64], channel: u32) -> Vec<f64> {
         .collect()
 }
 
-/// A splinter bursts: a click, and what it makes ring.
+/// A bursting splinter: a click, and the resonance it excites.
 fn add_crackle(channels: &mut [Vec<f64>], start: usize, strength: f64, draw: &mut Draw) {
     let pan = 0.25 * PI * (1.0 + 0.8 * (2.0 * draw.uniform() - 1.0));
     let gains = [pan.cos(), pan.sin()];
@@ -73,7 +73,7 @@ fn add_crackle(channels: &mut [Vec<f64>], start: usize, strength: f64, draw: &mu
         let decay_s = (0.4 + 1.2 * draw.uniform()) * 4.0 / frequency_hz;
         (frequency_hz, decay_s, 0.3 + 0.7 * draw.uniform())
     });
-    // The gas that is set free also pushes once, slowly.
+    // The released gas also gives one slow push.
     let thump_hz = 60.0 + 120.0 * draw.uniform();
     for n in 0..(0.04 * f64::from(RATE_HZ)) as usize {
         let t = n as f64 / f64::from(RATE_HZ);
@@ -146,7 +146,7 @@ impl Draw {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 
-    /// Seconds to the next event of a Poisson process of so many per second.
+    /// Seconds to the next event of a Poisson process with this rate.
     fn waiting_time(&mut self, per_second: f64) -> f64 {
         -self.uniform().max(1e-12).ln() / per_second
     }

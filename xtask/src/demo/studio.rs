@@ -1,4 +1,4 @@
-//! Bounces, and what the page shows of a sound: files to hear, pictures to see.
+//! Bounces, and the page's presentation of a sound: audio files and pictures.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -20,7 +20,7 @@ use crate::bounce::{Request, learned, play, reference};
 /// Rights in a result.
 const RIGHTS_OF_RESULT: &str = "those in the sounds it was made from";
 
-/// A sound, its spectrum, and who may use it.
+/// A sound, its spectrum, and its licence.
 pub struct Sound {
     channels: Vec<Vec<f32>>,
     sample_rate_hz: u32,
@@ -77,7 +77,7 @@ pub enum Beside<'a> {
         input: &'a Sound,
         /// The recording, where one was used.
         training: Option<&'a Sound>,
-        /// Exponent of the noise, where it is what counts.
+        /// Exponent of the noise, where it matters.
         alpha: Option<f64>,
     },
 }
@@ -184,7 +184,7 @@ impl Studio {
         Ok(Pair { sides: [side(0)?, side(1)?] })
     }
 
-    /// Gains that bring sounds to one loudness.
+    /// Gains that match the loudness of sounds.
     fn listening<const N: usize>(sounds: [&Sound; N]) -> Result<[Listening; N]> {
         let sounds = sounds.map(|sound| (sound.channels.as_slice(), sound.sample_rate_hz));
         let found = matched(&sounds)?;
@@ -197,7 +197,7 @@ impl Studio {
     }
 }
 
-/// The loudness of a player, and the gain that it takes, in words.
+/// The loudness of a player, and its gain, in words.
 fn played_at(Listening { gain_db, lufs }: Listening) -> String {
     let loudness = lufs.map_or_else(|| "too quiet for LUFS".to_owned(), |lufs| format!("{lufs:.1} LUFS"));
     format!("{loudness} at gain {gain_db:+.1} dB").replace('-', "−")
@@ -215,7 +215,7 @@ fn curves<'a>(sound: &'a Sound, beside: &Beside<'a>) -> (Vec<Curve<'a>>, Option<
         Beside::Result { input, training, alpha } => {
             let mut curves = vec![];
             if let Some(training) = training {
-                // The recording's own level says nothing about the result: what counts is the shape.
+                // The recording's own level says nothing about the result: only the shape matters.
                 let loudness = |sound: &Sound| 10.0 * sound.spectrum.power(250.0, 16_000.0).max(1e-20).log10();
                 curves.push(curve(
                     "recording, level matched",

@@ -1,6 +1,6 @@
-//! The same bits elsewhere: the command line's digests on other processors and systems, which are emulated here.
+//! Bit-identical output elsewhere: the command line's digests on other processors and systems, which are emulated here.
 //!
-//! The digests are those of `cli/tests/digests.txt`. Whatever this machine cannot emulate is counted as skipped.
+//! The digests are those of `cli/tests/digests.txt`. Anything that this machine cannot emulate is counted as skipped.
 
 mod screen;
 mod wine;
@@ -15,7 +15,7 @@ use crate::{cargo, project};
 /// The command line, and the test that compares its digests.
 const PACKAGE: &str = "pyrophone-cli";
 const TEST: &str = "digests";
-/// Environment variable that tells the test what to run instead of the command line built for it.
+/// Environment variable with the program that the test runs instead of the command line built for it.
 const LAUNCHER: &str = "PYROPHONE_LAUNCHER";
 
 /// A processor of 2008: no AVX, no fused multiplication.
@@ -26,7 +26,7 @@ const ARM_LINKER: &str = "aarch64-linux-gnu-gcc";
 /// Debian's C library for it.
 const ARM_LIBRARIES: &str = "/usr/aarch64-linux-gnu";
 
-/// Compares the digests wherever this machine can, building what is needed for that.
+/// Compares the digests wherever this machine can, and builds the necessary programs.
 pub fn soak(tally: &mut Tally) -> Result<()> {
     old_processor(tally)?;
     arm(tally)?;
@@ -73,7 +73,7 @@ fn arm(tally: &mut Tally) -> Result<()> {
     }
 }
 
-/// Nothing can be run: it is compiled, no more.
+/// Compiles for macOS without running anything.
 fn macos(tally: &mut Tally) {
     let missing = setup::missing(&setup::CHECK);
     if missing.is_empty() {

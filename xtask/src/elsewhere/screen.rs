@@ -1,4 +1,4 @@
-//! A screen that nobody sees, and a mouse on it.
+//! A virtual screen, and a mouse on it.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -13,16 +13,16 @@ use crate::setup::is_program;
 const PATIENCE: Duration = Duration::from_secs(300);
 const GLANCE: Duration = Duration::from_secs(2);
 
-/// The page that is turned to, and something that is seen on no other; see `editor::map` of the plug-in.
+/// Button of the page to be opened, and an item that only that page has; see `editor::map` of the plug-in.
 const PAGE: &str = "button.Engines";
 const ON_THE_PAGE: &str = "knob.alpha";
 
-/// Why there can be no screen or no mouse here, if so.
+/// Reason why a screen or a mouse is impossible here, if any.
 pub(super) fn obstacle() -> Option<&'static str> {
     ["Xvfb", "xdotool", "import", "xwininfo"]
         .into_iter()
         .any(|name| !is_program(name))
-        .then_some("it takes a screen, a mouse and pictures (`apt-get install xvfb xdotool imagemagick x11-utils`)")
+        .then_some("it needs a screen, a mouse and pictures (`apt-get install xvfb xdotool imagemagick x11-utils`)")
 }
 
 /// An X server of our own.
@@ -51,7 +51,8 @@ impl Screen {
         &self.display
     }
 
-    /// Clicks on the name of a page until that page is drawn. `map` is the file in which the window tells where things are.
+    /// Clicks on the name of a page until that page is drawn. `map` is the file with the positions of the window's
+    /// items.
     pub fn turn_page(&self, map: &Path) -> Result<()> {
         let began = Instant::now();
         while began.elapsed() < PATIENCE {
@@ -78,8 +79,8 @@ impl Screen {
         Ok(())
     }
 
-    /// Keeps a picture of the window that has this map. Wine lets graphics drivers draw beside the screen, where a picture of the
-    /// screen would not show it.
+    /// Saves a picture of the window with this map. Under Wine, graphics drivers may draw beside the screen, where a
+    /// picture of the screen would not show it.
     pub fn photograph(&self, map: &Path, file: &Path) -> Result<()> {
         let map = std::fs::read_to_string(map).with_context(|| map.display().to_string())?;
         let list = Command::new("xwininfo").args(["-root", "-tree"]).env("DISPLAY", &self.display).output();
@@ -95,7 +96,7 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // It may have ended by itself; then there is nothing to end.
+        // Fails if the server has ended by itself, which is fine.
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
@@ -114,7 +115,7 @@ fn size(map: &str) -> Option<String> {
     map.lines().find_map(|line| line.strip_prefix("size ")).map(|size| size.replace(' ', "x"))
 }
 
-/// Number of the window of this size that has no name, in what `xwininfo -tree` lists.
+/// Number of the unnamed window of this size, in the output of `xwininfo -tree`.
 fn drawn_beside<'a>(list: &'a str, size: &str) -> Option<&'a str> {
     let place = format!(" {size}+0+0 ");
     let line = list.lines().find(|line| line.contains("(has no name)") && line.contains(&place))?;

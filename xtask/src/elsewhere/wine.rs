@@ -1,4 +1,4 @@
-//! Windows, by way of Wine: the packaged command line, and both bundles in our own host and in a window.
+//! Windows, through Wine: the packaged command line, and both bundles in our own host and in a window.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -15,11 +15,11 @@ use crate::tally::Tally;
 
 /// Source of the library that Wine lacks.
 const STAND_IN: &str = "xtask/wine/bcryptprimitives.c";
-/// Our own host, and what opens windows with it.
+/// Our own host, and the program that opens windows with it.
 const PLAYERS: [&str; 8] =
     ["--package", "xtask", "--package", "pyrophone-host", "--bin", "xtask-sound", "--example", "window"];
 
-/// Wine, and the folder of its own that it keeps its Windows in.
+/// Wine, and a separate folder for its Windows installation.
 struct Wine {
     program: &'static str,
     environment: [(&'static str, String); 2],
@@ -59,7 +59,7 @@ pub(super) fn test(tally: &mut Tally) -> Result<()> {
     }
 }
 
-/// The folder of what is built for Windows.
+/// Folder of the build for Windows.
 fn release() -> PathBuf {
     project::target_dir().join("cross").join(System::Windows.triple()).join("release")
 }
@@ -74,7 +74,7 @@ fn build_players(built: &Built, folder: &Path) -> Result<()> {
 }
 
 impl Wine {
-    /// Wine and what is built with for it; counts as skipped what there is not.
+    /// Wine and the tools to build for it; counts as skipped if something is missing.
     fn find(tally: &mut Tally) -> Result<Option<Self>> {
         let name = format!("{TEST} under Wine");
         let known = ["wine64", "wine", "/usr/lib/wine/wine64"];
@@ -121,7 +121,7 @@ impl Wine {
         Ok(())
     }
 
-    /// Plays both bundles in our own host, all built for Windows: each writes what the command line writes.
+    /// Plays both bundles in our own host, all built for Windows: each output must equal the command line's.
     fn bounces(&self, program: &Path, folder: &Path) -> Result<()> {
         let player = release().join("xtask-sound.exe");
         self.run(program, folder, "simulate torch --seconds 1 --resolution 32 --output drive.wav")?;
@@ -138,7 +138,7 @@ impl Wine {
         Ok(())
     }
 
-    /// Opens both bundles' windows on a screen that nobody sees, and turns a page of each.
+    /// Opens both bundles' windows on a virtual screen, and turns a page of each.
     fn windows(&self, folder: &Path) -> Result<()> {
         let screen = Screen::start()?;
         // A Windows that has begun without a screen does not find one later.
@@ -154,7 +154,7 @@ impl Wine {
             let mut window = command.spawn().context("calling wine")?;
             let turned = screen.turn_page(&map);
             let kept = screen.photograph(&map, &folder.join(format!("{bundle}.png")));
-            // It would go on for as long as it was told to.
+            // It would run for the whole time requested.
             let _ = window.kill();
             window.wait().context("waiting for wine")?;
             turned.with_context(|| format!("the window of {bundle}"))?;
@@ -169,7 +169,7 @@ fn shown(path: &Path) -> String {
     format!("Z:{}", path.display())
 }
 
-/// The samples of a WAV file, after whatever else it begins with.
+/// The samples of a WAV file, after any other chunks.
 fn samples(path: &Path) -> Result<Vec<u8>> {
     let wav = std::fs::read(path).with_context(|| path.display().to_string())?;
     let Some(at) = wav.windows(4).position(|name| name == b"data") else {
@@ -178,7 +178,7 @@ fn samples(path: &Path) -> Result<Vec<u8>> {
     Ok(wav[at + 4..].to_vec())
 }
 
-/// Makes the library that Wine 8 lacks and Windows has, and puts it beside the program.
+/// Builds the library that Wine 8 lacks and Windows has, and puts it beside the program.
 fn stand_in(program: &Path) -> Result<()> {
     let library = program.with_file_name("bcryptprimitives.dll");
     let mut compiler = Command::new(WINDOWS_LINKER);
@@ -187,7 +187,7 @@ fn stand_in(program: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Whether a program is there and was built after every source that it is made of was last changed.
+/// True if a program exists and is newer than all its sources.
 fn is_current(program: &Path) -> Result<bool> {
     let Ok(about) = std::fs::metadata(program) else { return Ok(false) };
     let built = about.modified()?;

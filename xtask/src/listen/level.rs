@@ -7,10 +7,10 @@ use ebur128::{EbuR128, Mode};
 const LOUDEST_LUFS: f64 = -23.0;
 const HIGHEST_PEAK: f64 = 0.89;
 
-/// Brings `sounds` to one loudness: the greatest at which none of them clips. Answers it in LUFS.
+/// Matches the loudness of `sounds`: the highest at which none of them clips. Returns it in LUFS.
 ///
 /// # Errors
-/// Where a sound is silent.
+/// If a sound is silent.
 pub fn match_loudness(sounds: &mut [Vec<f32>], rate_hz: u32) -> Result<f64> {
     let own: Vec<f64> = sounds.iter().map(|sound| loudness(sound, rate_hz)).collect::<Result<_>>()?;
     let headroom = |sound: &Vec<f32>| {
@@ -31,7 +31,7 @@ fn loudness(sound: &[f32], rate_hz: u32) -> Result<f64> {
     let lufs = meter.loudness_global()?;
     lufs.is_finite()
         .then_some(lufs)
-        .context("a sound of the test is silent, so that it cannot be as loud as the others")
+        .context("a sound of the test is silent, so it cannot be made as loud as the others")
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! `cargo xtask listen`: a blind listening test as one HTML file.
 //!
 //! Each trial has one flame and one recording, and a sound of every method: the effect, the published method and the
-//! simplest rivals, and the recording itself. All sounds of a trial are equally loud. Their order and their names are drawn
-//! from the seed; which is which stands in a key beside the page, and nowhere in it.
+//! simplest rivals, and the recording itself. All sounds of a trial are equally loud. Their order and their names are
+//! drawn from the seed; the assignment is in a key beside the page, and nowhere in it.
 //!
-//! | module | does |
+//! | module | content |
 //! |---|---|
 //! | `stimuli` | sounds of every method |
 //! | `level` | equal loudness |
-//! | `order` | what is drawn from the seed |
+//! | `order` | random draws from the seed |
 //! | `page` | the page |
 
 mod level;

@@ -1,4 +1,4 @@
-//! What is drawn from the seed.
+//! Random draws from the seed.
 
 use pyrophone_synthesis::noise::White;
 
@@ -20,14 +20,14 @@ impl Order {
         self.noise.at(self.next)
     }
 
-    /// Brings `items` into an order of its own.
+    /// Shuffles `items`.
     pub fn shuffle<T>(&mut self, items: &mut Vec<T>) {
         let mut keyed: Vec<(f64, T)> = items.drain(..).map(|item| (self.draw(), item)).collect();
         keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
         items.extend(keyed.into_iter().map(|(_, item)| item));
     }
 
-    /// A name that says nothing: six hexadecimal digits.
+    /// A name without meaning: six hexadecimal digits.
     pub fn code(&mut self) -> String {
         format!("{:06x}", self.draw().to_bits() >> 12 & 0xFF_FFFF)
     }

@@ -1,4 +1,4 @@
-//! The page: one HTML file with its sounds inside, which hands its answers over as CSV.
+//! The page: one HTML file with embedded sounds, which exports its answers as CSV.
 
 use std::fmt::Write;
 
@@ -21,9 +21,9 @@ pub struct Trial {
     pub number: usize,
     /// Loudness of all its sounds in LUFS.
     pub lufs: f64,
-    /// The recording, said to be it: a WAV file in Base64.
+    /// The labelled recording: a WAV file in Base64.
     pub original: String,
-    /// In the order in which they are shown.
+    /// Sounds, in order of display.
     pub sounds: Vec<Sound>,
 }
 
@@ -93,7 +93,7 @@ const STYLE: &str = "body{font:16px system-ui,sans-serif;max-width:52rem;margin:
     fieldset{margin:1rem 0;border:1px solid #999}audio{vertical-align:middle}.quality{width:18rem;vertical-align:middle}\
     label{white-space:nowrap;margin-right:.6rem}";
 
-/// A slider counts as answered once it was moved.
+/// Script of the page; a slider counts as answered once it was moved.
 const SCRIPT: &str = r#"
 const sets = [...document.querySelectorAll('fieldset')];
 for (const set of sets) {

@@ -11,7 +11,7 @@ use pyrophone_synthesis::noise::White;
 use crate::bounce::{Request, load, play, preset, reference};
 use crate::score::sounds as sounds_of;
 
-/// Where a sound comes from.
+/// Origin of a sound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// The effect as it is set by default.
@@ -22,7 +22,7 @@ pub enum Method {
     Loop,
     /// White noise, as loud as the flame.
     Noise,
-    /// The recording as it is: how good anything can be.
+    /// The recording itself: the upper limit of quality.
     Recording,
 }
 
@@ -42,9 +42,9 @@ impl Method {
     }
 }
 
-/// Seconds of every sound that are left out, in which the effect gets to know the flame.
+/// Seconds omitted at the start of every sound, in which the effect adapts to the flame.
 const SKIP_S: f64 = 1.0;
-/// Seconds in which a sound fades in and out.
+/// Length in seconds of a sound's fades.
 const FADE_S: f64 = 0.05;
 /// Time constant in seconds of the flame's envelope.
 const ENVELOPE_S: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! From a folder to the file that is downloaded. The same folder gives the same bytes: entries stand in order and carry one time.
+//! Archives for download. The same folder gives the same bytes: entries are sorted and have one fixed time.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -41,7 +41,7 @@ pub fn zip(stage: &Path, folder: &Path) -> Result<PathBuf> {
     let (parent, name) = split(stage)?;
     let package = folder.join(format!("{name}.zip"));
     if package.exists() {
-        // It would be added to.
+        // zip would add to an existing file.
         fs::remove_file(&package)?;
     }
     let mut files = Vec::new();
@@ -51,7 +51,7 @@ pub fn zip(stage: &Path, folder: &Path) -> Result<PathBuf> {
         run(Command::new("touch").args(["--date", TIME]).arg(parent.join(file)))?;
     }
     let mut zip = Command::new("zip");
-    // Without users and finer times; local time would depend on where it is made.
+    // Without users and finer times; local time would depend on the place of the build.
     zip.env("TZ", "UTC").current_dir(parent).args(["-9", "-X", "-q"]).arg(std::path::absolute(&package)?);
     run(zip.args(&files).stdout(Stdio::null()))?;
     Ok(package)
@@ -71,7 +71,7 @@ fn list(folder: &Path, shown: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-/// Where Debian wants what lies in a package: from, to.
+/// Paths of a package's files in Debian's layout: from, to.
 const DEBIAN: [(&str, &str); 13] = [
     ("Pyrophone.clap", "usr/lib/clap/Pyrophone.clap"),
     ("Pyrophone.vst3", "usr/lib/vst3/Pyrophone.vst3"),
@@ -88,10 +88,10 @@ const DEBIAN: [(&str, &str); 13] = [
     ("sbom.cdx.json", "usr/share/doc/pyrophone/sbom.cdx.json"),
 ];
 
-/// Packs a Linux folder as Debian's package into another one.
+/// Packs a Linux folder as a Debian package in another folder.
 ///
-/// `dpkg-deb` is on every Debian, and a file of eight lines is all that it wants; `cargo-deb` would have to be built first,
-/// and takes its files from Cargo's target folder, which is not where they were built for an older C library.
+/// `dpkg-deb` is on every Debian system and needs only a file of eight lines; `cargo-deb` would have to be built first,
+/// and reads its files from Cargo's target folder, whereas the build for an older C library is elsewhere.
 pub fn deb(stage: &Path, folder: &Path) -> Result<PathBuf> {
     let version = env!("CARGO_PKG_VERSION");
     let root = stage.with_extension("debian");
@@ -125,7 +125,7 @@ pub fn write_checksums(folder: &Path) -> Result<PathBuf> {
     });
     files.sort();
     let output = Command::new("sha256sum").current_dir(folder).args(&files).output().context("calling sha256sum")?;
-    ensure!(output.status.success(), "the packages cannot be summed up");
+    ensure!(output.status.success(), "the packages' checksums cannot be computed");
     let path = folder.join("SHA256SUMS");
     fs::write(&path, output.stdout)?;
     Ok(path)

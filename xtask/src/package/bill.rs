@@ -1,4 +1,4 @@
-//! The bill of materials: every crate in a package, in CycloneDX 1.5, for whoever has to know what runs on their machines.
+//! The bill of materials: every crate in a package, in CycloneDX 1.5, for users who must document their software.
 
 use std::collections::BTreeMap;
 
@@ -38,7 +38,7 @@ fn checksums(lock: &str) -> BTreeMap<(&str, &str), &str> {
 
 fn component(Crate { name, version, licence, .. }: &Crate, checksums: &BTreeMap<(&str, &str), &str>) -> String {
     let address = quoted(&format!("pkg:cargo/{name}@{version}"));
-    // Older crates part alternatives by a stroke.
+    // Older crates separate alternatives by a slash.
     let licence = object(&[("expression", quoted(&licence.replace('/', " OR ")))]);
     let mut fields = vec![
         ("type", quoted("library")),
@@ -60,7 +60,7 @@ fn object(fields: &[(&str, String)]) -> String {
     format!("{{{}}}", fields.join(", "))
 }
 
-/// A JSON string. Names, versions and licences hold nothing that would have to be escaped but these two.
+/// A JSON string. Names, versions and licences contain no other characters that need escaping.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }

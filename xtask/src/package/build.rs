@@ -1,4 +1,4 @@
-//! How plugin and command line are built for another system than this one, or for older ones of its kind.
+//! Building plugin and command line for another system, or for older versions of this one.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,19 +11,19 @@ use crate::{cargo, project};
 /// Oldest C library that Linux packages run with: that of Debian 11 and Ubuntu 20.04.
 pub const GLIBC: &str = "2.31";
 
-/// What packages are made of.
+/// Packages built for a release.
 const PACKAGES: [&str; 4] = ["--package", "pyrophone-plugin", "--package", "pyrophone-cli"];
 
-/// What links against an older C library, from the Python package index: pinned, so that two builds are the same.
+/// Tools that link against an older C library, from the Python package index: pinned, so that two builds are the same.
 const ZIG: [&str; 2] = ["ziglang==0.17.1", "cargo-zigbuild==0.24.1"];
 
-/// Debian's compiler: rustup has the standard library of this machine alone, Debian has its source.
+/// Debian's compiler: rustup has the standard library of this machine only, Debian has its source.
 const DEBIAN_CARGO: &str = "/usr/bin/cargo";
 
 /// Links for Windows, and compiles C for it.
 pub const WINDOWS_LINKER: &str = "x86_64-w64-mingw32-gcc";
 
-/// What was built.
+/// Result of a build.
 #[derive(Debug)]
 pub struct Built {
     /// The plugin's library.
@@ -32,7 +32,7 @@ pub struct Built {
     pub program: PathBuf,
 }
 
-/// Builds for a system; takes about ten minutes of one processor from nothing.
+/// Builds for a system; needs about ten minutes of one processor from scratch.
 pub fn build(system: System) -> Result<Built> {
     let folder = project::target_dir().join("cross");
     let mut command = match system {
@@ -49,8 +49,8 @@ pub fn build(system: System) -> Result<Built> {
     Ok(built)
 }
 
-/// Builds programs of the workspace, optimised, for a system that Debian's compiler builds for with this linker; answers where
-/// one of them lies. `targets` are Cargo's words for what is built.
+/// Builds optimised programs of the workspace with Debian's compiler and this linker; returns the path of one of them.
+/// `targets` are Cargo's arguments for the things to build.
 pub fn program(targets: &[&str], triple: &str, linker: &str, file: &str) -> Result<PathBuf> {
     let mut command = debian_command(triple, linker);
     command.args(targets);
@@ -71,7 +71,7 @@ pub fn check(triple: &str) -> Result<()> {
 fn finish(mut command: Command, name: &str) -> Result<()> {
     command.current_dir(project::root()).arg("--release");
     command.env("CARGO_TARGET_DIR", project::target_dir().join("cross")).env("CARGO_INCREMENTAL", "0");
-    // Paths of this machine have no place in what others run, and would make two builds differ.
+    // Paths of this machine do not belong in released programs, and would make two builds differ.
     command.env("RUSTFLAGS", remapped());
     // Linkers for Windows would write the present time. 1980-01-01, in seconds, as in the archives.
     command.env("SOURCE_DATE_EPOCH", "315532800");
@@ -80,7 +80,7 @@ fn finish(mut command: Command, name: &str) -> Result<()> {
     Ok(())
 }
 
-/// Cargo by way of zig, which links against the C library of another year.
+/// Cargo through zig, which links against an older C library.
 fn zig_command() -> Result<Command> {
     let tools = tools()?;
     let mut command = cargo::command();
@@ -91,12 +91,12 @@ fn zig_command() -> Result<Command> {
     Ok(command)
 }
 
-/// The folder of a Python environment with zig in it, made at the first call.
+/// The folder of a Python environment with zig in it, created at the first call.
 fn tools() -> Result<PathBuf> {
     let tools = project::target_dir().join("packages-tools");
     if !tools.join("bin/cargo-zigbuild").exists() {
         let made = Command::new("python3").args(["-m", "venv"]).arg(&tools).status().context("calling python3")?;
-        ensure!(made.success(), "python3 cannot make an environment; Debian has what it lacks in python3-venv");
+        ensure!(made.success(), "python3 cannot create an environment; install Debian's python3-venv");
         let installed = Command::new(tools.join("bin/pip")).args(["install", "--quiet"]).args(ZIG).status()?;
         ensure!(installed.success(), "{} cannot be installed; see above", ZIG.join(" and "));
     }
@@ -115,10 +115,10 @@ fn debian_command(triple: &str, linker: &str) -> Command {
 /// The standard library is compiled like everything else.
 const STANDARD_LIBRARY: &str = "-Zbuild-std=std,panic_unwind";
 
-/// Debian's Cargo and compiler, which know the source of the standard library.
+/// Debian's Cargo and compiler, which find the source of the standard library.
 fn debian_cargo() -> Command {
     let mut command = Command::new(DEBIAN_CARGO);
-    // What rustup has set would send it back to rustup's compiler, which knows no Windows.
+    // rustup's variables would select its own compiler, which cannot build for Windows.
     for name in ["RUSTUP_TOOLCHAIN", "RUSTUP_HOME", "CARGO", "RUSTC_WRAPPER", "RUSTC_WORKSPACE_WRAPPER"] {
         command.env_remove(name);
     }
@@ -127,7 +127,7 @@ fn debian_cargo() -> Command {
     command
 }
 
-/// Flags that name the workspace and the registry by what they are.
+/// Flags that replace the paths of the workspace and the registry by neutral names.
 fn remapped() -> String {
     let registry = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let registry = registry.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".cargo")));

@@ -1,4 +1,4 @@
-//! What lies in a package.
+//! Contents of a package.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::{bundle, cargo, install, project};
 /// Files from the workspace that every package has.
 const DOCUMENTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
 
-/// Lays out a package in a folder, which is made anew.
+/// Lays out a package in a folder, which is recreated.
 pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
     if stage.exists() {
         fs::remove_dir_all(stage).with_context(|| format!("clearing {}", stage.display()))?;
@@ -39,7 +39,7 @@ pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes to a folder what a package for these targets says of others' work in it: its licences, and its bill of materials.
+/// Writes a package's third-party information for these targets to a folder: its licences, and its bill of materials.
 pub fn write_licences(triples: &[&str], folder: &Path) -> Result<()> {
     for (name, text) in [("THIRD-PARTY.md", licences::page(triples)?), ("sbom.cdx.json", bill::bill(triples)?)] {
         let path = folder.join(name);
@@ -59,7 +59,7 @@ pub fn bundles(system: System, built: &Built, folder: &Path) -> Result<()> {
     bundle::describe(&vst3)
 }
 
-/// What installs and removes a package: folder and name.
+/// Scripts that install and remove a package: folder and name.
 fn scripts(system: System) -> [(&'static str, &'static str); 2] {
     match system {
         System::Linux => [("linux", "install.sh"), ("linux", "uninstall.sh")],
@@ -67,7 +67,7 @@ fn scripts(system: System) -> [(&'static str, &'static str); 2] {
     }
 }
 
-/// The factory's presets as VST3 hosts keep them.
+/// Writes the factory presets in VST3's form.
 fn write_presets(folder: &Path) -> Result<()> {
     let mut writing = cargo::command();
     writing.args(["run", "--quiet", "--release", "--package", "pyrophone-settings", "--example", "vst3_presets", "--"]);

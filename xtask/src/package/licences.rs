@@ -1,4 +1,4 @@
-//! What others have written that packages contain, and on which terms.
+//! Third-party code in packages, and its licences.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 
 use crate::cargo;
 
-/// Licences that may be passed on with a program under MIT or Apache-2.0.
+/// Licences compatible with distribution in a program under MIT or Apache-2.0.
 const PERMITTED: [&str; 14] = [
     "0BSD",
     "Apache-2.0",
@@ -23,15 +23,14 @@ const PERMITTED: [&str; 14] = [
     "Unicode-3.0",
     "Zlib",
 ];
-/// Those of the fonts in the window, whose crate names them beside its own licence.
+/// Licences of the fonts in the window, whose crate names them beside its own licence.
 const FONTS: [&str; 1] = ["Ubuntu-font-1.0"];
 
-/// A page that names every crate in the packages for these targets, with its licence and where it comes from.
+/// A page that names every crate in the packages for these targets, with its licence and origin.
 pub fn page(triples: &[&str]) -> Result<String> {
-    let mut page =
-        "# What Pyrophone contains of others\n\nEach under its own licence; sources at the addresses named.\n\n\
+    let mut page = "# Third-party components\n\nEach under its own licence; sources are at the addresses given.\n\n\
         | crate | licence | source |\n|---|---|---|\n"
-            .to_owned();
+        .to_owned();
     for Crate { name, version, licence, source } in crates(triples)? {
         ensure!(is_permitted(&licence), "{name} is under {licence:?}, which may not be passed on; see licences.rs");
         page.push_str(&format!("| {name} {version} | {licence} | {source} |\n"));
@@ -52,7 +51,7 @@ pub struct Crate {
     pub source: String,
 }
 
-/// All that is linked into plugin and command line for any of these targets, our own left out.
+/// All crates linked into plugin and command line for any of these targets, except our own.
 pub fn crates(triples: &[&str]) -> Result<BTreeSet<Crate>> {
     let mut tree = cargo::command();
     tree.args(["tree", "--package", "pyrophone-plugin", "--package", "pyrophone-cli", "--edges", "normal"]);
@@ -64,7 +63,7 @@ pub fn crates(triples: &[&str]) -> Result<BTreeSet<Crate>> {
     Ok(text.lines().filter_map(parse).collect())
 }
 
-/// A line of the tree; none where it is one of ours or says nothing.
+/// A line of the tree; none for our own crates and empty lines.
 fn parse(line: &str) -> Option<Crate> {
     let mut fields = line.trim_end_matches(" (*)").split('|');
     let (package, licence, source) = (fields.next()?, fields.next()?, fields.next()?);
@@ -80,11 +79,12 @@ fn parse(line: &str) -> Option<Crate> {
     })
 }
 
-/// Whether one of an expression's alternatives is permitted with all that it joins.
+/// True if one of an expression's alternatives is permitted in all its parts.
 fn is_permitted(expression: &str) -> bool {
     let plain = expression.replace(['(', ')'], "").replace('/', " OR ");
     let is_known = |licence: &str| PERMITTED.contains(&licence) || FONTS.contains(&licence);
-    // An expression in brackets, such as "(MIT OR Apache-2.0) AND Unicode-3.0": each part of it must have an alternative.
+    // An expression in brackets, such as "(MIT OR Apache-2.0) AND Unicode-3.0": each part of it must have an
+    // alternative.
     let joined: Vec<&str> = if expression.contains('(') { expression.split(" AND ").collect() } else { vec![&plain] };
     joined.iter().all(|part| {
         let part = part.replace(['(', ')'], "");

@@ -1,4 +1,4 @@
-//! What a plugin's library gives to its host, and what it and the command line need from the system.
+//! Symbols that a plugin's library exports, and libraries that it and the command line need from the system.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail, ensure};
 use super::build::{Built, GLIBC};
 use super::system::System;
 
-/// What hosts look for on each system: nothing else may get in the way of a host's own symbols.
+/// Symbols that hosts look up on each system: any other could clash with a host's own.
 const LINUX_ENTRIES: [&str; 4] = ["GetPluginFactory", "ModuleEntry", "ModuleExit", "clap_entry"];
 const WINDOWS_ENTRIES: [&str; 4] = ["ExitDll", "GetPluginFactory", "InitDll", "clap_entry"];
 
@@ -16,7 +16,7 @@ const WINDOWS_ENTRIES: [&str; 4] = ["ExitDll", "GetPluginFactory", "InitDll", "c
 const LINUX_LIBRARIES: [&str; 6] =
     ["libc.so.6", "libm.so.6", "libgcc_s.so.1", "libdl.so.2", "libpthread.so.0", "ld-linux-x86-64.so.2"];
 
-/// What Windows has in every edition since 10; beginnings of names, in small letters.
+/// Libraries in every edition of Windows since 10; prefixes of names, in lower case.
 const WINDOWS_LIBRARIES: [&str; 21] = [
     "kernel32",
     "ntdll",
@@ -60,7 +60,7 @@ fn check_entries(found: &[String], expected: &[&str], path: &Path) -> Result<()>
     Ok(())
 }
 
-/// Lines of what a program of the binary utilities says of a file.
+/// Output lines of a program of the binary utilities for a file.
 fn lines(program: &str, flags: &[&str], path: &Path) -> Result<Vec<String>> {
     let output = Command::new(program).args(flags).arg(path).output().with_context(|| format!("calling {program}"))?;
     ensure!(output.status.success(), "{program} cannot read {}", path.display());

@@ -1,4 +1,4 @@
-//! What users download: an archive for each system, and the checksums of all.
+//! Packages for download: an archive for each system, and the checksums of all.
 
 mod archive;
 mod bill;
@@ -18,16 +18,16 @@ use crate::{project, setup};
 pub use contents::bundles;
 pub use system::System;
 
-/// For which systems.
+/// Systems to build for.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Only for this system instead of all that can be built for here
     #[arg(long, value_enum)]
     system: Option<System>,
-    /// Make nothing, but check that plugin and command line compile for a system that cannot be linked for here
+    /// Build no packages, but check that plugin and command line compile for a system that cannot be linked for here
     #[arg(long, value_enum, conflicts_with = "system")]
     check: Option<Checked>,
-    /// Make nothing, but write the licences and the bill of materials of the macOS package to this folder
+    /// Build no packages, but write the licences and the bill of materials of the macOS package to this folder
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["system", "check"])]
     macos_licences: Option<PathBuf>,
 }

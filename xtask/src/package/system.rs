@@ -1,4 +1,4 @@
-//! The systems that packages are made for.
+//! The systems with packages.
 
 use clap::ValueEnum;
 
@@ -22,7 +22,7 @@ impl System {
         }
     }
 
-    /// Its name in those of packages.
+    /// Its name in file names of packages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linux => "linux-x86_64",
@@ -62,7 +62,7 @@ impl System {
         }
     }
 
-    /// What the machine must have to build for it.
+    /// Requirements on the build machine.
     pub fn needs(self) -> &'static [Need] {
         match self {
             Self::Linux => &setup::LINUX_PACKAGE,

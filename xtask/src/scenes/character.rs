@@ -2,10 +2,10 @@
 
 use pyrophone_synthesis::fft::RealTransform;
 
-/// Bands whose levels are told, in Hz: below the paper's high-pass, and the lower and upper part of what it leaves.
+/// Bands with reported levels, in Hz: below the paper's high-pass, and the lower and upper part of the range above it.
 pub const BANDS_HZ: [(f64, f64); 3] = [(10.0, 30.0), (30.0, 80.0), (80.0, 175.0)];
 
-/// The band in which envelope and kurtosis are taken, in Hz: from the high-pass to what 360 steps a second can hold.
+/// The band for envelope and kurtosis, in Hz: from the high-pass to the limit of 360 steps a second.
 const HEARD_HZ: (f64, f64) = (30.0, 175.0);
 /// Order of the Butterworth responses at both ends of that band; they are applied twice, without phase.
 const ORDER: i32 = 4;
@@ -13,9 +13,9 @@ const ORDER: i32 = 4;
 const SLOPE_HZ: (f64, f64) = (30.0, 180.0);
 /// Length of the windows of Welch's method in seconds: bins of 5 Hz.
 const WINDOW_S: f64 = 0.2;
-/// Time over which the envelope is a mean, in seconds.
+/// Averaging time of the envelope, in seconds.
 const ENVELOPE_S: f64 = 0.025;
-/// A burst's peak beside the mean of the envelope, and the least time between two of them in seconds.
+/// Ratio of a burst's peak to the mean of the envelope, and the least time between two of them in seconds.
 const BURST: f64 = 2.0;
 const BURST_APART_S: f64 = 0.15;
 
@@ -36,7 +36,8 @@ pub struct Character {
 }
 
 impl Character {
-    /// Of a signal of at least half a second; none where it is shorter, slower than 360 samples a second, or silent.
+    /// Character of a signal of at least half a second; none where it is shorter, slower than 360 samples a second, or
+    /// silent.
     pub fn of(signal: &[f64], rate_hz: f64) -> Option<Self> {
         let power = signal.iter().map(|x| x * x).sum::<f64>();
         if rate_hz < 2.0 * SLOPE_HZ.1 || (signal.len() as f64) < 0.5 * rate_hz || !(power > 0.0 && power.is_finite()) {
@@ -97,7 +98,7 @@ fn band_passed(signal: &[f64], rate_hz: f64) -> Vec<f64> {
     output
 }
 
-/// Rms over [`ENVELOPE_S`] around every sample; what lies outside the signal is zero.
+/// Rms over [`ENVELOPE_S`] around every sample; the signal counts as zero outside its ends.
 fn envelope(signal: &[f64], rate_hz: f64) -> Vec<f64> {
     let half = ((0.5 * ENVELOPE_S * rate_hz).round() as usize).max(1);
     let mut sums = vec![0.0];
@@ -109,7 +110,7 @@ fn envelope(signal: &[f64], rate_hz: f64) -> Vec<f64> {
     (0..signal.len()).map(|n| mean(n).max(0.0).sqrt()).collect()
 }
 
-/// Peaks of an envelope that stand out, the highest first where they are close to each other.
+/// Number of prominent peaks of an envelope; of several close together, the highest counts.
 fn bursts(envelope: &[f64], mean: f64, rate_hz: f64) -> usize {
     let mut peaks: Vec<usize> = (1..envelope.len().saturating_sub(1))
         .filter(|n| envelope[*n] > BURST * mean && envelope[*n] > envelope[n - 1] && envelope[*n] >= envelope[n + 1])

@@ -1,4 +1,4 @@
-//! `cargo xtask bench scenes`: how the scenes sound at several resolutions, beside signals of other flames.
+//! `cargo xtask bench scenes`: the sound of the scenes at several resolutions, beside signals of other flames.
 
 mod character;
 
@@ -12,7 +12,7 @@ use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene};
 use crate::simulated;
 use character::{BANDS_HZ, Character};
 
-/// Rate at which pressure is looked at, in Hz: four times the steps', so that the kernel's images lie far outside.
+/// Sampling rate of the pressure, in Hz: four times the steps', so that the kernel's images are far outside the band.
 const RATE_HZ: f64 = 4.0 * STEP_RATE_HZ;
 
 /// Options of `cargo xtask bench scenes`.
@@ -23,10 +23,10 @@ pub struct Args {
     /// Cells along the longest side, from coarse to fine
     #[arg(long, value_delimiter = ',', default_value = "24,40,64")]
     cells: Vec<usize>,
-    /// Seconds that are kept
+    /// Seconds to keep
     #[arg(long, default_value_t = 3.0)]
     seconds: f64,
-    /// Number of all that is random
+    /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// WAV files of other flames' pressure, which come first in the table

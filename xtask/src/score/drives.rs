@@ -1,4 +1,4 @@
-//! What drives the real recordings: a steady rumble, the reference flames, speech and drums.
+//! Drives for the real recordings: a steady rumble, the reference flames, speech and drums.
 
 use std::path::Path;
 use std::process::Command;
@@ -20,18 +20,18 @@ pub struct Drive {
     pub settings: &'static [&'static str],
 }
 
-/// Rate in Hz and length in seconds of what is made here.
+/// Rate in Hz and length in seconds of generated drives.
 const RATE_HZ: u32 = 44_100;
 const SECONDS: f64 = 17.0;
 /// Band in Hz and root mean square of the rumble.
 const RUMBLE_HZ: [f64; 2] = [30.0, 180.0];
 const RUMBLE_RMS: f64 = 0.085;
-/// Speech and drums: their envelope makes a rumble.
+/// Setting for speech and drums: their envelope makes a rumble.
 const ENVELOPE: &[&str] = &["drive_mode=input envelope"];
 const SPEECH: &str = "The fire was lit at noon. By evening the whole hill was burning, and nobody could say who had begun it. \
     Stand back from the door! It is hotter than it looks, and the wind is turning. Listen: that is the roof.";
 
-/// All drives that can be made here; what is left out is said.
+/// All drives that can be made here; prints which are left out.
 pub fn drives(reference: &Path, folder: &Path) -> Result<Vec<Drive>> {
     let mut all = vec![steady(folder)?];
     for (name, path) in sounds(&reference.join("signals"))? {

@@ -1,15 +1,15 @@
-//! `cargo xtask score`: how near the results come to their recordings, in figures.
+//! `cargo xtask score`: likeness of the results to their recordings, in figures.
 //!
-//! Every flame signal of the reference folder is played with every recording there through the built CLAP
-//! plugin, as a host does in real time, in both dynamics modes; and a rumble, the flames, speech and drums with every
-//! real recording. Each is begun at three places, since one draw decides nothing. The folder's own programs score the
-//! results; the tables go into docs/sound.md, pictures into target/demo.
+//! Every flame signal of the reference folder is played with every recording there through the built CLAP plugin, as a
+//! host does in real time, in both dynamics modes; and a rumble, the flames, speech and drums with every real
+//! recording. Each starts at three positions, since a single draw is not conclusive. The folder's own programs score
+//! the results; the tables go into docs/sound.md, pictures into target/demo.
 //!
-//! | module | does |
+//! | module | content |
 //! |---|---|
-//! | `drives` | what drives the real recordings |
+//! | `drives` | drives for the real recordings |
 //! | `real` | the real recordings |
-//! | `python` | runs the scoring programs |
+//! | `python` | the scoring programs |
 //! | `table` | the table of the pairs |
 
 mod drives;

@@ -1,4 +1,4 @@
-//! The scoring programs: a Python that has what they need, and one run.
+//! The scoring programs: a Python with their requirements, and one run.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -6,8 +6,8 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
-/// A Python with numpy, scipy and soundfile: the system's, else one in a virtual environment in the target folder, which
-/// is made where that is possible.
+/// A Python with numpy, scipy and soundfile: the system's, otherwise one in a virtual environment in the target folder,
+/// which is created where possible.
 pub fn with_scipy(target_dir: &Path) -> Result<PathBuf> {
     let ready = |python: &Path| {
         let imported = Command::new(python).args(["-c", "import numpy, scipy, soundfile"]).output();
@@ -32,12 +32,12 @@ pub fn with_scipy(target_dir: &Path) -> Result<PathBuf> {
     Ok(own)
 }
 
-/// The figures of one result, as the program tells them.
+/// The figures of one result, as printed by the program.
 pub fn score(python: &Path, program: &Path, output: &Path, [input, training]: &[PathBuf; 2]) -> Result<Value> {
     run(Command::new(python).arg(program).arg("--input").arg(input), program, output, training)
 }
 
-/// Crackle, level and stereo of one result beside its recording, as their program tells them.
+/// Crackle, level and stereo of one result beside its recording, as printed by their program.
 pub fn crackle(python: &Path, program: &Path, output: &Path, training: &Path) -> Result<Value> {
     run(Command::new(python).arg(program), program, output, training)
 }
@@ -46,8 +46,8 @@ fn run(command: &mut Command, program: &Path, output: &Path, training: &Path) ->
     command.args(["--json", "--output"]).arg(output).arg("--training").arg(training).env("OMP_NUM_THREADS", "1");
     let told = command.output()?;
     ensure!(told.status.success(), "{}: {}", program.display(), String::from_utf8_lossy(&told.stderr));
-    // Python writes numbers that are none as no JSON reader takes them.
+    // Python writes invalid numbers in a form that JSON readers reject.
     let text = String::from_utf8_lossy(&told.stdout).replace("NaN", "null").replace("-Infinity", "null");
     serde_json::from_str(&text.replace("Infinity", "null"))
-        .with_context(|| format!("{} told no JSON", program.display()))
+        .with_context(|| format!("{} printed no JSON", program.display()))
 }

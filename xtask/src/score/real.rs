@@ -1,4 +1,4 @@
-//! The real recordings: every drive over each of them, begun at three places.
+//! The real recordings: every drive over each of them, started at three positions.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -14,13 +14,13 @@ use super::drives::{Drive, drives};
 use super::{BLOCK, OFFSETS, later, python, sounds};
 use crate::bounce::{Request, load, play, preset, reference as reference_to};
 
-/// Where programs and sounds are.
+/// Locations of programs and sounds.
 pub struct Place<'a> {
     /// The reference folder.
     pub reference: &'a Path,
-    /// Where sounds go.
+    /// Folder for sounds.
     pub folder: &'a Path,
-    /// A Python that has what the programs need.
+    /// A Python with the programs' requirements.
     pub python: &'a Path,
     /// The programs that score following and crackle.
     pub programs: [&'a Path; 2],
@@ -28,11 +28,12 @@ pub struct Place<'a> {
     pub settings: &'a [String],
 }
 
-/// A figure of the table, and where a program tells it: in its own output, or in that of crackle and of the recording.
+/// A figure of the table, and its location in a program's output: in the scoring program's, or in that of crackle and
+/// of the recording.
 struct Column {
     title: &'static str,
     path: &'static str,
-    /// Where the recording's own is, to stand beside it.
+    /// Location of the recording's own figure, shown beside it.
     own: Option<&'static str>,
 }
 
@@ -82,7 +83,7 @@ pub fn report(place: &Place<'_>) -> Result<String> {
     Ok(text)
 }
 
-/// A recording as a WAV file: the scoring program reads no other.
+/// A recording as a WAV file: the scoring program reads no other format.
 fn as_wav(place: &Place<'_>, name: &str, path: &Path) -> Result<PathBuf> {
     let sound = load(path, None)?;
     let wav = place.folder.join(format!("recording-{name}.wav"));

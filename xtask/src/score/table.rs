@@ -14,7 +14,7 @@ pub struct Scored {
     pub training: String,
     /// The dynamics mode.
     pub mode: &'static str,
-    /// What the scoring program told of each draw.
+    /// Output of the scoring program for each draw.
     pub draws: Vec<Value>,
 }
 
@@ -58,7 +58,7 @@ const fn column(title: &'static str, path: &'static str, straight: [f64; 2], all
 const TEXTURE: [(&str, f64); 3] = [("burning_brick", 1.7), ("dragon", 1.4), ("torch", 1.8)];
 
 impl Scored {
-    /// The mean of all draws, and half of what they differ by.
+    /// The mean of all draws, and half their range.
     fn figure(&self, column: &Column) -> Option<(f64, f64)> {
         let of = |draw: &Value| column.path.split('.').try_fold(draw, |value, key| value.get(key))?.as_f64();
         let figures: Vec<f64> = self.draws.iter().filter_map(of).collect();
@@ -76,7 +76,7 @@ impl Scored {
     }
 }
 
-/// A Markdown table for each mode with the means of all draws, and the figures that miss their targets, which are bold.
+/// A Markdown table for each mode with the means of all draws; figures that miss their targets are bold.
 pub fn report(scored: &[Scored]) -> String {
     let mut text = String::new();
     let mut missed = Vec::new();
@@ -123,7 +123,7 @@ pub fn report(scored: &[Scored]) -> String {
 const BEGIN: &str = "<!-- figures -->";
 const END: &str = "<!-- end of figures -->";
 
-/// Puts the figures into the page.
+/// Writes the figures into the page.
 pub fn write_between_markers(page: &Path, figures: &str) -> Result<()> {
     let text = std::fs::read_to_string(page).with_context(|| page.display().to_string())?;
     let (before, rest) = text.split_once(BEGIN).with_context(|| format!("{}: no {BEGIN}", page.display()))?;

@@ -1,9 +1,9 @@
-//! Numbers and texts as bytes, little-endian.
+//! Numbers and texts as little-endian bytes.
 
-/// Bytes to be written.
+/// Writer into a byte buffer.
 #[derive(Default)]
 pub struct Writer {
-    /// What has been written so far.
+    /// Bytes written so far.
     pub bytes: Vec<u8>,
 }
 
@@ -29,7 +29,7 @@ impl Writer {
         self.raw(text.as_bytes());
     }
 
-    /// Whether it is there, then the value.
+    /// Writes a presence flag, then the value if there is one.
     pub fn optional<T: ?Sized>(&mut self, value: Option<&T>, write: impl FnOnce(&mut Self, &T)) {
         self.raw(&[u8::from(value.is_some())]);
         if let Some(value) = value {
@@ -38,7 +38,7 @@ impl Writer {
     }
 }
 
-/// Bytes to be read; nothing is returned where they end early or make no sense.
+/// Reader of bytes; its methods return `None` at an early end or a nonsensical value.
 pub struct Reader<'a> {
     bytes: &'a [u8],
 }
@@ -70,7 +70,7 @@ impl<'a> Reader<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// A count of things of `size` bytes each, for which there is room.
+    /// A count of items of `size` bytes each, checked against the bytes left.
     pub fn count_of(&mut self, size: usize) -> Option<usize> {
         let count = usize::try_from(self.count()?).ok()?;
         (count.checked_mul(size)? <= self.bytes.len()).then_some(count)
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
         String::from_utf8(text.to_vec()).ok()
     }
 
-    /// The outer `None` is a failure, the inner one a value that is not there.
+    /// The outer `None` is a failure, the inner one an absent value.
     pub fn optional<T>(&mut self, read: impl FnOnce(&mut Self) -> Option<T>) -> Option<Option<T>> {
         match self.array()? {
             [0] => Some(None),

@@ -1,4 +1,4 @@
-//! Arrays as fields: which axis is which, and blocks only where something is.
+//! Arrays as fields: the roles of the axes, and blocks only where there are values.
 
 use std::io::Read;
 
@@ -10,14 +10,14 @@ use crate::import::error::{FormatFault, damaged};
 /// Longest edge of a field, in voxels.
 const LONGEST_EDGE: usize = 1 << 20;
 
-/// Blocks of the box around a field, empty ones too.
+/// Largest number of blocks in the box around a field, including empty ones.
 const MOST_BLOCKS: u64 = 1 << 22;
 
 /// Memory of a block besides its voxels, generously.
 const BLOCK_OVERHEAD_BYTES: usize = 128;
 
-/// Numbers per voxel of the field an array stands for: 1 for axes x, y, z; 3 with one more axis of length 3 at the end,
-/// else at the start; 0 for anything else.
+/// Numbers per voxel of the field in an array: 1 for axes x, y, z; 3 with one more axis of length 3 at the end or else
+/// at the start; 0 for anything else.
 pub fn components(shape: &[usize]) -> usize {
     match shape {
         [_, _, _] => 1,
@@ -26,8 +26,7 @@ pub fn components(shape: &[usize]) -> usize {
     }
 }
 
-/// Reads an array as a field whose first voxel is at index (0, 0, 0); zero outside. `reader` is just after the
-/// header.
+/// Reads an array as a field whose first voxel is at index (0, 0, 0); zero outside. `reader` is just after the header.
 pub(in crate::import) fn grid<const N: usize>(
     header: &Header,
     reader: &mut impl Read,
@@ -49,9 +48,9 @@ pub(in crate::import) fn grid<const N: usize>(
 
 /// An array's axes: 0 to 2 are x to z, 3 is the component.
 struct Axes {
-    /// The axes from the one whose index runs fastest, with their lengths.
+    /// The axes with their lengths, fastest index first.
     fastest_first: Vec<(usize, usize)>,
-    /// Along x, y, z.
+    /// Lengths along x, y, z.
     lengths: [usize; 3],
 }
 
@@ -61,7 +60,7 @@ impl Axes {
             [x, y, z] => (&[0, 1, 2], [x, y, z]),
             [x, y, z, 3] => (&[0, 1, 2, 3], [x, y, z]),
             [3, x, y, z] => (&[3, 0, 1, 2], [x, y, z]),
-            _ => return damaged(format!("an array of shape {:?} is no field", header.shape)),
+            _ => return damaged(format!("an array of shape {:?} is not a field", header.shape)),
         };
         let mut fastest_first: Vec<_> = order.iter().copied().zip(header.shape.iter().copied()).collect();
         if !header.fortran_order {
@@ -75,7 +74,7 @@ impl Axes {
     }
 }
 
-/// Walks over an array in the order it is stored in.
+/// Iterator over an array's elements in storage order.
 struct Places {
     fastest_first: Vec<(usize, usize)>,
     at: [usize; 4],
@@ -96,7 +95,7 @@ impl Places {
     }
 }
 
-/// The blocks of a box, made when the first value other than zero arrives.
+/// The blocks of a box, allocated when the first non-zero value arrives.
 struct Blocks<'b, const N: usize> {
     blocks: Vec<Option<Box<[[f32; N]; BLOCK_VOXELS]>>>,
     /// Blocks along x, y, z.
@@ -111,7 +110,7 @@ impl<'b, const N: usize> Blocks<'b, N> {
             return Err(FormatFault::TooLarge { what: "voxels along an edge", found, allowed });
         }
         let counts = lengths.map(|length| length.div_ceil(BLOCK as usize));
-        // At most 2^17 along each edge: the product fits.
+        // At most 2^17 along each edge, so the product fits.
         let all = counts.iter().map(|count| *count as u64).product::<u64>();
         if all > MOST_BLOCKS {
             return Err(FormatFault::TooLarge { what: "blocks of 8x8x8 voxels", found: all, allowed: MOST_BLOCKS });

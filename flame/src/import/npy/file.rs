@@ -11,12 +11,12 @@ use crate::import::budget::{Budget, check_file_size};
 use crate::import::error::FormatFault;
 use crate::import::model::{GridInfo, Source, check_components};
 
-/// The `.npy` files of one frame. Their voxels have edges of 1, the first one is at 0.
+/// The `.npy` files of one frame. Their voxels have edges of 1, and the first one is at 0.
 #[derive(Debug)]
 pub struct Npy {
     files: Vec<PathBuf>,
     infos: Vec<GridInfo>,
-    /// Headers, or the reason for which a file cannot be read; reported only if that file is used.
+    /// Headers, or the reason why a file cannot be read; reported only if that file is used.
     headers: Vec<Result<Header, FormatFault>>,
     transform: Transform,
     budget: Budget,
@@ -26,7 +26,7 @@ impl Npy {
     /// Reads the headers of files, each given with the name of its field.
     ///
     /// # Errors
-    /// Where the voxels' transform is unusable. A file that cannot be read is an error only when it is used.
+    /// If the voxels' transform is unusable. An unreadable file is an error only when it is used.
     pub fn open(fields: &[(String, PathBuf)]) -> Result<Self, FormatFault> {
         let transform = Transform::uniform(1.0, [0.0; 3])?;
         let (mut files, mut infos, mut headers, mut all_bytes) = (vec![], vec![], vec![], 0u64);
@@ -40,7 +40,7 @@ impl Npy {
             infos.push(GridInfo {
                 name: name.clone(),
                 kind: known.map_or_else(|| "unreadable".into(), Header::kind),
-                // What cannot be read is found by its name, so that the reason is reported.
+                // An unreadable file is still found by its name, so that the reason is reported.
                 components: known.map_or(1, |header| components(&header.shape)),
                 voxel_edges: Some(transform.voxel_edges()),
                 ..GridInfo::default()
@@ -56,7 +56,7 @@ impl Npy {
         if let Some(Err(fault)) = self.headers.get(index) {
             return Err(fault.clone());
         }
-        let missing = || FormatFault::Unreadable("it has vanished".into());
+        let missing = || FormatFault::Unreadable("it has disappeared".into());
         let (header, mut reader, _) = open(self.files.get(index).ok_or_else(missing)?)?;
         if components(&header.shape) != N {
             return Err(FormatFault::Damaged("it changed while it was read".into()));
@@ -65,7 +65,7 @@ impl Npy {
     }
 }
 
-/// The header, the reader behind it, and the file's bytes.
+/// The header, the reader positioned after it, and the file's size in bytes.
 fn open(path: &Path) -> Result<(Header, BufReader<File>, u64), FormatFault> {
     let unreadable = |error: std::io::Error| FormatFault::Unreadable(error.kind().to_string());
     let file = File::open(path).map_err(unreadable)?;

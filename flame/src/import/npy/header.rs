@@ -1,4 +1,4 @@
-//! An array's header, and the numbers behind it.
+//! An array's header, and the numbers after it.
 
 use std::io::Read;
 
@@ -15,7 +15,7 @@ const MOST_HEADER_BYTES: usize = 1 << 16;
 /// Axes of an array.
 const MOST_AXES: usize = 8;
 
-/// Values are read in pieces of at most so many bytes; a multiple of every type's size.
+/// Size in bytes of the pieces in which values are read; a multiple of every type's size.
 const PIECE_BYTES: usize = 1 << 16;
 
 /// Storage of one number.
@@ -33,9 +33,9 @@ pub struct Header {
     number: Number,
     big_endian: bool,
     descr: String,
-    /// The first index runs fastest, not the last.
+    /// True if the first index runs fastest, instead of the last.
     pub fortran_order: bool,
-    /// Lengths along the axes; none for a single number.
+    /// Lengths along the axes; empty for a single number.
     pub shape: Vec<usize>,
     /// Bytes before the data.
     pub header_bytes: u64,
@@ -45,13 +45,13 @@ impl Header {
     /// Reads everything up to the data.
     ///
     /// # Errors
-    /// Where the bytes end early, are not those of an array, or describe one that is not supported.
+    /// If the bytes end early, are not those of an array, or describe an unsupported one.
     pub fn read(reader: &mut impl Read) -> Result<Self, FormatFault> {
         let mut start = [0; 8];
         fill(reader, &mut start)?;
         let [magic @ .., major, _] = start;
         if magic != *MAGIC {
-            return damaged("an array does not begin as .npy files do");
+            return damaged("an array lacks the .npy signature");
         }
         let (length, length_bytes) = match major {
             1 => {
@@ -67,7 +67,7 @@ impl Header {
             _ => return unsupported(format!(".npy version {major}")),
         };
         if length > MOST_HEADER_BYTES {
-            return damaged(format!("an array's header of {length} bytes, at most {MOST_HEADER_BYTES} are allowed"));
+            return damaged(format!("an array header of {length} bytes, at most {MOST_HEADER_BYTES} are allowed"));
         }
         let mut text = vec![0; length];
         fill(reader, &mut text)?;
@@ -91,7 +91,7 @@ impl Header {
     /// Number of values in the array.
     ///
     /// # Errors
-    /// Where the product of the lengths overflows.
+    /// If the product of the lengths overflows.
     pub fn count(&self) -> Result<u64, FormatFault> {
         let product = self.shape.iter().try_fold(1u64, |product, length| product.checked_mul(*length as u64));
         product.map_or_else(|| damaged(format!("an array of shape {:?}", self.shape)), Ok)
@@ -100,7 +100,7 @@ impl Header {
     /// Number of bytes after the header.
     ///
     /// # Errors
-    /// Where the number of bytes overflows.
+    /// If the number of bytes overflows.
     pub fn data_bytes(&self) -> Result<u64, FormatFault> {
         let bytes = self.count()?.checked_mul(self.number.bytes() as u64);
         bytes.map_or_else(|| damaged(format!("an array of shape {:?}", self.shape)), Ok)
@@ -117,10 +117,10 @@ impl Header {
         damaged(format!("an array of shape {:?} and type {} in {found} bytes", self.shape, self.descr))
     }
 
-    /// Passes on all numbers in the order they are stored in; `reader` is just after the header.
+    /// Passes all numbers to `each`, in storage order; `reader` is just after the header.
     ///
     /// # Errors
-    /// Where there are fewer, or more.
+    /// If there are fewer or more.
     pub fn values(&self, reader: &mut impl Read, each: impl FnMut(f64)) -> Result<(), FormatFault> {
         let bytes = self.data_bytes()?;
         match self.number {
@@ -160,10 +160,10 @@ impl Header {
                 each(convert(number));
             }
         }
-        // Reading on to the end also lets a zip member check its sum.
+        // Reading to the end also makes a zip member verify its checksum.
         match reader.read(&mut [0]) {
             Ok(0) => Ok(()),
-            Ok(_) => damaged(format!("more data than an array of shape {:?} has", self.shape)),
+            Ok(_) => damaged(format!("more data than an array of shape {:?} holds", self.shape)),
             Err(error) => Err(fault_of(&error)),
         }
     }
@@ -184,7 +184,7 @@ impl Number {
     }
 }
 
-/// Takes `<f4` and its like apart: the number, and whether its highest byte comes first.
+/// Parses `<f4` and the like: the number, and whether its highest byte comes first.
 fn number(descr: &str) -> Result<(Number, bool), FormatFault> {
     let (big_endian, code) = match descr.split_at_checked(1) {
         Some((">", code)) => (true, code),
@@ -213,12 +213,12 @@ fn unsupported<T>(found: String) -> Result<T, FormatFault> {
     Err(FormatFault::Unsupported { found, advice: "save an array of plain numbers such as float32" })
 }
 
-/// Reads until `bytes` are full.
+/// Reads until `bytes` is full.
 fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> Result<(), FormatFault> {
     reader.read_exact(bytes).map_err(|error| fault_of(&error))
 }
 
-/// The fault that a failed read means.
+/// The fault that a failed read indicates.
 pub(in crate::import) fn fault_of(error: &std::io::Error) -> FormatFault {
     match error.kind() {
         std::io::ErrorKind::UnexpectedEof => FormatFault::Damaged("an array ends early".into()),
@@ -229,8 +229,8 @@ pub(in crate::import) fn fault_of(error: &std::io::Error) -> FormatFault {
     }
 }
 
-/// What comes before the data of an array of little-endian `descr` in C order; padded so that they start at a multiple
-/// of 64 bytes.
+/// The bytes before the data of an array of little-endian `descr` in C order, padded so that the data start at a
+/// multiple of 64 bytes.
 pub(in crate::import) fn header_bytes(descr: &str, shape: &[usize]) -> Vec<u8> {
     const ALIGNMENT: usize = 64;
     const PREFIX: usize = 10;

@@ -10,11 +10,11 @@ pub(super) struct Literal {
     pub shape: Vec<usize>,
 }
 
-/// Takes the dictionary apart: keys in any order, either quote, a comma at the end or none.
+/// Parses the dictionary: keys in any order, either kind of quote, with or without a final comma.
 pub(super) fn parse(text: &[u8]) -> Result<Literal, FormatFault> {
     let mut parser = Parser { text };
     let (mut descr, mut fortran_order, mut shape) = (None, None, None);
-    let Some(()) = parser.token(b'{') else { return damaged("an array whose header is no dictionary") };
+    let Some(()) = parser.token(b'{') else { return damaged("an array whose header is not a dictionary") };
     while parser.token(b'}').is_none() {
         let entry = parser.string().and_then(|key| parser.token(b':').map(|()| key));
         let found = match entry.as_deref() {
@@ -45,13 +45,13 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    /// The next byte that is no space, left where it is.
+    /// The next byte that is not a space, left in place.
     fn next(&mut self) -> Option<u8> {
         self.text = self.text.trim_ascii_start();
         self.text.first().copied()
     }
 
-    /// Takes `expected` if it comes next.
+    /// Consumes `expected` if it comes next.
     fn token(&mut self, expected: u8) -> Option<()> {
         let _ = self.next().filter(|found| *found == expected)?;
         self.text = self.text.get(1..)?;
@@ -89,7 +89,7 @@ impl Parser<'_> {
         let digits = self.text.iter().take_while(|byte| byte.is_ascii_digit()).count();
         let number = std::str::from_utf8(self.text.get(..digits)?).ok()?.parse().ok()?;
         self.text = self.text.get(digits..)?;
-        // Python 2 marks its long numbers.
+        // Python 2 marks its long integers.
         self.text = self.text.strip_prefix(b"L").unwrap_or(self.text);
         Some(number)
     }

@@ -1,4 +1,4 @@
-//! Frames as `.npz` archives that NumPy and the reader take.
+//! Frames as `.npz` archives, for NumPy and this crate's reader.
 
 use std::io::{Seek, Write};
 
@@ -9,7 +9,7 @@ use super::arrays::{ORIGIN, TIME, VOXEL_SIZE};
 use crate::import::error::FormatFault;
 use crate::import::npy::header_bytes;
 
-/// Members of more bytes need the wide fields of zip64.
+/// Members with more bytes need the wide fields of zip64.
 const MOST_NARROW_BYTES: u64 = u32::MAX as u64 - (1 << 16);
 
 /// Compression level, 0 to 9: the default of zip programs.
@@ -20,23 +20,23 @@ const LEVEL: i64 = 6;
 pub struct DenseFrame<'a> {
     /// Voxels along x, y, z.
     pub shape: [usize; 3],
-    /// The burning field, z fastest.
+    /// Burning field, z fastest.
     pub flame: &'a [[f32; 1]],
-    /// The velocity in world units per second, z fastest.
+    /// Velocity in world units per second, z fastest.
     pub velocity: &'a [[f32; 3]],
-    /// The voxels' edge in world units.
+    /// Voxel edge in world units.
     pub voxel_size: f64,
     /// Centre of the first voxel in world units.
     pub origin: [f64; 3],
-    /// When the step takes place, in seconds.
+    /// Time of the step in seconds.
     pub time_s: Option<f64>,
 }
 
-/// Writes a frame: arrays `flame` (x, y, z) and `velocity` (x, y, z, 3) of float32, `voxel_size`, `origin` and, where
-/// it is known, `time_s` of float64. Equal frames give equal bytes.
+/// Writes a frame: arrays `flame` (x, y, z) and `velocity` (x, y, z, 3) of float32, `voxel_size`, `origin` and, if
+/// known, `time_s` of float64. Equal frames give equal bytes.
 ///
 /// # Errors
-/// Fails where an array does not have as many values as the shape says, and where `out` fails.
+/// If an array does not have as many values as its shape states, or if writing to `out` fails.
 pub fn write_frame(out: impl Write + Seek, frame: &DenseFrame) -> Result<(), FormatFault> {
     let [x, y, z] = frame.shape;
     let voxels = x.checked_mul(y).and_then(|area| area.checked_mul(z));
@@ -65,7 +65,7 @@ fn member<const BYTES: usize>(
     shape: &[usize],
     numbers: impl ExactSizeIterator<Item = [u8; BYTES]>,
 ) -> Result<(), FormatFault> {
-    // Neither the clock nor the machine leaves a trace.
+    // No trace of the clock or the machine.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .compression_level(Some(LEVEL))
@@ -86,7 +86,7 @@ fn member<const BYTES: usize>(
     archive.write_all(&piece).map_err(failure)
 }
 
-/// Numbers are handed over in pieces of about so many bytes.
+/// Approximate size in bytes of the pieces in which numbers are written.
 const PIECE_BYTES: usize = 1 << 16;
 
 fn failure(error: impl std::fmt::Display) -> FormatFault {

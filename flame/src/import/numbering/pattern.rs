@@ -1,8 +1,8 @@
-//! Names with a place for the frame's number: `fire_v002.####.vdb`, `%04d`, `$F4`.
+//! Names with a placeholder for the frame number: `fire_v002.####.vdb`, `%04d`, `$F4`.
 
 use super::{Name, Number};
 
-/// A file's name with a place for the frame's number.
+/// A file name with a placeholder for the frame number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     before: String,
@@ -10,13 +10,13 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// The pattern that a file's name is; none where it has no place for a number.
+    /// The pattern in a file name; none without a placeholder.
     pub fn of(file_name: &str) -> Option<Self> {
         let (start, end) = hashes(file_name).or_else(|| printf(file_name)).or_else(|| houdini(file_name))?;
         Some(Self { before: file_name.get(..start)?.to_owned(), behind: file_name.get(end..)?.to_owned() })
     }
 
-    /// The name and number of a file that fits; padding does not matter.
+    /// The name and number of a file that matches; padding is ignored.
     pub(in crate::import) fn name(&self, file_name: &str) -> Option<Name> {
         let number = file_name.strip_prefix(&self.before)?.strip_suffix(&self.behind)?;
         let unsigned = number.strip_prefix('-').unwrap_or(number);
@@ -33,14 +33,14 @@ impl Pattern {
     }
 }
 
-/// `####`, as many as digits.
+/// Finds `####`, with one hash per digit.
 fn hashes(name: &str) -> Option<(usize, usize)> {
     let start = name.find('#')?;
     let count = name.bytes().skip(start).take_while(|byte| *byte == b'#').count();
     Some((start, start + count))
 }
 
-/// `%d`, `%04d`.
+/// Finds `%d`, `%04d`.
 fn printf(name: &str) -> Option<(usize, usize)> {
     let start = name.find('%')?;
     let digits = name.bytes().skip(start + 1).take_while(u8::is_ascii_digit).count();
@@ -48,7 +48,7 @@ fn printf(name: &str) -> Option<(usize, usize)> {
     (name.as_bytes().get(end) == Some(&b'd')).then_some((start, end + 1))
 }
 
-/// `$F`, `$F4`, `${F4}`, and `$FF` for sub-frames.
+/// Finds `$F`, `$F4`, `${F4}`, and `$FF` for sub-frames.
 fn houdini(name: &str) -> Option<(usize, usize)> {
     let (start, opening) = name.find("${F").map(|at| (at, 3)).or_else(|| name.find("$F").map(|at| (at, 2)))?;
     let rest = name.get(start + opening..)?;

@@ -1,4 +1,4 @@
-//! Whether `fire.1.25` is frame 1.25, or frame 25 of `fire.1`.
+//! Decision between readings of `fire.1.25`: frame 1.25, or frame 25 of `fire.1`.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,8 +7,8 @@ use crate::import::format::Format;
 
 /// The stems whose last two numbers are a frame and its fraction.
 ///
-/// They are where the first of the two varies and the second is one of a few even parts of a frame: the frames of several
-/// shots, too, have two numbers, but their second one counts up.
+/// They are, if the first number varies and the second is one of a few even fractions of a frame. The frames of several
+/// shots have two numbers as well, but their second one counts up.
 pub fn stems<'a>(names: impl Iterator<Item = (Format, &'a Name)>) -> BTreeSet<(Format, String)> {
     let (mut read, mut whole) = (BTreeMap::<(Format, String), Vec<Number>>::new(), BTreeMap::<_, Vec<i64>>::new());
     for (format, name) in names {
@@ -23,12 +23,12 @@ pub fn stems<'a>(names: impl Iterator<Item = (Format, &'a Name)>) -> BTreeSet<(F
     read.iter().filter(|(key, numbers)| are_subframes(key, numbers)).map(|(key, _)| key.clone()).collect()
 }
 
-/// `whole` are frames of the same name without a fraction.
+/// True if `numbers` are sub-frames; `whole` are frames of the same name without a fraction.
 fn are_subframes(numbers: &[Number], whole: &[i64]) -> bool {
     let wholes: BTreeSet<i64> = numbers.iter().map(|number| number.whole).chain(whole.iter().copied()).collect();
     let fractions: BTreeSet<&str> = numbers.iter().map(|number| number.fraction.as_str()).collect();
     let is_even = (2..=MOST_SUBFRAMES).any(|parts| {
-        // As many as there can be, or nearly: few parts that happen to fit a fine grid are no sub-frames.
+        // As many fractions as possible, or nearly: a few that happen to fit a fine grid are not sub-frames.
         fractions.len() as i64 + 1 >= parts / 2 && numbers.iter().all(|number| number.fits(parts))
     });
     let is_one = fractions.iter().all(|fraction| fraction.chars().all(|digit| digit == '0'));

@@ -7,12 +7,12 @@ pub(super) enum Delimiter {
     Tab,
     Semicolon,
     Space,
-    /// There is one column.
+    /// A single column.
     None,
 }
 
 impl Delimiter {
-    /// Of a row of numbers.
+    /// The delimiter of a row of numbers.
     pub fn of(row: &str) -> Self {
         match row {
             row if row.contains('\t') => Self::Tab,
@@ -34,7 +34,7 @@ impl Delimiter {
         }
     }
 
-    /// A cell's number. Where commas do not part columns, they may be decimal.
+    /// The number in a cell. Commas may be decimal unless they separate columns.
     pub fn number(self, cell: &str) -> Option<f64> {
         let has_decimal_comma = self != Self::Comma && cell.matches(',').count() == 1 && !cell.contains('.');
         let number = if has_decimal_comma { cell.replace(',', ".").parse() } else { cell.parse() };
@@ -46,7 +46,7 @@ fn clean(cell: &str) -> &str {
     cell.trim().trim_matches('"').trim()
 }
 
-/// Whether a row is one of numbers, good or bad ones: its first cell that holds anything is one.
+/// True for a row of numbers, valid or not: its first non-empty cell is one.
 pub(super) fn is_numeric(row: &str) -> bool {
     let delimiter = Delimiter::of(row);
     let cells = delimiter.split(row);
@@ -54,7 +54,7 @@ pub(super) fn is_numeric(row: &str) -> bool {
     first.is_some_and(|cell| cell.parse::<f64>().is_ok() || delimiter.number(cell).is_some())
 }
 
-/// A column's name without the unit in brackets behind it, and the unit.
+/// A column's name without the unit in brackets after it, and the unit.
 pub(super) fn name_and_unit(cell: &str) -> (&str, Option<&str>) {
     match cell.find(['[', '(']) {
         Some(at) => (cell[..at].trim(), Some(cell[at + 1..].trim_end_matches([']', ')', ' ']).trim())),
@@ -62,7 +62,7 @@ pub(super) fn name_and_unit(cell: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Seconds of a unit of time; none where it is no such unit.
+/// Seconds in a unit of time; none if the unit is unknown.
 pub(super) fn seconds(unit: &str) -> Option<f64> {
     match unit.trim_matches(['[', ']', '(', ')', ' ']).to_ascii_lowercase().as_str() {
         "s" | "sec" | "second" | "seconds" => Some(1.0),

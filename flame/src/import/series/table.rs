@@ -7,19 +7,19 @@ use super::dialect::{Delimiter, is_numeric, name_and_unit, seconds};
 use super::values::{MOST_ROWS, Series, Timing, rate_hz};
 use crate::import::error::{Error, shown, shown_path};
 
-/// Bytes of a line.
+/// Largest number of bytes in a line.
 const LONGEST_LINE: u64 = 4096;
 
-/// Lines of text before the first row of numbers that are kept: names and units stand in the last ones.
+/// Number of text lines before the first row of numbers that are kept: names and units are in the last ones.
 const MOST_HEAD_LINES: usize = 16;
 
-/// Columns that hold times.
+/// Names of time columns.
 const TIME_NAMES: [&str; 5] = ["time_s", "time", "t", "seconds", "time_ms"];
 
-/// Columns that hold the flux, or what is as good.
+/// Names of columns with the flux or an equivalent.
 const FLUX_NAMES: [&str; 4] = ["flux", "heat_release", "heat_release_rate", "hrr"];
 
-/// Indices of the columns that are used.
+/// Indices of the columns in use.
 #[derive(Clone, Copy)]
 struct Columns {
     flux: usize,
@@ -42,7 +42,7 @@ pub(super) struct Table<'a> {
     head: Vec<HeadLine>,
     delimiter: Delimiter,
     columns: Option<Columns>,
-    /// The first frame and the last so far.
+    /// The first and the last frame so far.
     frames: Option<(i64, i64)>,
     times: Vec<f64>,
     values: Vec<f64>,
@@ -85,7 +85,7 @@ impl<'a> Table<'a> {
             }
             let text = String::from_utf8_lossy(&bytes);
             let text = if self.line == 1 { text.strip_prefix('\u{feff}').unwrap_or(&text) } else { &text };
-            // Tabs at the ends part columns, too.
+            // Tabs at the ends separate columns, too.
             let text = text.trim_matches([' ', '\r', '\n']);
             if !text.trim().is_empty() {
                 self.row(text)?;
@@ -119,17 +119,18 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The columns that the lines before the first row name.
+    /// The columns named by the lines before the first row.
     fn header(&self, row: &[&str]) -> Result<Columns, Error> {
         let named = self.head.iter().rev().find_map(|head| {
             let own = Delimiter::of(&head.text).split(&head.text);
-            // Names may be parted otherwise than numbers, but then as many: else it is a sentence.
+            // Names may have another separator than numbers, but then there must be as many: otherwise it is a
+            // sentence.
             let as_parted = || self.columns(&own).filter(|_| own.len() == row.len());
             self.columns(&self.delimiter.split(&head.text)).or_else(as_parted)
         });
         match (named, self.head.first(), row) {
             (Some(columns), ..) => Ok(columns),
-            // A single column may be called anything.
+            // A single column may have any name.
             (None, _, [_]) => Ok(Columns { flux: 0, frame: None, time: None, unit_s: 1.0 }),
             (None, Some(head), _) => {
                 let reason = "no column is named flux; begin with a line such as frame,flux or time_s,flux";
@@ -141,7 +142,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The columns of a line of names; none where none is the flux.
+    /// The columns of a line of names; none if none is the flux.
     fn columns(&self, cells: &[&str]) -> Option<Columns> {
         let is_one_of = |cell: &str, names: &[&str]| {
             let (name, _) = name_and_unit(cell);
@@ -153,7 +154,7 @@ impl<'a> Table<'a> {
         Some(Columns { flux, frame: find(&["frame"]), time, unit_s: time.map_or(1.0, |time| self.unit_s(cells, time)) })
     }
 
-    /// The unit of time: in the name, in brackets behind it, or in a line of units.
+    /// The unit of time: in the name, in brackets after it, or in a line of units.
     fn unit_s(&self, names: &[&str], column: usize) -> f64 {
         let cell = names[column];
         if cell.eq_ignore_ascii_case("time_ms") {
@@ -178,7 +179,7 @@ impl<'a> Table<'a> {
         if let Some(column) = columns.frame {
             let frame = self.frame(cells, column);
             if columns.time.is_some() && frame.is_err() {
-                // Sub-frames, or every second frame: the times tell all that matters.
+                // Sub-frames, or every second frame: the times state all that matters.
                 self.columns = Some(Columns { frame: None, ..columns });
                 self.frames = None;
             } else {
@@ -206,7 +207,7 @@ impl<'a> Table<'a> {
     fn frame(&mut self, cells: &[&str], column: usize) -> Result<(), Error> {
         let cell = self.cell(cells, column)?;
         let frame = cell.parse::<i64>();
-        let frame = frame.map_err(|_| self.fault(format!("\"{}\" is not a frame's number", shown(cell))))?;
+        let frame = frame.map_err(|_| self.fault(format!("\"{}\" is not a frame number", shown(cell))))?;
         if let Some((_, last)) = self.frames
             && last.checked_add(1) != Some(frame)
         {

@@ -1,14 +1,14 @@
-//! The values of a series and when they take place.
+//! The values of a series and their times.
 
 use crate::import::sequence::snapped_rate_hz;
 
-/// Rows of a series.
+/// Largest number of rows in a series.
 pub(super) const MOST_ROWS: usize = 10_000_000;
 
-/// Tolerance of a time against an even grid, in steps, for the series to have a rate.
+/// Tolerance of a time against an even grid, in steps, within which a series has a rate.
 const MOST_UNEVEN: f64 = 0.02;
 
-/// When the values of a series take place.
+/// Times of a series' values.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Timing {
     /// At consecutive frames from this number on.
@@ -20,15 +20,15 @@ pub enum Timing {
 /// A series of numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// When the values take place.
+    /// Times of the values.
     pub timing: Timing,
     /// The values, all finite; at least one.
     pub values: Vec<f64>,
-    /// Values per second where there are times and they are even (to 2 % of a step).
+    /// Values per second, if the times are even (within 2 % of a step).
     pub rate_hz: Option<f64>,
 }
 
-/// Values per second where all times are near their even places.
+/// Values per second, if all times are near an even grid.
 pub(super) fn rate_hz(times: &[f64]) -> Option<f64> {
     let ([first, ..], [.., last]) = (times, times) else { return None };
     let steps = times.len() as f64 - 1.0;

@@ -20,7 +20,7 @@ const LZ4: u8 = 1;
 const WIDEST_SPLIT: usize = 16;
 const SHORTEST_SPLIT: usize = 128;
 
-/// Unpacks a chunk into `out`, which is as long as what must come out. `shuffled` is room to work in.
+/// Unpacks a chunk into `out`, whose length is the expected size. `shuffled` is working memory.
 pub(super) fn unpack(chunk: &[u8], out: &mut [u8], shuffled: &mut Vec<u8>) -> Result<(), FormatFault> {
     let header = Header::read(chunk, out.len())?;
     if out.is_empty() {
@@ -100,7 +100,7 @@ impl Header {
         Ok(())
     }
 
-    /// Where a block's first stream stands; blocks may not begin inside the table of starts.
+    /// Start of a block's first stream; blocks may not begin inside the table of starts.
     fn block_start(&self, chunk: &[u8], index: usize) -> Result<usize, FormatFault> {
         let table_end = self.blocks.checked_mul(4).and_then(|bytes| bytes.checked_add(HEADER));
         let start = usize::try_from(i32_at(chunk, HEADER + 4 * index)?);
@@ -130,7 +130,7 @@ impl Header {
             if stream.len() == part.len() {
                 part.copy_from_slice(stream);
             } else if !lz4_flex::block::decompress_into(stream, part).is_ok_and(|length| length == part.len()) {
-                return damaged("an LZ4 stream that does not unfold to its size");
+                return damaged("an LZ4 stream that does not decompress to its size");
             }
         }
         Ok(())
@@ -144,7 +144,7 @@ fn i32_at(chunk: &[u8], at: usize) -> Result<i32, FormatFault> {
     }
 }
 
-/// Puts the bytes of each value together again; those left over at the end stay where they are.
+/// Reassembles the bytes of each value; those left over at the end keep their position.
 fn unshuffle(shuffled: &[u8], type_size: usize, out: &mut [u8]) {
     let values = out.len() / type_size;
     let (whole, rest) = shuffled.split_at(values * type_size);
@@ -162,7 +162,7 @@ fn unshuffle(shuffled: &[u8], type_size: usize, out: &mut [u8]) {
 mod tests {
     use super::*;
 
-    /// Bytes that repeat now and then.
+    /// Bytes that repeat occasionally.
     fn sample(length: usize) -> Vec<u8> {
         (0..length).map(|i| if i % 7 < 4 { (i / 50) as u8 } else { (i * i % 251) as u8 }).collect()
     }
@@ -217,7 +217,7 @@ mod tests {
                         let chunk = pack(&bytes, type_size, block_size, flags);
                         let what = format!("{length} bytes, type {type_size}, block {block_size}, flags {flags}");
                         match unpacked(&chunk, length) {
-                            // No writer splits a block that its type does not divide: bytes would be lost.
+                            // No writer splits a block whose size the type does not divide: bytes would be lost.
                             Err(_) => assert!(splits && block_size % type_size != 0, "{what}"),
                             Ok(found) => assert_eq!(found, bytes, "{what}"),
                         }

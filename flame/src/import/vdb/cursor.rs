@@ -1,11 +1,11 @@
-//! Bytes one after the other, never past their end.
+//! Sequential reading of bytes, never past their end.
 
 use crate::import::error::{FormatFault, damaged};
 
-/// Longest text a file may hold.
+/// Longest text accepted.
 const LONGEST_TEXT: usize = 1 << 16;
 
-/// A place in a file, or in a part of it that ends earlier. Positions count from the file's first byte.
+/// A position in a file, or in a part of it that ends earlier. Positions count from the file's first byte.
 #[derive(Debug, Clone)]
 pub(super) struct Cursor<'a> {
     bytes: &'a [u8],
@@ -13,7 +13,7 @@ pub(super) struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// From `start` up to `end`; fails unless both lie in the file, in this order.
+    /// A cursor from `start` to `end`; fails unless both lie in the file, in this order.
     pub fn within(bytes: &'a [u8], start: usize, end: usize) -> Result<Self, FormatFault> {
         match bytes.get(..end) {
             Some(bytes) if start <= end => Ok(Self { bytes, at: start }),
@@ -21,12 +21,12 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Another cursor over the same bytes, from `start` up to `end`.
+    /// Another cursor over the same bytes, from `start` to `end`.
     pub fn part(&self, start: usize, end: usize) -> Result<Self, FormatFault> {
         Self::within(self.bytes, start, end)
     }
 
-    /// Goes on to a later position.
+    /// Moves to a later position.
     pub fn forward_to(&mut self, position: usize) -> Result<(), FormatFault> {
         match position.checked_sub(self.at) {
             Some(count) => self.take(count).map(|_| ()),
@@ -34,7 +34,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The position behind the last byte.
+    /// The position after the last byte.
     pub fn end(&self) -> usize {
         self.bytes.len()
     }
@@ -57,9 +57,11 @@ impl<'a> Cursor<'a> {
                 self.at += count;
                 Ok(taken)
             }
-            None => {
-                damaged(format!("it ends early: {count} bytes are due at byte {}, {} are there", self.at, rest.len()))
-            }
+            None => damaged(format!(
+                "it ends early: {count} bytes are expected at byte {}, but only {} are left",
+                self.at,
+                rest.len()
+            )),
         }
     }
 
@@ -97,7 +99,7 @@ impl<'a> Cursor<'a> {
         Ok([self.i32()?, self.i32()?, self.i32()?])
     }
 
-    /// Text after its length; what is not UTF-8 is replaced.
+    /// A length-prefixed text; invalid UTF-8 is replaced.
     pub fn text(&mut self) -> Result<String, FormatFault> {
         let length = self.u32()? as usize;
         if length > LONGEST_TEXT {
@@ -106,7 +108,7 @@ impl<'a> Cursor<'a> {
         Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
     }
 
-    /// Fails unless what is left can hold `count` things of at least `bytes_each`.
+    /// Fails unless the remaining bytes can hold `count` items of at least `bytes_each`.
     pub fn check_room(&self, what: &str, count: usize, bytes_each: usize) -> Result<(), FormatFault> {
         if count.checked_mul(bytes_each).is_some_and(|bytes| bytes <= self.left()) {
             return Ok(());

@@ -5,20 +5,20 @@ use super::values::{ACTIVE_MASK, BLOSC, FLAGGED_VERSION, ZIP};
 use crate::grid::Transform;
 use crate::import::error::{FormatFault, damaged, shown};
 
-/// Entries of one map of metadata.
+/// Largest number of entries in a metadata map.
 const MOST_ENTRIES: usize = 4096;
 
-/// Parts the name given by the user from the number that makes it unique.
+/// Separator between the user's name for a grid and the number that makes it unique.
 const UNIQUE_MARK: char = '\u{1e}';
 
-/// First version whose frustum's box is of doubles.
+/// First version in which a frustum's box is stored as doubles.
 const DOUBLE_BOX_VERSION: u32 = 221;
 
 /// Descriptor of a grid.
 pub(super) struct Descriptor {
     pub unique_name: String,
     pub tree: String,
-    /// The unique name of the grid whose tree this one shares; empty where it has its own.
+    /// Unique name of the grid whose tree this one shares; empty if it has its own.
     pub parent: String,
     /// Offsets of the body, the leaves' values and the next descriptor; meaningless in a file without offsets.
     pub positions: [i64; 3],
@@ -30,13 +30,13 @@ impl Descriptor {
         Ok(Self { unique_name, tree, parent, positions: [cursor.i64()?, cursor.i64()?, cursor.i64()?] })
     }
 
-    /// The name as the user knows it.
+    /// Name of the grid, as the user knows it.
     pub fn name(&self) -> &str {
         self.unique_name.split(UNIQUE_MARK).next().unwrap_or_default()
     }
 
-    /// Where the body starts and ends; fails unless both come after `here` and before the file's end, so that no file
-    /// can be walked in circles.
+    /// Start and end of the body; fails unless both come after `here` and before the file's end, so that no file can
+    /// make the reader go round in circles.
     pub fn extent(&self, here: usize, file_end: usize) -> Result<(usize, usize), FormatFault> {
         let [start, leaves, end] = self.positions.map(usize::try_from);
         match (start, leaves, end) {
@@ -60,12 +60,12 @@ impl Descriptor {
 pub(super) struct Header {
     pub compression: u32,
     pub metadata: Metadata,
-    /// Transform from indices to the world, or the reason for which it is unusable.
+    /// Transform from indices to the world, or the reason why it is unusable.
     pub transform: Result<Transform, FormatFault>,
 }
 
 impl Header {
-    /// `file_compression`: that of all grids, in old files.
+    /// Reads a header. `file_compression` is the compression of all grids, in old files.
     pub fn read(cursor: &mut Cursor, version: u32, file_compression: u32) -> Result<Self, FormatFault> {
         let compression = if version >= FLAGGED_VERSION { cursor.u32()? } else { file_compression };
         if compression & !(ZIP | ACTIVE_MASK | BLOSC) != 0 {
@@ -77,15 +77,15 @@ impl Header {
     }
 }
 
-/// The entries of a map of metadata that matter.
+/// The relevant entries of a metadata map.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Metadata {
     pub half: bool,
     pub class: String,
     pub in_voxels: bool,
-    /// Voxels that the grid may fill; only Blender's files say so.
+    /// Largest extent of the grid in voxels; only Blender's files state it.
     pub cells: Option<[i32; 3]>,
-    /// Blender wrote it.
+    /// True if Blender wrote it.
     pub is_blender: bool,
 }
 
@@ -123,12 +123,12 @@ fn three(bytes: &[u8]) -> Option<[i32; 3]> {
 fn truth(name: &str, bytes: &[u8]) -> Result<bool, FormatFault> {
     match bytes {
         [byte] => Ok(*byte != 0),
-        _ => damaged(format!("{name} of {} bytes, 1 is due", bytes.len())),
+        _ => damaged(format!("{name} of {} bytes, 1 is expected", bytes.len())),
     }
 }
 
-/// Reads a map: the outer failure loses the place in the file, the inner one only the grid. A frustum holds a map in
-/// turn, but no second frustum.
+/// Reads a transform map: the outer failure loses the position in the file, the inner one only the grid. A frustum
+/// contains another map, but not a second frustum.
 fn map(cursor: &mut Cursor, version: u32, may_be_frustum: bool) -> Result<Result<Transform, FormatFault>, FormatFault> {
     let name = cursor.text()?;
     let none = [0.0; 3];
@@ -159,7 +159,7 @@ fn scale(edges: [f64; 3], translation: [f64; 3]) -> Result<Transform, FormatFaul
     Ok(Transform::new([[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], translation)?)
 }
 
-/// Rows of a matrix for row vectors, the translation last.
+/// The transform of a matrix for row vectors, whose last row is the translation.
 fn affine(matrix: [f64; 16]) -> Result<Transform, FormatFault> {
     let [a, b, c, u, d, e, f, v, g, h, i, w, x, y, z, one] = matrix;
     if [u, v, w, one] != [0.0, 0.0, 0.0, 1.0] {

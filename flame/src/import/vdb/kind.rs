@@ -13,7 +13,7 @@ pub(super) enum Number {
     Bool,
     /// One byte in a branch; a leaf has only its mask.
     Mask,
-    /// Of so many bytes; can be skipped, not read.
+    /// A number of this many bytes; it can be skipped but not read.
     Other(usize),
 }
 
@@ -22,7 +22,7 @@ pub(super) enum Number {
 pub(super) struct Kind {
     pub number: Number,
     pub components: usize,
-    /// May be stored as binary16.
+    /// True if it may be stored as binary16.
     pub has_half_form: bool,
 }
 
@@ -56,12 +56,12 @@ impl Kind {
         self.components * self.number.bytes()
     }
 
-    /// Whether a leaf's values are bits of its own, outside of the compressed arrays.
+    /// True if a leaf stores its values as bits, outside the compressed arrays.
     pub fn is_bits(&self) -> bool {
         matches!(self.number, Number::Bool | Number::Mask)
     }
 
-    /// Numbers per voxel of a grid that can be read, else 0.
+    /// Numbers per voxel if the grid can be read, otherwise 0.
     pub fn readable_components(&self) -> usize {
         match (self.number, self.components) {
             (Number::Other(_) | Number::Mask, _) => 0,
@@ -83,7 +83,7 @@ impl Number {
         }
     }
 
-    /// Appends all numbers of `bytes`; what is no number is left out.
+    /// Appends all numbers in `bytes`; unreadable types are skipped.
     pub fn decode(self, bytes: &[u8], numbers: &mut Vec<f32>) {
         match self {
             Self::Half => extend(bytes, numbers, |two| f16::from_le_bytes(two).to_f32()),
@@ -106,9 +106,9 @@ fn extend<const N: usize>(bytes: &[u8], numbers: &mut Vec<f32>, convert: impl Fn
     numbers.extend(chunks.iter().map(|chunk| convert(*chunk)));
 }
 
-/// Takes a tree's type apart: the name of its values, and their kind where the tree is one that is known.
+/// Parses a tree's type: the name of its values, and their kind if the tree is of a known kind.
 ///
-/// `Tree_vec3s_5_4_3_HalfFloat` is `vec3s`; the suffix only repeats what the grid's metadata decide.
+/// `Tree_vec3s_5_4_3_HalfFloat` is `vec3s`; the suffix only repeats the grid's metadata.
 pub(super) fn of_tree(name: &str) -> (String, Option<Kind>) {
     let plain = name.strip_suffix("_HalfFloat").unwrap_or(name);
     match plain.strip_prefix("Tree_").and_then(|tree| tree.strip_suffix("_5_4_3")) {

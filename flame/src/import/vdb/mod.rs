@@ -5,7 +5,7 @@
 //! body: compression | metadata | transform | topology with branches' values | leaves' values
 //! ```
 //!
-//! A grid's body is decoded only when it is asked for. In files without offsets the bodies before it are passed over.
+//! A grid's body is decoded only on request. In files without offsets, the bodies before it are skipped.
 
 mod blosc;
 mod cursor;
@@ -35,7 +35,7 @@ const MOST_GRIDS: usize = 4096;
 /// Bytes of the shortest descriptor.
 const LEAST_DESCRIPTOR_BYTES: usize = 36;
 
-/// An OpenVDB file in memory, whose grids can be read.
+/// An OpenVDB file in memory, with readable grids.
 #[derive(Debug, Clone)]
 pub struct Vdb<'a> {
     bytes: &'a [u8],
@@ -51,9 +51,9 @@ struct Body {
     header: Result<Header, FormatFault>,
     kind: Option<Kind>,
     tree: String,
-    /// The index of the grid whose tree this one shares.
+    /// Index of the grid whose tree this one shares.
     parent: Result<Option<usize>, FormatFault>,
-    /// From the tree's first byte to where its bytes must end.
+    /// Range from the tree's first byte to the end of its bytes.
     extent: (usize, usize),
 }
 
@@ -61,13 +61,13 @@ impl<'a> Vdb<'a> {
     /// Reads the headers of all grids.
     ///
     /// # Errors
-    /// Fails where the file itself makes no sense; what is wrong with a single grid only shows when that grid is read,
-    /// unless the file has no offsets to pass over it.
+    /// If the file itself makes no sense; faults of a single grid are reported when that grid is read, unless the file
+    /// has no offsets for skipping it.
     pub fn open(bytes: &'a [u8]) -> Result<Self, FormatFault> {
         check_file_size(bytes.len() as u64)?;
         let mut cursor = Cursor::within(bytes, 0, bytes.len())?;
         if bytes.get(..MAGIC.len()) != Some(&MAGIC[..]) {
-            return damaged("it does not begin as OpenVDB files do");
+            return damaged("it lacks the OpenVDB signature");
         }
         cursor.take(MAGIC.len())?;
         let version = cursor.u32()?;
@@ -95,7 +95,7 @@ impl<'a> Vdb<'a> {
         Ok(Self { bytes, version, infos: index.infos, bodies: index.bodies, budget })
     }
 
-    /// Places its grids in the domain of which the file holds a part.
+    /// Places the grids in the domain of which the file holds a part.
     pub(in crate::import) fn place(&mut self, domain: &DomainBox) {
         for (body, info) in self.bodies.iter_mut().zip(&mut self.infos) {
             let Ok(header) = &mut body.header else { continue };
@@ -201,7 +201,7 @@ impl Index {
     ) -> Result<(), FormatFault> {
         let Some(kind) = kind else {
             let found = format!("grid {} ({})", shown(descriptor.name()), shown(&descriptor.tree));
-            let advice = "the file has no offsets to pass over it: write it to disk, not to a stream, or without it";
+            let advice = "the file has no offsets for skipping it: write the file to disk instead of a stream, or without this grid";
             return Err(FormatFault::Unsupported { found, advice });
         };
         let tree = Tree::open(cursor.clone(), layout(self.version, header, kind), &mut self.budget)?;
@@ -209,7 +209,7 @@ impl Index {
         cursor.forward_to(end)
     }
 
-    /// Links the grids that share a tree. A parent has a tree of its own, of the same type.
+    /// Links the grids that share a tree. A parent has its own tree, of the same type.
     fn find_parents(&mut self) {
         for (index, parent) in self.parents.iter().enumerate().filter(|(_, parent)| !parent.is_empty()) {
             let tree = self.bodies.get(index).map(|body| body.tree.clone());
@@ -218,7 +218,7 @@ impl Index {
                     && self.bodies.get(**found).map(|body| &body.tree) == tree.as_ref()
             };
             let found = self.unique.get(parent).filter(fits).copied();
-            let missing = || FormatFault::Damaged(format!("an instance of grid {}, which is not there", shown(parent)));
+            let missing = || FormatFault::Damaged(format!("an instance of grid {}, which is missing", shown(parent)));
             if let Some(body) = self.bodies.get_mut(index) {
                 body.parent = found.map(Some).ok_or_else(missing);
             }

@@ -11,16 +11,17 @@ use crate::grid::{BLOCK_VOXELS, Grid};
 use crate::import::budget::Budget;
 use crate::import::error::{FormatFault, damaged};
 
-/// Binary logarithms of the slots along an edge of the two sorts of branches, and of all voxels along an edge of a slot.
+/// Binary logarithms of the slots along an edge of the two kinds of branches, and of the voxels along an edge of a
+/// slot.
 const BRANCHES: [Branch; 2] = [Branch { log2: 5, slot_log2: 7 }, Branch { log2: 4, slot_log2: 3 }];
 
-/// Binary logarithm of the voxels along an edge of what hangs below the root.
+/// Binary logarithm of the voxels along an edge of the root's children.
 const ROOT_SLOT_LOG2: u32 = 12;
 
-/// Tiles of the root.
+/// Largest number of tiles in the root.
 const MOST_ROOT_TILES: usize = 1 << 20;
 
-/// Farthest place of anything below the root, in voxels.
+/// Farthest position of anything below the root, in voxels.
 const FARTHEST: i32 = 1 << 24;
 
 const LEAF_MASK_BYTES: usize = BLOCK_VOXELS / 8;
@@ -55,16 +56,16 @@ impl Branch {
 
 /// Receiver of a tree's values.
 pub(super) trait Sink {
-    /// Whether values are wanted at all, or only the tree's end.
+    /// True if values are needed, false if only the end of the tree is.
     const WANTED: bool;
 
     fn tile(&mut self, origin: [i32; 3], log2: u32, value: &[f32]);
 
-    /// `values`: all voxels, x slowest, z fastest.
+    /// Receives a leaf's `values`: all voxels, x slowest, z fastest.
     fn leaf(&mut self, origin: [i32; 3], values: &[f32]);
 }
 
-/// Takes nothing.
+/// A sink that discards everything.
 pub(super) struct Nothing;
 
 impl Sink for Nothing {
@@ -92,7 +93,7 @@ impl<const N: usize> Sink for Grid<N> {
     }
 }
 
-/// A tree whose background is read and whose nodes are not.
+/// A tree whose background has been read, but not its nodes.
 pub(super) struct Tree<'a, 'b> {
     cursor: Cursor<'a>,
     layout: ValueLayout,
@@ -108,19 +109,19 @@ impl<'a, 'b> Tree<'a, 'b> {
     pub fn open(mut cursor: Cursor<'a>, layout: ValueLayout, budget: &'b mut Budget) -> Result<Self, FormatFault> {
         let buffers = cursor.i32()?;
         if buffers != 1 {
-            return damaged(format!("a tree of {buffers} buffers, 1 is due"));
+            return damaged(format!("a tree of {buffers} buffers, 1 is expected"));
         }
         let background = Values::single(&mut cursor, layout.kind)?;
         let values = Values::new(layout, background.clone());
         Ok(Self { cursor, layout, background, values, budget, leaves: vec![] })
     }
 
-    /// The value far from everything.
+    /// The background value.
     pub fn background(&self) -> &[f32] {
         &self.background
     }
 
-    /// Reads the tree to its end, and returns the offset of that.
+    /// Reads the tree and returns the offset of its end.
     pub fn read<S: Sink>(mut self, sink: &mut S) -> Result<usize, FormatFault> {
         self.root(sink)?;
         self.leaf_values(sink)?;
@@ -168,7 +169,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         Ok(origin)
     }
 
-    /// One branch and all below it; `levels`: it and the branches below.
+    /// Reads one branch and everything below it; `levels` are its own level and those below.
     fn branch<S: Sink>(&mut self, sink: &mut S, levels: &[Branch], origin: [i32; 3]) -> Result<(), FormatFault> {
         let Some((branch, below)) = levels.split_first() else { return self.leaf_mask(origin) };
         self.budget.node()?;
@@ -212,7 +213,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         Ok(())
     }
 
-    /// Hands over a tile unless it is background, which fills what is left anyway.
+    /// Emits a tile unless it equals the background, which fills the rest anyway.
     fn tile<S: Sink>(&mut self, sink: &mut S, origin: [i32; 3], log2: u32, value: &[f32]) -> Result<(), FormatFault> {
         if S::WANTED && value != self.background {
             self.budget.keep(TILE_BYTES)?;
@@ -246,7 +247,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                 self.leaf_origin(origin)?;
                 let buffers = self.cursor.u8()?;
                 if buffers != 1 {
-                    return damaged(format!("a leaf of {buffers} buffers, 1 is due"));
+                    return damaged(format!("a leaf of {buffers} buffers, 1 is expected"));
                 }
             }
             if S::WANTED {

@@ -1,4 +1,4 @@
-//! The values of a node: flags, masks of what is inactive, and the compressed array.
+//! The values of a node: flags, masks of the inactive slots, and the compressed array.
 
 use flate2::{Decompress, FlushDecompress, Status};
 
@@ -12,10 +12,10 @@ pub(super) const ZIP: u32 = 1;
 pub(super) const ACTIVE_MASK: u32 = 2;
 pub(super) const BLOSC: u32 = 4;
 
-/// First version whose nodes begin with a flag and whose grids have a compression of their own.
+/// First version in which nodes begin with a flag and grids have their own compression.
 pub(super) const FLAGGED_VERSION: u32 = 222;
 
-/// Flags of a node: what the inactive slots hold, unless that is stored with the rest.
+/// Node flags: values of the inactive slots, unless these are stored with the rest.
 const BACKGROUND: u8 = 0;
 const NEGATIVE: u8 = 1;
 const ONE_VALUE: u8 = 2;
@@ -30,11 +30,11 @@ pub(super) struct ValueLayout {
     pub version: u32,
     pub compression: u32,
     pub kind: Kind,
-    /// Arrays are of binary16.
+    /// True if arrays are stored as binary16.
     pub half: bool,
 }
 
-/// Reads arrays of one tree, with room to work in.
+/// Reader of one tree's arrays, with its working memory.
 pub(super) struct Values {
     layout: ValueLayout,
     background: Vec<f32>,
@@ -77,7 +77,7 @@ impl Values {
         Ok(&self.all)
     }
 
-    /// Passes over what [`read`](Self::read) would read.
+    /// Skips the bytes that [`read`](Self::read) would read.
     pub fn skip(&mut self, cursor: &mut Cursor, slots: usize, mask: &[u8]) -> Result<(), FormatFault> {
         let inactive = Inactive::read(cursor, &self.layout, &self.background, mask.len())?;
         let count = inactive.stored_count(&self.layout, slots, mask);
@@ -91,11 +91,11 @@ impl Values {
         Ok(())
     }
 
-    /// How `count` values stand in the file, and in how many bytes before compression; none where nothing stands there.
+    /// Storage of `count` values in the file, and their number of bytes before compression; none if nothing is stored.
     fn stored_form(&self, count: usize) -> Option<(Number, usize)> {
         let Kind { number, components, .. } = self.layout.kind;
         let number = if self.layout.half { Number::Half } else { number };
-        // An array of no halves has not even a size; one of no full values has.
+        // An empty array of halves lacks even a size; an empty one of full values has one.
         (count > 0 || !self.layout.half).then_some((number, count * components * number.bytes()))
     }
 
@@ -124,12 +124,12 @@ impl Values {
     }
 
     fn inflate_exactly(&mut self, bytes: &[u8], expected: usize) -> Result<(), FormatFault> {
-        // One byte of room more than needed shows what is too long.
+        // One spare byte reveals data that is too long.
         self.unpacked.resize(expected + 1, 0);
         self.inflate.reset(true);
         let status = self.inflate.decompress(bytes, &mut self.unpacked, FlushDecompress::Finish);
         if !matches!(status, Ok(Status::StreamEnd)) || self.inflate.total_out() != expected as u64 {
-            return damaged(format!("a zlib stream that does not unfold to its {expected} bytes"));
+            return damaged(format!("a zlib stream that does not decompress to its {expected} bytes"));
         }
         self.unpacked.truncate(expected);
         Ok(())
@@ -141,7 +141,7 @@ fn chunk<'a>(cursor: &mut Cursor<'a>, expected: usize) -> Result<(&'a [u8], bool
     let size = cursor.i64()?;
     let length = usize::try_from(size.unsigned_abs()).unwrap_or(usize::MAX);
     if size <= 0 && length != expected {
-        return damaged(format!("a stored array of {length} bytes where {expected} are due"));
+        return damaged(format!("a stored array of {length} bytes where {expected} are expected"));
     }
     Ok((cursor.take(length)?, size > 0))
 }
@@ -149,7 +149,7 @@ fn chunk<'a>(cursor: &mut Cursor<'a>, expected: usize) -> Result<(&'a [u8], bool
 /// Values of inactive slots that are not stored.
 struct Inactive<'a> {
     flag: u8,
-    /// Value where the selection's bit is off, and where it is on.
+    /// Value if the selection's bit is off, and if it is on.
     values: [Vec<f32>; 2],
     selection: &'a [u8],
 }
@@ -188,7 +188,7 @@ impl<'a> Inactive<'a> {
     }
 }
 
-/// Whether a bit of a mask is on; beyond its end none is.
+/// True if a bit of a mask is on; bits beyond its end are off.
 pub(super) fn bit(mask: &[u8], index: usize) -> bool {
     mask.get(index >> 3).is_some_and(|byte| byte >> (index & 7) & 1 == 1)
 }

@@ -13,21 +13,21 @@ pub(super) enum AxisBoundary {
     Zero,
     /// No gradient across the face.
     Flat,
-    /// Goes on at the other end.
+    /// Periodic: continues at the other end.
     Wrapped,
 }
 
 /// Smoothing steps before and after the coarser level.
 const STEPS: usize = 3;
 
-/// Smoothing steps instead of a solution on the coarsest level.
+/// Smoothing steps that replace a solution on the coarsest level.
 const STEPS_ON_COARSEST: usize = 60;
 
-/// Part of the operator's spectrum (scaled by its diagonal, at most 2) that smoothing is to damp: in three dimensions what
-/// a coarser level cannot see begins at a third.
+/// Part of the operator's spectrum (scaled by its diagonal, at most 2) that smoothing must damp: in three dimensions,
+/// the part that a coarser level cannot represent begins at a third.
 const DAMPED: std::ops::RangeInclusive<f64> = 1.0 / 3.0..=2.0;
 
-/// Lower end of what the coarsest level damps.
+/// Lower end of the spectrum damped on the coarsest level.
 const DAMPED_ON_COARSEST: f64 = 0.01;
 
 /// Negative Laplacian of second order on a box of cells.
@@ -63,17 +63,17 @@ impl Level {
         self.visit(field, image, |_, row, _| row.iter_mut().for_each(|value| *value *= scale));
     }
 
-    /// Smooths `solution` from zero, whatever it holds; `step` and `image` are room to work.
+    /// Smooths `solution` from zero, ignoring its contents; `step` and `image` are working memory.
     pub fn smooth_from_zero(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
         self.chebyshev_from_zero(right, solution, step, image, STEPS, *DAMPED.start());
     }
 
-    /// Smooths `solution` from what it holds.
+    /// Smooths `solution` from its present values.
     pub fn smooth(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
         self.chebyshev(right, solution, step, image, 0..STEPS, *DAMPED.start());
     }
 
-    /// Solves well enough where nothing coarser is there.
+    /// Approximate solution for the coarsest level.
     pub fn solve_small(&self, right: &[f32], solution: &mut [f32], step: &mut [f32], image: &mut [f32]) {
         self.chebyshev_from_zero(right, solution, step, image, STEPS_ON_COARSEST, DAMPED_ON_COARSEST);
     }
@@ -120,8 +120,9 @@ impl Level {
         one(false) + one(true)
     }
 
-    /// Chebyshev's iteration on the operator scaled by its diagonal (Saad, *Iterative Methods for Sparse Linear Systems*,
-    /// algorithm 12.1). A polynomial in the operator, so it is symmetric, as conjugate gradients ask for.
+    /// Chebyshev's iteration on the operator scaled by its diagonal (Saad, *Iterative Methods for Sparse Linear
+    /// Systems*, algorithm 12.1). It is a polynomial in the operator, and therefore symmetric, as conjugate gradients
+    /// require.
     fn chebyshev(
         &self,
         right: &[f32],
@@ -147,7 +148,7 @@ impl Level {
                 continue;
             }
             let (keep, add, scale) = (keep as f32, add as f32, self.scale);
-            // image = the new step; it is written apart from the solution that is read.
+            // image = the new step, stored separately from the solution that is read.
             self.visit(solution, image, |start, row, [first, inner, last]| {
                 let cells = start..start + row.len();
                 let (step, right) = (&step[cells.clone()], &right[cells]);
@@ -168,9 +169,9 @@ impl Level {
         }
     }
 
-    /// Puts the sum of every cell's differences to its neighbours in `image`, and calls `each` for every row of it with the
-    /// index of its first cell and the operator's diagonal (both still without 1/h²): of the first cell, those between, the
-    /// last.
+    /// Puts the sum of every cell's differences to its neighbours into `image`, and calls `each` for every row of it
+    /// with the index of its first cell and the operator's diagonal (both still without 1/h²) for the first cell, the
+    /// inner cells and the last.
     fn visit(&self, field: &[f32], image: &mut [f32], each: impl Fn(usize, &mut [f32], [f32; 3]) + Sync) {
         let [nx, ny, nz] = self.shape;
         let plane = ny * nz;
@@ -179,7 +180,8 @@ impl Level {
                 for j in 0..ny {
                     let row = at(self.shape, i, j, 0);
                     let centre = &field[row..row + nz];
-                    // What the four neighbouring rows add: a row and its weight, and this cell's own weight.
+                    // Contributions of the four neighbouring rows: each row with its weight, and this cell's own
+                    // weight.
                     let mut own = 0.0f32;
                     let mut rows: [&[f32]; 4] = [centre; 4];
                     let mut weights = [0.0f32; 4];
@@ -231,7 +233,7 @@ impl Level {
     }
 }
 
-/// The neighbour's position, or, where there is none, what the end adds to the diagonal.
+/// The neighbour's position, or, at an end without one, the end's contribution to the diagonal.
 fn neighbour(position: usize, size: usize, upper: bool, ends: [AxisBoundary; 2]) -> Result<usize, f32> {
     match (upper, position) {
         (false, 1..) => Ok(position - 1),

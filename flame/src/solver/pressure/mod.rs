@@ -11,15 +11,15 @@ use super::domain::{Domain, Side};
 use level::{AxisBoundary, Level};
 use transfer::Transfer;
 
-/// Iterations after which a solve gives up; a converging one needs about ten.
+/// Iterations after which a solve stops; a converging one needs about ten.
 const MOST_ITERATIONS: usize = 200;
 
-/// Poisson's equation over a box: finds p with `laplacian(p) = right side`, p = 0 on open sides and no gradient on walls
-/// and inflows.
+/// Poisson's equation over a box: finds p with `laplacian(p) = right side`, p = 0 on open sides and no gradient on
+/// walls and inflows.
 #[derive(Debug)]
 pub struct Poisson {
     levels: Vec<Level>,
-    /// From level l to l + 1.
+    /// Transfers from level l to l + 1.
     transfers: Vec<Transfer>,
     is_closed: bool,
     residual: Vec<f32>,
@@ -39,7 +39,7 @@ struct Scratch {
 }
 
 impl Poisson {
-    /// Prepares the levels for a box. The box is halved for as long as all its sizes are even.
+    /// Prepares the levels for a box, which is halved for as long as all its sizes are even.
     pub fn new(domain: &Domain) -> Self {
         let ends = domain.sides().map(|pair| pair.map(ends_of));
         let mut levels = vec![Level::new(domain.shape(), domain.voxel_size_m(), ends)];
@@ -74,13 +74,13 @@ impl Poisson {
     /// Solves for `pressure`, starting from what it holds, until no cell is off by more than `tolerance`. In a closed box
     /// the mean of `right` is taken out first: nothing can leave, so a source compresses the gas everywhere.
     ///
-    /// Answers how far off the worst cell is.
+    /// Returns the error of the worst cell.
     pub fn solve(&mut self, right: &mut [f32], pressure: &mut [f32], tolerance: f64) -> f64 {
         if self.is_closed {
             let mean = (sum(right) / right.len() as f64) as f32;
             elements(right).for_each(|value| *value -= mean);
         }
-        // The operator is the negative Laplacian, so that it is positive.
+        // The operator is the negative Laplacian, which is positive definite.
         self.levels[0].apply(pressure, &mut self.image);
         let terms = right.par_iter().zip(&self.image);
         elements(&mut self.residual).zip(terms).for_each(|(r, (right, image))| *r = -*right - *image);
@@ -112,7 +112,7 @@ impl Poisson {
         worst
     }
 
-    /// One V-cycle from zero, of the residual into `preconditioned`.
+    /// One V-cycle from zero, from the residual into `preconditioned`.
     fn precondition(&mut self) {
         self.scratch[0].right.copy_from_slice(&self.residual);
         let last = self.levels.len() - 1;

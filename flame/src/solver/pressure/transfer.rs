@@ -1,4 +1,4 @@
-//! Between a level and the next coarser one.
+//! Transfer between a level and the next coarser one.
 
 use rayon::prelude::*;
 
@@ -14,12 +14,12 @@ pub(super) struct Transfer {
     coarse: [usize; 3],
     /// For each axis and fine position: two coarse positions with their weights.
     up: [Vec<[(usize, f32); 2]>; 3],
-    /// For each axis and coarse position: the fine positions that it reaches, with the same weights.
+    /// For each axis and coarse position: the fine positions that it affects, with the same weights.
     down: [Vec<Vec<(usize, f32)>>; 3],
 }
 
 impl Transfer {
-    /// All sizes of `fine` are even.
+    /// A transfer from `fine`, whose sizes are all even.
     pub fn new(fine: [usize; 3], ends: &[[AxisBoundary; 2]; 3]) -> Self {
         let coarse = fine.map(|size| size / 2);
         let up: [Vec<[(usize, f32); 2]>; 3] =
@@ -66,7 +66,7 @@ impl Transfer {
                 for (row, along_y) in plane.chunks_exact_mut(cz).zip(&self.down[1]) {
                     for (x, weight_x) in along_x {
                         for (y, weight_y) in along_y {
-                            // An eighth: the transpose sums over eight times as many cells.
+                            // An eighth, because the transpose sums over eight times as many cells.
                             let weight = 0.125 * weight_x * weight_y;
                             let start = at(self.fine, *x, *y, 0);
                             let source = &fine[start..start + self.fine[2]];

@@ -1,4 +1,4 @@
-//! Checks of what a VST3 bundle saves.
+//! Checks of a VST3 bundle's saved states.
 
 use std::path::Path;
 
@@ -11,9 +11,9 @@ use crate::numeric_id;
 use crate::state::State;
 use crate::validator::ensure;
 
-/// Places in a parameter's range that are tried.
+/// Number of positions in a parameter's range that are tried.
 const PLACES: usize = 16;
-/// Steps that a continuous parameter is taken to have: those of one over 0-10 with two decimal places.
+/// Assumed number of steps of a continuous parameter: those of a range of 0-10 with two decimal places.
 const CONTINUOUS_STEPS: f64 = 1000.0;
 
 pub(super) fn value_is_saved_at_once(bundle: &Path) -> Result<(), String> {
@@ -38,7 +38,7 @@ pub(super) fn value_is_saved_at_once(bundle: &Path) -> Result<(), String> {
 /// # Safety
 /// A live instance.
 unsafe fn set(raw: &Raw, id: u32, normalised: f64) -> i32 {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     unsafe { raw.controller.setParamNormalized(id, normalised) }
 }
 
@@ -57,8 +57,8 @@ pub(super) fn bytes_stay(bundle: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Values in the middle between two steps, and beside it, saved while they wait for the next block and once they are
-/// the engines': a host that renders what it saved must get what it heard.
+/// Values midway between two steps, and near it, saved while they wait for the next block and once the engines have
+/// them: a host that renders a saved state must get the sound that was heard.
 pub(super) fn saved_as_it_arrives(bundle: &Path) -> Result<(), String> {
     let mut raw = Raw::load(bundle)?;
     for place in 0..PLACES {

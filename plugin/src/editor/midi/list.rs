@@ -1,4 +1,4 @@
-//! The list of MIDI controllers: what each of them moves, where that holds, and removing it.
+//! The list of MIDI controllers: the parameters they move, the scope of each assignment, and a button to remove it.
 
 use egui::{Align, Label, Layout, Rect, RichText, ScrollArea, Ui, Vec2};
 use pyrophone_settings::controller_file::Assignments;
@@ -18,17 +18,17 @@ const REMOVE_ALL: f32 = 116.0;
 /// The button in the head is taller than the head, in points.
 const BELOW_HEAD: f32 = 6.0;
 
-/// Seconds for which the button asks whether to remove all.
+/// Seconds for which the button asks for confirmation.
 const ASKS_S: f64 = 10.0;
 
-/// Where an assignment holds.
+/// Scope of an assignment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scope {
-    /// In this session, and in instances to come.
+    /// In this session, and in future instances.
     Both,
     /// In this session: another computer or an older instance assigned it.
     Session,
-    /// In instances to come: another instance assigned it while this one was open.
+    /// In future instances: another instance assigned it while this one was open.
     Later,
 }
 
@@ -50,7 +50,7 @@ impl Scope {
     }
 }
 
-/// An assignment: a controller, and the place in the table of the parameter that it moves.
+/// An assignment: a controller, and the index in the table of the parameter that it moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Line {
     number: u8,
@@ -108,7 +108,7 @@ impl MidiPanel {
     fn remove(&mut self, line: Line, controllers: &Controllers) {
         if line.scope.is_in_session() {
             controllers.assign(line.index, None);
-            // What the file has for this parameter is another controller, and a line of its own.
+            // The file assigns another controller to this parameter, which gets a line to itself.
             if let Some(seen) = &mut self.seen {
                 seen[line.index] = None;
             }
@@ -119,7 +119,7 @@ impl MidiPanel {
         }
     }
 
-    /// A button that asks once more: there is no undo for what instances to come begin with.
+    /// A button that asks for confirmation: removing the defaults of future instances cannot be undone.
     fn remove_all_button(&mut self, ui: &mut Ui, row: Rect, controllers: &Controllers) {
         let place = row.with_min_x(row.right() - REMOVE_ALL);
         let now_s = ui.input(|input| input.time);
@@ -139,7 +139,7 @@ impl MidiPanel {
     }
 }
 
-/// Draws a line; whether it is to be removed.
+/// Draws a line; true if it is to be removed.
 fn line(ui: &mut Ui, line: &Line) -> bool {
     let parameter = &PARAMETERS[line.index];
     let (rect, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), LINE), egui::Sense::hover());
@@ -158,7 +158,7 @@ fn line(ui: &mut Ui, line: &Line) -> bool {
     is_clicked
 }
 
-/// Words on a line, shortened where there is no room for them.
+/// Text of a line, shortened where space is lacking.
 fn label(ui: &mut Ui, rect: Rect, words: &str, color: egui::Color32, salt: &str) -> egui::Response {
     let builder = egui::UiBuilder::new().id_salt((salt, rect.top() as i32)).max_rect(rect);
     let mut place = ui.new_child(builder.layout(Layout::left_to_right(Align::Center)));

@@ -10,10 +10,10 @@ use super::super::widgets::knob::{Look, named_dial};
 use super::super::widgets::section::{columns, section};
 use super::Parts;
 
-/// Room between dials and pad, and the least width in points for both.
+/// Space between dials and pad, and the least width in points for both.
 const GAP: f32 = 14.0;
 const ROOM_FOR_PAD: f32 = 440.0;
-/// Bounds of a dial's radius in points, and what its name and value need below it.
+/// Bounds of a dial's radius in points, and the height for its name and value below it.
 const RADII: (f32, f32) = (13.0, 54.0);
 const WORDS: f32 = 40.0;
 const PER_ROW: usize = 4;
@@ -51,7 +51,7 @@ fn dial(ui: &mut Ui, rect: Rect, line: &Macro, hand: &mut ParamEditor<'_>) {
     named_dial(ui, rect, line.id as usize, &look, hand);
 }
 
-/// The colour of what a macro moves most.
+/// The colour of a macro, after its main target.
 fn color(id: Id) -> Color32 {
     match id {
         Id::MacroCrackle | Id::MacroSharpness => theme::SPARK,

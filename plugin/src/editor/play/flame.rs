@@ -1,4 +1,4 @@
-//! What the sound follows: the track, the sidechain, or a flame that burns by itself.
+//! Signal that drives the sound: the track, the sidechain, or the built-in flame.
 
 use egui::{Align2, FontFamily, FontId, Id as Place, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
 use pyrophone_settings::Id;
@@ -12,19 +12,19 @@ use super::super::widgets::section::{columns, filled, section, within};
 use super::super::{map, theme};
 use super::Parts;
 
-/// Height of a row of buttons, and room between rows, in points.
+/// Height of a row of buttons, and space between rows, in points.
 const ROW: f32 = 22.0;
 const GAP: f32 = 5.0;
-/// A scene's tile is at least so large, in points; else scenes are a list.
+/// Minimum size of a scene's tile, in points; with less space, scenes are a list.
 const LEAST_TILE: Vec2 = Vec2::new(42.0, 40.0);
 const TILES_PER_ROW: usize = 4;
-/// Height of a meter that lies on its side, in points.
+/// Height of a horizontal meter, in points.
 const METER: f32 = 8.0;
 /// Height of the list of sounds with the meter and a word below it, and the largest of the trace, in points.
 const LIST_AND_METER: f32 = ROW + GAP + METER + 32.0;
 const HIGHEST_TRACE: f32 = 260.0;
 
-/// Where the flame comes from.
+/// Origin of the flame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Source {
     Track,
@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
     let radius = (0.075 * inner.height()).clamp(13.0, 24.0);
     let knobs = 2.0 * radius + 36.0;
     let source = Source::of(hand.get(Id::DriveMode) as usize);
-    // Scenes need the room that is otherwise the trace's.
+    // Scenes use the space that otherwise belongs to the trace.
     let spare = inner.height() - knobs - ROW - LIST_AND_METER - 3.0 * GAP;
     let trace = match source {
         Source::BuiltIn => (0.13 * inner.height()).clamp(14.0, 44.0),
@@ -76,7 +76,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
 }
 
 fn sources(ui: &mut Ui, rect: Rect, now: Source, hand: &mut ParamEditor<'_>) {
-    // As wide as their words need.
+    // In proportion to the length of their labels.
     let cuts = [0.28, 0.67].map(|share| rect.left() + share * rect.width());
     let (first, rest) = rect.split_left_right_at_x(cuts[0]);
     let (second, third) = rest.split_left_right_at_x(cuts[1]);
@@ -90,7 +90,7 @@ fn sources(ui: &mut Ui, rect: Rect, now: Source, hand: &mut ParamEditor<'_>) {
     }
 }
 
-/// Knobs that shape the flame, whatever it comes from.
+/// Knobs that shape the flame, whatever its origin.
 fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut ParamEditor<'_>) {
     let follows = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize).is_some_and(|mode| mode.contains("envelope"));
     let knobs: [(Id, &str); 3] = match source {
@@ -104,7 +104,7 @@ fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut Pa
     }
 }
 
-/// How the track's sound is taken.
+/// Interpretation of the track's sound.
 fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>) {
     const KINDS: [(&str, &str); 3] =
         [("pressure", "flame pressure"), ("flux", "flame flux"), ("input envelope", "any sound")];
@@ -150,7 +150,7 @@ fn sidechain(ui: &mut Ui, rect: Rect, parts: &Parts<'_>) {
     meter(ui, rect, level, words);
 }
 
-/// A meter that lies on its side, and a word below it.
+/// A horizontal meter, with text below it.
 fn meter(ui: &Ui, rect: Rect, level: Level, (words, color): (&str, egui::Color32)) {
     let painter = ui.painter().with_clip_rect(rect);
     let well = rect.with_max_y(rect.top() + METER);
@@ -162,7 +162,7 @@ fn meter(ui: &Ui, rect: Rect, level: Level, (words, color): (&str, egui::Color32
     painter.galley(well.left_bottom() + Vec2::new(0.0, 4.0), galley, color);
 }
 
-/// Short names, and how tall and wide each flame is drawn.
+/// Short names, and the height and width of each flame's drawing.
 fn picture(scene: &str) -> (&str, f32, f32) {
     match scene {
         "candle" => ("Candle", 0.45, 0.45),
@@ -197,7 +197,7 @@ fn scenes(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
     }
 }
 
-/// A scene's tile; whether it was clicked.
+/// A scene's tile; true if it was clicked.
 fn tile(ui: &Ui, rect: Rect, scene: &str, is_chosen: bool) -> bool {
     let (name, tall, wide) = picture(scene);
     let response = ui.interact(rect, Place::unique(("scene", scene)), Sense::click());
@@ -219,7 +219,7 @@ fn tile(ui: &Ui, rect: Rect, scene: &str, is_chosen: bool) -> bool {
     response.clicked()
 }
 
-/// A flame that stands on `foot`.
+/// A flame whose base is at `foot`.
 fn flame_shape(painter: &egui::Painter, foot: Pos2, size: Vec2, color: egui::Color32) {
     const STEPS: usize = 12;
     let half = 0.5 * size.x;

@@ -1,4 +1,5 @@
-//! The layers: a fader over each one's meter, solo and mute, the output with its clip lamp, and what is monitored.
+//! The layers: a fader over each one's meter, solo and mute, the output with its clip lamp, and the choice of the
+//! monitored sound.
 
 use egui::{Align2, Color32, FontFamily, FontId, Id as Place, Pos2, Rect, Sense, Ui, Vec2};
 use pyrophone_settings::Id;
@@ -12,7 +13,7 @@ use super::super::{map, theme};
 use super::Parts;
 use crate::probe::Listen;
 
-/// Heights in points: held peaks, names, switches, and the row of what is monitored.
+/// Heights in points: held peaks, names, switches, and the row of monitoring buttons.
 const PEAK: f32 = 14.0;
 const NAME: f32 = 14.0;
 const SWITCH: f32 = 15.0;
@@ -29,7 +30,7 @@ struct Line {
     color: Color32,
 }
 
-/// All faders, from the bottom of the spectrum up, and the output.
+/// All faders, roughly from the bottom of the spectrum up, and the output.
 const LINES: [Line; 8] = [
     Line { name: "Rumble", short: "Low", id: Id::LowLevel, meter: Meter::Layer(0), color: theme::BLUE },
     Line { name: "Body", short: "Bdy", id: Id::BodyLevel, meter: Meter::Layer(6), color: theme::EMBER },
@@ -100,7 +101,7 @@ fn peak(ui: &Ui, rect: Rect, line: &Line, levels: &mut Levels) {
     }
 }
 
-/// What is monitored while the window is open.
+/// Choice of the sound that is monitored while the window is open.
 fn monitoring(ui: &mut Ui, rect: Rect, parts: &Parts<'_>) {
     let heard = parts.monitor.listen();
     for (place, (name, listen, hint)) in columns(rect, 3, 3.0).zip([

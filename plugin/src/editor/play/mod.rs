@@ -1,13 +1,13 @@
-//! The Play page: what burns, what is heard of it, and what it is like.
+//! The Play page: the flame, its sound, and their character.
 //!
-//! | module | shows |
+//! | module | content |
 //! |---|---|
-//! | [`flame`] | what the sound follows: track, sidechain or a built-in flame |
-//! | [`output`] | the output's running spectrogram, and how well it matches |
-//! | [`recording`] | the recording, and the part that is learnt from |
-//! | [`layers`] | faders, meters, solo and mute; what is monitored |
+//! | [`flame`] | the driving signal: track, sidechain or a built-in flame |
+//! | [`output`] | the output's running spectrogram, and its match with the recording |
+//! | [`recording`] | the recording, and the part used for learning |
+//! | [`layers`] | faders, meters, solo and mute; monitoring |
 //! | [`character`] | the eight macros, and a [`pad`] for two of them |
-//! | [`variations`] | takes; recording what is played |
+//! | [`variations`] | takes; recording of the output |
 
 pub mod character;
 pub mod flame;
@@ -39,25 +39,25 @@ const RIGHT: (f32, f32, f32) = (0.236, 188.0, 300.0);
 const UPPER: f32 = 0.55;
 const SPECTROGRAM: f32 = 0.58;
 
-/// What the page shows and moves besides the parameters.
+/// State shown and changed by the page, beside the parameters.
 pub struct Parts<'a> {
-    /// What is seen and heard of the sound.
+    /// Recent sound and telemetry.
     pub monitor: &'a mut Monitor,
     /// Meters, solo and mute.
     pub levels: &'a mut Levels,
     /// The recording's panel.
     pub recording: &'a mut RecordingPanel,
-    /// Monitoring, and recording what is played.
+    /// Monitoring, and recording of the output.
     pub listen: &'a mut ListenPanel,
     /// The pad.
     pub pad: &'a mut Pad,
     /// The loader.
     pub loader: &'a LoaderHandle,
-    /// What the audio thread tells.
+    /// Levels from the audio thread.
     pub meters: &'a Meters,
-    /// What the loader tells.
+    /// State of the loader.
     pub view: &'a View,
-    /// How well the output matches.
+    /// Match of the output.
     pub told: Advice,
 }
 

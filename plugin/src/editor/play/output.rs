@@ -1,4 +1,4 @@
-//! What comes out: its running spectrogram, and in a strip of its own how well it matches.
+//! The output: its running spectrogram, and a strip with its match.
 
 use egui::{Align2, Button, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
@@ -40,7 +40,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
     within(ui, strip.shrink2(Vec2::new(9.0, 2.0)), "match", |ui| figures(ui, &told, hand));
 }
 
-/// A way to a fire where nothing comes in: the first thing that somebody sees who has just loaded the plug-in.
+/// An offer to start the built-in flame where no input arrives: the first thing a user sees after loading the plug-in.
 fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>) {
     let is_silent = |meter| parts.levels.get(meter).held_db <= FLOOR_DB;
     let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
@@ -55,7 +55,7 @@ fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>)
     }
 }
 
-/// One line: a lamp, the figures, and where something is wrong what would help.
+/// One line: a lamp, the figures, and a suggestion where there is a fault.
 fn figures(ui: &mut Ui, told: &Advice, hand: &mut ParamEditor<'_>) {
     ui.horizontal_centered(|ui| {
         let words = words(told);
@@ -91,7 +91,7 @@ fn words(told: &Advice) -> Vec<String> {
     words
 }
 
-/// What is wrong, and a button that does what would help.
+/// The fault, and a button that applies the suggestion.
 fn advise(ui: &mut Ui, fault: Diagnosis, hand: &mut ParamEditor<'_>) {
     let cure = Suggestion::of(fault, &hand.values());
     let advice = fault.advice(cure.is_none());

@@ -14,11 +14,11 @@ use super::super::{map, theme};
 /// Height of the row of choices, in points, and lines of the grid.
 const CHOICES: f32 = 22.0;
 const LINES: usize = 4;
-/// Places that the trail keeps.
+/// Number of points in the trail.
 const TRAIL: usize = 90;
 const DOT: f32 = 7.0;
 
-/// Which macros it moves, across and up, by their places in [`MACROS`], and where it has been.
+/// Its horizontal and vertical macro, by their indices in [`MACROS`], and its recent positions.
 #[derive(Debug)]
 pub struct Pad {
     axes: [usize; 2],
@@ -34,7 +34,7 @@ impl Default for Pad {
 }
 
 impl Pad {
-    /// Shows the pad, and below it what it moves.
+    /// Shows the pad, and below it the choice of its macros.
     pub fn show(&mut self, ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
         let (pad, choices) = rect.split_top_bottom_at_y(rect.bottom() - CHOICES);
         let pad = pad.with_max_y(pad.bottom() - 4.0);
@@ -62,7 +62,7 @@ impl Pad {
             if self.axes[axis] != before {
                 self.let_go(hand);
                 if self.axes[1 - axis] == self.axes[axis] {
-                    // Each axis keeps a macro of its own.
+                    // Both axes must have different macros, so they swap.
                     self.axes[1 - axis] = before;
                 }
                 self.trail.clear();

@@ -1,5 +1,5 @@
-//! The recording: its name, its outline with the part that is learnt from, where it was matched, and what it is like; the
-//! slots, and how much of a second recording is heard.
+//! The recording: its name, its outline with the part used for learning, the positions of recent matches, and its
+//! character; the slots, and the share of a second recording.
 
 use egui::{Align, Label, Layout, Rect, RichText, Ui};
 
@@ -18,10 +18,10 @@ use crate::loader::status::View;
 /// Height of the line below the outline, in points, and of the row of buttons.
 const FOOT: f32 = 16.0;
 const BUTTONS: f32 = 20.0;
-/// Height of the row of slots, and below which height of the panel there is no room for it.
+/// Height of the row of slots, and least height of the panel with room for it.
 const SLOTS: f32 = 20.0;
 const ROOM_FOR_SLOTS: f32 = 92.0;
-/// Part of that row for the slots, and width of the choice of the second recording.
+/// Share of that row for the slots, and width of the choice of the second recording.
 const SLOTS_SHARE: f32 = 0.62;
 const SECOND: f32 = 52.0;
 
@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
     let (loader, view) = (parts.loader, parts.view);
     within(ui, row.with_min_x(name_at.left()), "recording buttons", |ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            // From the right, so in reverse.
+            // Laid out from the right, so in reverse.
             parts.recording.buttons(ui, loader, view);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let name = view.recording.as_deref().unwrap_or("none yet");
@@ -92,7 +92,7 @@ fn show_slots(ui: &mut Ui, rect: Rect, view: &View, hand: &mut ParamEditor<'_>) 
     slider(ui, share, Id::RecordingBlend as usize, "Blend", hand);
 }
 
-/// What can be done on the left, what the recording is like on the right.
+/// Available actions on the left, the recording's properties on the right.
 fn words(ui: &mut Ui, parts: &Parts<'_>) {
     let view = parts.view;
     let small = |text: &str| RichText::new(text).font(theme::small()).color(theme::WEAK);

@@ -1,4 +1,4 @@
-//! Takes: the same character, other events; and recording what is played.
+//! Takes: the same character, other events; and recording of the output.
 
 use egui::{Align2, Id as Place, Pos2, Rect, Role, ScrollArea, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo};
 use pyrophone_settings::Id;
@@ -13,7 +13,7 @@ use super::Parts;
 const ROW: f32 = 22.0;
 const LINE: f32 = 20.0;
 const GAP: f32 = 5.0;
-/// Height of the two rows for what is recorded, in points.
+/// Height of the two rows for recording, in points.
 const FOOT: f32 = 50.0;
 
 /// The panel.
@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
     recording(ui, foot, parts, hand);
 }
 
-/// How far takes may stray, to be typed.
+/// A field for the range of the takes' variation.
 fn amount_field(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
     let index = Id::TakeAmount as usize;
     ui.painter().rect_stroke(rect, f32::from(theme::ROUNDING), Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
@@ -47,7 +47,7 @@ fn amount_field(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
         .on_hover_text(Id::TakeAmount.parameter().help);
 }
 
-/// The list: the seeds as they are set, then every take that was tried.
+/// The list: the seeds as set, then every take that was tried.
 fn takes(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
     let now = hand.get(Id::Take) as u16;
     let mut listed = hand.params.takes.list();
@@ -74,7 +74,7 @@ fn takes(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
     });
 }
 
-/// A line of the list; whether it was clicked.
+/// A line of the list; true if it was clicked.
 fn line(ui: &mut Ui, name: &str, note: &str, take: u16, is_now: bool) -> bool {
     let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), LINE), Sense::click());
     map::note(ui, format_args!("take.{take}"), rect);

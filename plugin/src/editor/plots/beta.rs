@@ -7,19 +7,19 @@ use egui::{Align2, Pos2, Rect, Shape, Stroke, Ui, Vec2};
 use super::super::theme;
 use super::spectrogram::label;
 
-/// Windows that are kept: some eight seconds of the usual ones.
+/// Number of windows shown: some eight seconds of the usual ones.
 const WINDOWS: usize = 720;
-/// Decades shown below the largest of late.
+/// Decades shown below the recent maximum.
 const DECADES: f32 = 3.0;
 
-/// The factors of late, the newest last.
+/// Recent factors, the newest last.
 #[derive(Debug, Clone, Default)]
 pub struct Betas {
     values: VecDeque<f32>,
 }
 
 impl Betas {
-    /// Takes a window's factor.
+    /// Adds a window's factor.
     pub fn take(&mut self, beta: f32) {
         if self.values.len() == WINDOWS {
             self.values.pop_front();

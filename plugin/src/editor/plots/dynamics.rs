@@ -1,4 +1,4 @@
-//! The two distributions of amplitudes that dynamic-range matching maps onto each other (§5.3), and where it is at.
+//! The two distributions of amplitudes that dynamic-range matching maps onto each other (§5.3), and the current match.
 
 use std::collections::VecDeque;
 
@@ -9,15 +9,15 @@ use super::super::theme;
 use super::spectrogram::label;
 use crate::analysis::range::Amplitudes;
 
-/// Windows that make the drive's distribution of late: some eight seconds.
+/// Number of windows in the drive's recent distribution: some eight seconds.
 const WINDOWS: usize = 5600;
-/// Seconds between two looks at them.
+/// Seconds between two updates of the distributions.
 const LOOK_S: f64 = 0.25;
 /// Amplitudes shown, in dB.
 const LOW_DB: f32 = -84.0;
 const HIGH_DB: f32 = 0.0;
 
-/// What was matched of late.
+/// Recent matches.
 #[derive(Debug, Clone, Default)]
 pub struct DynamicsPlot {
     magnitudes: VecDeque<f32>,
@@ -27,7 +27,7 @@ pub struct DynamicsPlot {
 }
 
 impl DynamicsPlot {
-    /// Takes a window's match.
+    /// Adds a window's match.
     pub fn take(&mut self, found: Match) {
         if self.magnitudes.len() == WINDOWS {
             self.magnitudes.pop_front();
@@ -38,7 +38,7 @@ impl DynamicsPlot {
         }
     }
 
-    /// The drive's amplitudes of late; `now_s` is the window's clock.
+    /// The drive's recent amplitudes; `now_s` is the window's clock.
     pub fn drive(&mut self, now_s: f64) -> Option<&Amplitudes> {
         if (now_s - self.looked_s).abs() >= LOOK_S {
             self.looked_s = now_s;
@@ -47,8 +47,8 @@ impl DynamicsPlot {
         self.drive.as_ref()
     }
 
-    /// Draws what part of either sound lies below which amplitude, and the amplitude that is matched with which.
-    /// `learned` is the drive's as it was learned, in use instead of that of late.
+    /// Draws the cumulative distribution of both sounds, and the pair of amplitudes matched at present. `learned` is
+    /// the drive's learned distribution, used instead of the recent one.
     pub fn show(&mut self, ui: &Ui, rect: Rect, recording: Option<&[f32]>, learned: Option<&[f32]>) {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 3.0, theme::WELL);

@@ -1,23 +1,23 @@
-//! Where in the recording the last matches came from.
+//! Positions in the recording of the last matches.
 
 use egui::{Mesh, Pos2, Rect, Shape, Stroke, Ui, Vec2};
 
 use super::super::theme;
 
-/// Places that are told apart.
+/// Number of distinct positions.
 const CELLS: usize = 256;
-/// Time constant in seconds with which a place cools down.
+/// Time constant in seconds with which a position cools down.
 const COOLING_S: f64 = 2.0;
-/// Matches of late below which a place is cold.
+/// Heat below which a position counts as cold.
 const COLD: f32 = 1e-3;
 /// Height of the strip in points.
 const HEIGHT: f32 = 7.0;
 
-/// How often of late each place was matched.
+/// Recent number of matches by position.
 #[derive(Debug, Clone)]
 pub struct Heat {
     cells: [f32; CELLS],
-    /// The last match, as a part of the recording.
+    /// Position of the last match, as a share of the recording.
     last: Option<f32>,
     last_s: f64,
 }
@@ -29,7 +29,7 @@ impl Default for Heat {
 }
 
 impl Heat {
-    /// A match at `place` (0-1) of the recording.
+    /// Adds a match at `place` (0-1) of the recording.
     pub fn take(&mut self, place: f32) {
         if (0.0..=1.0).contains(&place) {
             self.cells[((place * CELLS as f32) as usize).min(CELLS - 1)] += 1.0;
@@ -62,7 +62,7 @@ impl Heat {
         let mut mesh = Mesh::default();
         for (index, heat) in self.cells.iter().enumerate().filter(|(_, heat)| **heat > 0.0) {
             let at = Pos2::new(strip.left() + index as f32 * width, strip.top());
-            // The eye tells roots of frequencies apart better than frequencies.
+            // The eye distinguishes square roots of counts better than counts.
             let color = theme::glow(0.25 + 0.75 * (heat / hottest).sqrt());
             mesh.add_colored_rect(Rect::from_min_size(at, Vec2::new(width.max(1.0), HEIGHT)), color);
         }

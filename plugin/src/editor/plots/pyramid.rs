@@ -8,14 +8,14 @@ use pyrophone_synthesis::texture::Extent;
 use super::super::theme;
 use super::spectrogram::label;
 
-/// Extents that are kept of each level: eight seconds.
+/// Number of extents stored for each level: eight seconds.
 const COLUMNS: usize = 480;
-/// The largest swing of late is forgotten by this part a column.
+/// Factor by which the recent maximum decays per column.
 const FORGET: f32 = 0.998;
 /// The least swing that fills a row.
 const LEAST: f32 = 1e-4;
 
-/// What the levels have done of late.
+/// Recent extents of the levels.
 #[derive(Debug, Clone, Default)]
 pub struct Levels {
     levels: Vec<Level>,
@@ -28,7 +28,7 @@ struct Level {
 }
 
 impl Levels {
-    /// Takes how far a level has swung.
+    /// Adds the extent of a level.
     pub fn take(&mut self, extent: Extent) {
         let level = usize::from(extent.level);
         if level >= self.levels.len() {
@@ -43,7 +43,7 @@ impl Levels {
         level.largest = (level.largest * FORGET).max(high).max(-low);
     }
 
-    /// Draws each level in a row of its own, as large as it is of late.
+    /// Draws each level in a separate row, scaled to its recent maximum.
     pub fn show(&self, ui: &Ui, rect: Rect) {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 3.0, theme::WELL);
@@ -68,7 +68,7 @@ impl Levels {
 }
 
 impl Level {
-    /// A column as wide as a point, or as the time that there is.
+    /// Columns as wide as a point, or as an extent where that is wider.
     fn mesh(&self, place: Rect, color: Color32) -> Mesh {
         let mut mesh = Mesh::default();
         let wide = (COLUMNS as f32 / place.width().max(1.0)).ceil().max(1.0) as usize;

@@ -1,4 +1,4 @@
-//! The sources of vortex sound from above, about the listener, who looks up; they glow as they sound.
+//! The sources of vortex sound from above, around the listener, who faces up; they glow with their level.
 
 use egui::{Align2, Color32, CursorIcon, Id as Place, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2};
 use pyrophone_settings::Id;
@@ -10,16 +10,16 @@ use super::spectrogram::label;
 
 /// Rings about the listener, in m; the largest that is needed is the view's edge.
 const RINGS_M: [f32; 12] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0];
-/// Level in dB below the loudest at which a source is no longer seen to glow.
+/// Level in dB below the loudest at which a source no longer glows.
 const GLOW_DB: f32 = 30.0;
-/// Radius of the listener's head and of a source that is silent, and how much more of one that is loud, in points.
+/// Radius of the listener's head and of a silent source, and the increase for a loud one, in points.
 const HEAD: f32 = 7.0;
 const DOT: f32 = 2.0;
 const MORE: f32 = 4.0;
-/// Part of the loudest level that is left after a frame: the view's brightness is that of the last second or so.
+/// Factor by which the loudest level decays per frame: the view's brightness follows the last second or so.
 const FALL: f32 = 0.97;
 
-/// What was seen last, and what is arriving.
+/// The sources seen last, and those still arriving.
 #[derive(Debug, Clone, Default)]
 pub struct Space {
     shown: Vec<SeenSource>,
@@ -28,12 +28,12 @@ pub struct Space {
     loudest: f32,
     /// Radius of the view in m; it changes step by step.
     radius_m: f32,
-    /// Where the middle is dragged to, in m to the right and to the front.
+    /// Position to which the centre is being dragged, in m to the right and to the front.
     held: Option<[f32; 2]>,
 }
 
 impl Space {
-    /// A view of so many sources begins.
+    /// Begins a view of this many sources.
     pub fn begin(&mut self, count: usize) {
         self.arriving.clear();
         self.awaited = count;
@@ -42,7 +42,7 @@ impl Space {
         }
     }
 
-    /// Takes one of them.
+    /// Adds one of them.
     pub fn take(&mut self, source: SeenSource) {
         let is_sound = source.level.is_finite() && source.position_m.iter().all(|x| x.is_finite());
         self.arriving.push(if is_sound { source } else { SeenSource::default() });
@@ -53,7 +53,7 @@ impl Space {
         }
     }
 
-    /// Draws the sources; the middle of those that stand in a ball can be dragged.
+    /// Draws the sources; the centre of those arranged in a ball can be dragged.
     pub fn show(&mut self, ui: &mut Ui, rect: Rect, channels: usize, hand: &mut ParamEditor<'_>) {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 3.0, theme::WELL);
@@ -87,7 +87,7 @@ impl Space {
         map::note(ui, format_args!("space"), rect);
     }
 
-    /// Sets out for the smallest ring that holds a radius, a little at a time, so that the eye can follow.
+    /// Moves towards the smallest ring that holds a radius, in small steps, so that the eye can follow.
     fn follow_radius(&mut self, wanted_m: f32) {
         let largest = RINGS_M[RINGS_M.len() - 1];
         let ring = RINGS_M.into_iter().find(|ring| *ring >= 1.05 * wanted_m).unwrap_or(largest);
@@ -109,7 +109,7 @@ impl Space {
         }
     }
 
-    /// The middle of the sources, which sets distance and azimuth.
+    /// The centre of the sources, which sets distance and azimuth.
     fn drag(&mut self, ui: &mut Ui, at: Pos2, view: &View, hand: &mut ParamEditor<'_>) {
         let handle = Rect::from_center_size(at, Vec2::splat(16.0));
         let response = ui.interact(handle, Place::unique("space middle"), Sense::drag());
@@ -143,7 +143,7 @@ impl Space {
     }
 }
 
-/// From metres to points; front is up.
+/// Mapping from metres to points; front is up.
 struct View {
     centre: Pos2,
     scale: f32,
@@ -162,7 +162,7 @@ fn middle_m(hand: &ParamEditor<'_>) -> [f32; 2] {
     [flat * sin, flat * cos].map(|x| x as f32)
 }
 
-/// How brightly a source glows, 0-1.
+/// The brightness of a source's glow, 0-1.
 fn glow(level: f32, loudest: f32) -> f32 {
     if level <= 0.0 || loudest <= 0.0 {
         return 0.0;
@@ -182,7 +182,7 @@ fn rings(painter: &egui::Painter, view: &View, radius_m: f32) {
     }
 }
 
-/// Loudspeakers stand at the view's edge.
+/// Loudspeakers, at the view's edge.
 fn speakers(painter: &egui::Painter, view: &View, radius_m: f32, channels: usize) {
     let Ok(layout) = pyrophone_synthesis::vortex::SpeakerLayout::of_channels(channels.max(1)) else { return };
     for azimuth_deg in layout.azimuths_deg() {

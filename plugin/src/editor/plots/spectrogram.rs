@@ -9,18 +9,18 @@ use crate::analysis::bands::{BANDS, decibels};
 use crate::analysis::recording_overview::COLUMNS as PORTRAIT_COLUMNS;
 use crate::analysis::{FLOOR_DB, Portrait};
 
-/// Columns that are kept: eight seconds.
+/// Number of columns stored: eight seconds.
 const COLUMNS: usize = 480;
-/// Levels from dark to light, in dB per Hz below the loudest of late.
+/// Levels from dark to light, in dB per Hz below the recent maximum.
 const RANGE_DB: f32 = 70.0;
-/// How fast the loudest of late is forgotten, in dB per column.
+/// Decay of the recent maximum, in dB per column.
 const FORGET_DB: f32 = 0.01;
 
 /// A running spectrogram.
 pub struct Spectrogram {
     name: &'static str,
     columns: Vec<[f32; BANDS]>,
-    /// Where the next column goes, and how many are not in the picture yet.
+    /// Index of the next column, and number of columns not yet in the picture.
     next: usize,
     pending: usize,
     loudest_db: f32,
@@ -39,7 +39,7 @@ impl Spectrogram {
         *self = Self::new(self.name);
     }
 
-    /// Takes the power densities of one step.
+    /// Adds the power densities of one step.
     pub fn push(&mut self, density: &[f32; BANDS]) {
         let column = &mut self.columns[self.next];
         *column = density.map(decibels);
@@ -55,7 +55,7 @@ impl Spectrogram {
         label(ui, rect, self.name, color);
     }
 
-    /// Draws it alone.
+    /// Draws the picture alone.
     pub fn show_picture(&mut self, ui: &Ui, rect: Rect) {
         // Nothing louder than this is silence, and stays dark.
         let top_db = self.loudest_db.max(FLOOR_DB + RANGE_DB);
@@ -110,7 +110,7 @@ impl Still {
         label(ui, rect, "recording", theme::ASH);
     }
 
-    /// Forgets the picture, whose window is gone.
+    /// Drops the picture, whose window is gone.
     pub fn clear(&mut self) {
         *self = Self::default();
     }

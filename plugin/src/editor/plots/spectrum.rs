@@ -1,4 +1,4 @@
-//! Spectra of drive, recording and output on one plot, and on it what extension does, to be dragged.
+//! Spectra of drive, recording and output on one plot, with handles for extension.
 
 use egui::{Align2, Button, Color32, CursorIcon, Id as Place, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
 use pyrophone_settings::Id;
@@ -11,23 +11,23 @@ use crate::analysis::bands::{BANDS, decibels, frequency_hz, place};
 use crate::analysis::fidelity::Diagnosis;
 use crate::analysis::{FLOOR_DB, Figures, Portrait};
 
-/// Time constant in seconds of the curves, and how fast their peaks fall.
+/// Time constant in seconds of the curves, and fall rate of their peaks.
 const SMOOTHING_S: f32 = 0.5;
 const FALL_DB_PER_S: f32 = 6.0;
-/// Levels shown, and how far the top stands above the loudest.
+/// Range of levels shown, and space above the loudest.
 const RANGE_DB: f32 = 100.0;
 const HEADROOM_DB: f32 = 8.0;
-/// The lowest top: what fades away is not followed into the ground.
+/// The lowest top: below it, the axis does not follow a fading sound.
 const REST_DB: f32 = -60.0;
-/// Height of a name on an axis, and the plot's width without which the legend is short, in points.
+/// Height of a name on an axis, and the plot's width below which the legend is short, in points.
 const NAME: f32 = 13.0;
 const ROOM_FOR_SENTENCES: f32 = 400.0;
-/// Part of its range that an arrow key moves a handle.
+/// Share of its range by which an arrow key moves a handle.
 const KEY_NOTCH: f64 = 0.01;
-/// The band in which a recording's level is matched, and its likeness told, in Hz.
+/// The band in which a recording's level is matched and its likeness measured, in Hz.
 const LIKENESS_HZ: (f64, f64) = (250.0, 16_000.0);
 
-/// A sound's spectrum of late.
+/// A sound's recent spectrum.
 #[derive(Debug, Clone)]
 pub struct Track {
     power: [f32; BANDS],
@@ -41,7 +41,7 @@ impl Default for Track {
 }
 
 impl Track {
-    /// Takes the power densities of one step.
+    /// Adds the power densities of one step.
     pub fn take(&mut self, density: &[f32; BANDS], step_s: f32) {
         let part = 1.0 - (-step_s / SMOOTHING_S).exp();
         for ((power, peak_db), now) in self.power.iter_mut().zip(&mut self.peak_db).zip(density) {
@@ -71,7 +71,7 @@ impl Default for Spectra {
     }
 }
 
-/// Where frequencies and levels lie on the screen.
+/// Mapping of frequencies and levels to the screen.
 #[derive(Clone, Copy)]
 struct Axes {
     rect: Rect,
@@ -97,7 +97,8 @@ impl Axes {
 }
 
 impl Spectra {
-    /// Draws the plot; handles on it move parameters. `scaling_alpha` is what the texture uses of it.
+    /// Draws the plot; handles on it move parameters. `scaling_alpha` is the value in effect after reduction by the
+    /// texture.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -122,7 +123,7 @@ impl Spectra {
             curve(&painter, &axes, &track.peak_db, Stroke::new(0.8, color.gamma_multiply(0.35)));
             curve(&painter, &axes, levels, Stroke::new(1.6, color));
         }
-        // Handles that move nothing would lie.
+        // Handles without effect would mislead.
         if hand.inert(Id::Alpha as usize).is_none() {
             extension(ui, &painter, &axes, &drive, hand);
         }
@@ -153,7 +154,7 @@ fn grid(painter: &egui::Painter, axes: &Axes) {
     for level_db in (first - 6..=first).map(|n| 20 * n) {
         let y = axes.y(level_db as f32);
         painter.line_segment([Pos2::new(axes.rect.left(), y), Pos2::new(axes.rect.right(), y)], rule);
-        // Down there the frequencies' names stand.
+        // The frequencies' names are below.
         if y < axes.rect.bottom() - 2.0 * NAME {
             let at = Pos2::new(axes.rect.right() - 4.0, y + 1.0);
             painter.text(at, Align2::RIGHT_TOP, format!("{level_db}"), theme::small(), theme::WEAK);
@@ -169,8 +170,8 @@ fn curve(painter: &egui::Painter, axes: &Axes, levels_db: &[f32; BANDS], stroke:
     painter.add(Shape::line(points.collect(), stroke));
 }
 
-/// A recording's spectrum at the output's level, and how far the two lie apart on average, in dB; where nothing comes
-/// out, as loud as it is.
+/// A recording's spectrum at the output's level, and the mean distance of the two, in dB; with a silent output, at its
+/// own level.
 fn matched(recording: &[f32; BANDS], output: &[f32; BANDS]) -> ([f32; BANDS], Option<f32>) {
     let band = |frequency_hz: f64| (place(frequency_hz) * BANDS as f64) as usize;
     let span = band(LIKENESS_HZ.0)..band(LIKENESS_HZ.1);
@@ -222,7 +223,7 @@ fn extension(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS]
         response.on_hover_text(help);
         is_hot
     };
-    // The lower third is for the blend, which often is narrower than a pointer can tell.
+    // The lower third is for the blend, which is often narrower than the pointer's precision.
     let third = bottom - 0.3 * (bottom - top);
     let x = axes.x(cutoff_hz);
     let area = |left: f32, right: f32, top: f32, bottom: f32| {
@@ -296,7 +297,7 @@ fn legend(painter: &egui::Painter, rect: Rect, apart_db: Option<f32>, has_record
     }
 }
 
-/// Words over whatever curves there are; where they stand.
+/// Text that stays readable over curves; returns its area.
 fn readable(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Rect {
     let room = painter.clip_rect().right() - at.x - 8.0;
     let galley = painter.layout(text.to_owned(), theme::small(), color, room.max(40.0));
@@ -306,19 +307,19 @@ fn readable(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Re
     place
 }
 
-/// What is told of the output.
+/// Judgement of the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Advice {
-    /// How near it is to the recording, and how it follows the drive.
+    /// Its likeness to the recording, and how well it follows the drive.
     pub figures: Figures,
-    /// What is wrong with it, or is about to be.
+    /// Present or foreseeable fault.
     pub fault: Option<Diagnosis>,
-    /// What Scaling auto has left of Scaling alpha.
+    /// Scaling alpha after its reduction by Scaling auto.
     pub scaling_alpha: f32,
 }
 
 impl Advice {
-    /// The figures, what to change, and a button that does.
+    /// The figures, the suggested change, and a button that applies it.
     fn show(&self, ui: &mut Ui, painter: &egui::Painter, rect: Rect, hand: &mut ParamEditor<'_>) {
         let mut words = vec![];
         words.extend(self.figures.follows.map(|follows| format!("follows {follows:.2}")));
@@ -363,7 +364,7 @@ fn read_out(ui: &Ui, painter: &egui::Painter, axes: &Axes, drive: &[f32; BANDS],
     let hair = Stroke::new(1.0, theme::TEXT.gamma_multiply(0.25));
     painter.line_segment([Pos2::new(pointer.x, axes.rect.top()), Pos2::new(pointer.x, axes.rect.bottom())], hair);
     let text = format!("{frequency_hz:.0} Hz   drive {:.0}   output {:.0} dB/Hz", drive[band], output[band]);
-    // Above the frequencies' names, where curves are rare, and clear of the levels'.
+    // Above the frequencies' names, where curves are rare, and clear of the levels' names.
     let at = axes.rect.left_bottom() + Vec2::new(8.0, -30.0);
     readable(painter, at, &text, theme::TEXT);
 }

@@ -1,4 +1,4 @@
-//! The flame as it goes: least and largest samples of late, the newest at the right.
+//! The running flame signal: recent least and largest samples, the newest at the right.
 
 use std::collections::VecDeque;
 
@@ -6,14 +6,14 @@ use egui::{Color32, Mesh, Pos2, Rect, Shape, Ui};
 
 use super::super::theme;
 
-/// Columns that are kept, and seconds of each: four seconds in all.
+/// Number of columns stored, and seconds of each: four seconds in all.
 const COLUMNS: usize = 240;
 const COLUMN_S: f64 = 1.0 / 60.0;
-/// The largest of late is forgotten by this part a column; the least that fills the plot.
+/// Factor by which the recent maximum decays per column, and the least that fills the plot.
 const FORGET: f32 = 0.997;
 const LEAST: f32 = 1e-4;
 
-/// What a signal has done of late.
+/// Recent outline of a signal.
 #[derive(Debug, Clone, Default)]
 pub struct Outline {
     columns: VecDeque<[f32; 2]>,
@@ -23,7 +23,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Takes a sample at `sample_rate_hz`.
+    /// Adds a sample at `sample_rate_hz`.
     pub fn push(&mut self, sample: f32, sample_rate_hz: f64) {
         let sample = if sample.is_finite() { sample } else { 0.0 };
         self.open = [self.open[0].min(sample), self.open[1].max(sample)];
@@ -40,7 +40,7 @@ impl Outline {
         self.samples = 0;
     }
 
-    /// Draws it, as large as it is of late; silence is a line.
+    /// Draws it, scaled to its recent maximum; silence is a line.
     pub fn show(&self, ui: &Ui, rect: Rect, color: Color32) {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 3.0, theme::WELL);

@@ -17,7 +17,7 @@ const SIZE: Vec2 = Vec2::new(500.0, 430.0);
 /// The field of the name.
 const NAME: &str = "preset name";
 
-/// Which presets are listed.
+/// Group of presets listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 enum Shelf {
     #[default]
@@ -32,7 +32,7 @@ impl Shelf {
         [(Self::All, "All"), (Self::Favourites, "Favourites"), (Self::Yours, "Yours"), (Self::Factory, "Factory")];
 }
 
-/// What the user looks for, and is about to do.
+/// Search terms and pending actions of the user.
 #[derive(Debug, Default)]
 pub(super) struct List {
     is_open: bool,
@@ -42,9 +42,9 @@ pub(super) struct List {
     shelf: Shelf,
     /// The line that the keyboard is at.
     marked: usize,
-    /// What is typed in to save by.
+    /// Name typed in for saving.
     name: String,
-    /// Whether the next saving replaces, and the next press deletes.
+    /// True if the next save replaces, and true if the next press deletes.
     replaces: bool,
     deletes: bool,
 }
@@ -58,7 +58,7 @@ impl List {
         self.is_open = false;
     }
 
-    /// Opens or closes it; whether it is open then.
+    /// Opens or closes the list; returns true if it is then open.
     pub fn toggle(&mut self) -> bool {
         self.is_open = !self.is_open;
         self.has_opened = self.is_open;
@@ -165,7 +165,7 @@ impl Presets {
         chosen
     }
 
-    /// Whose presets are listed, and the tags that there are; one of these can be chosen.
+    /// Choice of the group, and of a tag from those in use.
     fn shelves(&mut self, ui: &mut Ui) {
         let all = self.factory.iter().chain(&self.users).flat_map(|entry| &entry.preset.tags);
         let mut tags: Vec<String> = all.cloned().collect();
@@ -194,7 +194,7 @@ impl Presets {
         });
     }
 
-    /// The user's own first, then those that come with Pyrophone, as far as they are looked for.
+    /// User presets first, then factory presets, filtered by the search.
     fn found(&self) -> impl Iterator<Item = &Arc<Entry>> {
         let words: Vec<String> = self.list.search.split_whitespace().map(str::to_lowercase).collect();
         self.users.iter().chain(&self.factory).filter(move |entry| {
@@ -237,7 +237,7 @@ impl Presets {
             let star = star.on_hover_text("Favourite");
             let width = ui.available_width();
             let line = Button::new(text).selected(is_marked).wrap().frame(is_marked).min_size(Vec2::new(width, 0.0));
-            // Words begin at the left where lines stand below each other.
+            // Left-aligned, because the lines are stacked.
             (ui.vertical(|ui| ui.add(line)).inner, star)
         })
         .inner
@@ -318,7 +318,7 @@ impl Presets {
     }
 }
 
-/// A star with five points, drawn since the fonts have none.
+/// A star with five points, drawn because the fonts have none.
 fn draw_star(ui: &Ui, centre: Pos2, is_on: bool, is_hot: bool) {
     const RADII: [f32; 2] = [6.5, 2.9];
     let point = |n: usize| {

@@ -1,39 +1,40 @@
-//! The part of the recording that is learnt from, on its outline.
+//! The part of the recording used for learning, on its outline.
 
 use egui::{CursorIcon, Id, Pos2, Rect, Sense, Stroke, Ui};
 
 use super::super::{map, theme};
 
-/// The shortest part in seconds: shorter ones are slips of the hand.
+/// The shortest part in seconds: anything shorter is an accidental drag.
 pub const SHORTEST_S: f64 = 0.1;
-/// How near to an edge, in points, the pointer takes hold of it.
+/// Distance from an edge, in points, within which the pointer grabs it.
 const REACH: f32 = 6.0;
 
-/// What the pointer holds.
+/// State of a drag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Held {
-    /// The end that stays.
+    /// The fixed end.
     anchor_s: f64,
     now_s: f64,
 }
 
-/// The region, while it is dragged and otherwise.
+/// The region, during a drag and otherwise.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Region {
     held: Option<Held>,
 }
 
-/// What was done to the region.
+/// Change to the region.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Change {
-    /// From here to there, in seconds.
+    /// A part from start to end, in seconds.
     Part([f64; 2]),
     /// All of the recording again.
     All,
 }
 
 impl Region {
-    /// Shows the region over the recording's outline, and lets it be dragged: at its edges, or anew. A double click takes all.
+    /// Shows the region over the recording's outline, and lets the user drag its edges or draw a new one. A double
+    /// click restores all.
     pub fn show(&mut self, ui: &Ui, rect: Rect, duration_s: f64, region_s: Option<[f64; 2]>) -> Option<Change> {
         let x = |time_s: f64| rect.left() + (time_s / duration_s) as f32 * rect.width();
         let time_s = |x: f32| (f64::from((x - rect.left()) / rect.width()) * duration_s).clamp(0.0, duration_s);
@@ -51,7 +52,7 @@ impl Region {
             self.held = None;
             change = set.map(|_| Change::All);
         } else if response.drag_started() {
-            // Where it was pressed, not where a drag was noticed.
+            // The point of the press, not the point where the drag was detected.
             let pressed = ui.input(|input| input.pointer.press_origin());
             self.held = pressed.map(|at| Held { anchor_s: edge_at(at).unwrap_or(time_s(at.x)), now_s: time_s(at.x) });
         }

@@ -1,4 +1,4 @@
-//! A fader over the meter of what it sets.
+//! A fader over the meter of the level that it sets.
 
 use egui::{Align2, Color32, Id, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2};
 use pyrophone_settings::PARAMETERS;
@@ -12,14 +12,14 @@ use super::turn::{Travel, turn};
 const HANDLE: Vec2 = Vec2::new(24.0, 10.0);
 const TRACK: f32 = 10.0;
 
-/// What a fader shows.
+/// Content of a fader.
 #[derive(Debug, Clone, Copy)]
 pub struct Track {
     /// Colour of the meter.
     pub color: Color32,
-    /// Level of what it sets.
+    /// Level of the signal it controls.
     pub level: Level,
-    /// Whether it is not heard at present.
+    /// True if the signal is not heard at present.
     pub is_silenced: bool,
 }
 
@@ -45,7 +45,7 @@ pub fn fader(ui: &mut Ui, rect: Rect, index: usize, track: &Track, hand: &mut Pa
     if level.held_db > FLOOR_DB {
         painter.hline(well.x_range(), y(f64::from(level.held_db)), Stroke::new(1.5, color));
     }
-    // 0 dB, where the fader leaves the level as it is.
+    // 0 dB, where the fader leaves the level unchanged.
     let zero = Stroke::new(1.0, theme::WEAK.gamma_multiply(0.7));
     for side in [-1.0, 1.0] {
         let x = rect.center().x + side * (0.5 * TRACK + 2.0);

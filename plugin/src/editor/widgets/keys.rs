@@ -1,8 +1,8 @@
-//! Keys that move what has the focus.
+//! Keyboard control of the focused widget.
 
 use egui::{EventFilter, Key, Response, Ui};
 
-/// Notches that arrow keys ask for in this frame: up and right are more. They then do not move the focus.
+/// Steps of the arrow keys in this frame: up and right increase. The keys then do not move the focus.
 pub fn notches(ui: &Ui, response: &Response) -> f64 {
     if !response.has_focus() {
         return 0.0;

@@ -12,28 +12,28 @@ use crate::entry::indication::Automation;
 /// A knob with its name and value, in points.
 pub const SIZE: Vec2 = Vec2::new(74.0, 80.0);
 const RADIUS: f32 = 19.0;
-/// Radius of the dots that show what the host does with it.
+/// Radius of the dots that show mapping and automation by the host.
 const DOT: f32 = 2.5;
-/// The turn's two ends, clockwise from the right.
+/// Both ends of the turn, clockwise from the right.
 const START: f32 = 0.75 * std::f32::consts::PI;
 const TURN: f32 = 1.5 * std::f32::consts::PI;
 /// Height of a line of small text, in points.
 const LINE: f32 = 15.0;
-/// What is left of the colour of a parameter without effect.
+/// Opacity of a parameter without effect.
 const DIMMED: f32 = 0.45;
 
-/// How a dial looks.
+/// Appearance of a dial.
 #[derive(Debug, Clone)]
 pub struct Look<'a> {
     /// Its name.
     pub name: &'a str,
     /// Font of the name.
     pub font: egui::FontId,
-    /// Colour of what is set.
+    /// Colour of the set value.
     pub color: Color32,
     /// Radius of the dial in points.
     pub radius: f32,
-    /// What is said of it besides the parameter's own help.
+    /// Tooltip text beside the parameter's help.
     pub more: String,
 }
 
@@ -102,7 +102,7 @@ fn dial(ui: &mut Ui, centre: Pos2, index: usize, look: &Look<'_>, hand: &mut Par
     });
 }
 
-/// Dots beside the knob: a controller is mapped to it (left), it is automated (right; hollow while that does not play).
+/// Dots beside the knob: mapped to a controller (left), automated (right; hollow while the automation does not play).
 fn indicate(ui: &Ui, dial: Rect, (is_mapped, automation): (bool, Automation)) {
     let painter = ui.painter();
     if is_mapped {
@@ -145,7 +145,7 @@ fn draw(
     let fill = if is_hot { theme::LINE } else { theme::GROUND };
     painter.circle_filled(centre, radius - width - 2.0, fill);
     arc(0.0, 1.0, Stroke::new(width, theme::LINE));
-    // What can go either way grows from its middle.
+    // Bipolar values grow from the middle.
     let from: f64 = if parameter.low() == -parameter.high() { 0.5 } else { 0.0 };
     arc(from.min(place), from.max(place), Stroke::new(width, faded(look.color, is_dimmed)));
     painter.circle_filled(at(default, radius + 0.5 * width + 2.5), 1.3, theme::WEAK);

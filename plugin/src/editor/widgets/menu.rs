@@ -1,4 +1,4 @@
-//! What the right button offers on a parameter.
+//! The context menu of a parameter.
 
 use egui::{Response, Ui};
 use pyrophone_settings::PARAMETERS;
@@ -8,14 +8,14 @@ use super::super::param_editor::ParamEditor;
 use super::value;
 use crate::host_menu::Line;
 
-/// The menu of a parameter on `response`; `has_text` where its value can be typed and copied.
+/// The menu of a parameter on `response`; `has_text` if its value can be typed and copied.
 pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     if response.secondary_clicked() {
         hand.params.host_menu.ask(index);
     }
     response.context_menu(|ui| {
-        // What a host offers may be long.
+        // A host's entries may be long.
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         let default = parameter.to_text(parameter.default_value());
         if entry(ui, format!("Reset to {default}"), "Reset") {
@@ -38,7 +38,7 @@ pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut ParamE
     });
 }
 
-/// What the host offers, once it has answered.
+/// The host's entries, once it has answered.
 fn host(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
     let lines = hand.params.host_menu.offered(index);
     if lines.is_empty() {
@@ -51,7 +51,7 @@ fn host(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
     }
 }
 
-/// Shows lines up to the end of the menu that they are in.
+/// Shows lines up to the end of their menu.
 fn host_lines(ui: &mut Ui, lines: &[Line]) -> Option<i32> {
     let (mut at, mut chosen) = (0, None);
     while let Some(line) = lines.get(at) {
@@ -80,7 +80,7 @@ fn host_lines(ui: &mut Ui, lines: &[Line]) -> Option<i32> {
     chosen
 }
 
-/// Lines up to the end of a menu, with that.
+/// The number of lines up to the end of a menu, including that.
 fn length(lines: &[Line]) -> usize {
     let mut depth = 1;
     for (at, line) in lines.iter().enumerate() {
@@ -96,7 +96,7 @@ fn length(lines: &[Line]) -> usize {
     lines.len()
 }
 
-/// What there is to do about the MIDI controller of a parameter.
+/// Entries for the MIDI controller of a parameter.
 fn controllers(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
     let controllers = &hand.params.controllers;
     if controllers.learner() == Some(index) {
@@ -113,7 +113,7 @@ fn controllers(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
     }
 }
 
-/// A line of the menu, which closes it; whether it was clicked.
+/// A line of the menu, which closes it; true if it was clicked.
 fn entry(ui: &mut Ui, words: String, name: &str) -> bool {
     let button = ui.button(words);
     map::note(ui, format_args!("menu.{name}"), button.rect);

@@ -1,13 +1,13 @@
-//! What parameters are set with.
+//! Widgets that set parameters.
 //!
-//! | module | is |
+//! | module | content |
 //! |---|---|
-//! | [`turn`](mod@turn) | what moves a parameter: pointer, wheel, keys, menu |
-//! | [`knob`](mod@knob), [`fader`](mod@fader), [`slider`](mod@slider) | what is turned |
-//! | [`value`](mod@value) | the value as text, to be typed |
-//! | [`menu`](mod@menu) | what the right button offers |
+//! | [`turn`](mod@turn) | changes by pointer, wheel, keys and menu |
+//! | [`knob`](mod@knob), [`fader`](mod@fader), [`slider`](mod@slider) | widgets for continuous values |
+//! | [`value`](mod@value) | the value as text, and typing it |
+//! | [`menu`](mod@menu) | the context menu |
 //! | [`pick`] | choices and switches |
-//! | [`section`](mod@section) | panels, and places in them |
+//! | [`section`](mod@section) | panels, and areas in them |
 
 pub mod fader;
 mod keys;

@@ -10,7 +10,7 @@ use super::notches;
 
 /// Width of a choice, in points.
 pub const WIDTH: f32 = 112.0;
-/// What is left of the colour of a parameter without effect.
+/// Opacity of a parameter without effect.
 const DIMMED: f32 = 0.45;
 
 /// A list to choose from, under its name.
@@ -43,7 +43,7 @@ pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut Pa
         }
     });
     let response = explain(list.response, parameter, reason);
-    // The toolkit's own names the choice alone, not what is chosen.
+    // The toolkit's own description has the name only, not the selected value.
     response.widget_info(|| {
         let mut info = WidgetInfo::labeled(Role::ComboBox, true, parameter.name);
         info.current_text_value = Some(name.to_owned());
@@ -75,7 +75,7 @@ pub fn toggle(ui: &mut Ui, index: usize, hand: &mut ParamEditor<'_>) {
     }
 }
 
-/// Says what a parameter does, and why it has no effect where it has none.
+/// Adds a tooltip with the parameter's help, and the reason where it has no effect.
 fn explain(response: Response, parameter: &Parameter, reason: Option<&str>) -> Response {
     response.on_hover_ui(|ui| {
         ui.set_max_width(320.0);

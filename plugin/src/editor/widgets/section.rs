@@ -1,4 +1,4 @@
-//! A panel with a title, and buttons that look alike.
+//! A panel with a title, and buttons in one style.
 
 use egui::{Align2, Button, Pos2, Rect, Response, RichText, Ui, UiBuilder, Vec2};
 
@@ -8,7 +8,7 @@ use super::super::{map, theme};
 const MARGIN: f32 = 9.0;
 const TITLE: f32 = 16.0;
 
-/// Draws a panel with a title and, where there is room, a word on it; gives the place for what is in it.
+/// Draws a panel with a title and, where it fits, a note on it; returns the area for its content.
 pub fn section(ui: &Ui, rect: Rect, title: &str, note: &str) -> Rect {
     let painter = ui.painter().with_clip_rect(rect);
     painter.rect_filled(rect, f32::from(theme::ROUNDING) + 2.0, theme::PANEL);
@@ -22,7 +22,7 @@ pub fn section(ui: &Ui, rect: Rect, title: &str, note: &str) -> Rect {
     inner.with_min_y(inner.top() + TITLE + 4.0)
 }
 
-/// The place of a panel's title.
+/// The area of a panel's title.
 pub fn title_row(rect: Rect) -> Rect {
     let inner = rect.shrink(MARGIN);
     inner.with_max_y(inner.top() + TITLE)

@@ -1,4 +1,4 @@
-//! A slider that lies: a bar that is as full as its parameter, with name and value on it.
+//! A horizontal slider: a bar filled up to its parameter's value, with name and value on it.
 
 use egui::{Align2, CornerRadius, Id, Rect, Sense, Stroke, StrokeKind, Ui, Vec2};
 use pyrophone_settings::PARAMETERS;
@@ -7,10 +7,10 @@ use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
 use super::turn::{Travel, turn};
 
-/// What is left of the colour of a parameter without effect.
+/// Opacity of a parameter without effect.
 const DIMMED: f32 = 0.45;
 
-/// A slider for the parameter at `index` in all of `rect`; `name` is what it is called there.
+/// A slider for the parameter at `index` in all of `rect`; `name` is its label there.
 pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let response = ui.interact(rect, Id::unique(("slider", parameter.id)), Sense::click_and_drag());
@@ -29,7 +29,7 @@ pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, hand: &mut Para
     let color = theme::TEXT.gamma_multiply(dimmed);
     let text = parameter.to_text(plain);
     let value = painter.text(rect.right_center() - inset, Align2::RIGHT_CENTER, text, theme::small(), color);
-    // A name for which there is no room is left out: it is said where the pointer rests.
+    // A name that does not fit is left out: the tooltip shows it.
     let name_galley = painter.layout_no_wrap(name.to_owned(), theme::small(), color);
     if rect.left() + inset.x + name_galley.size().x + 4.0 <= value.left() {
         let at = rect.left_center() + inset - Vec2::new(0.0, 0.5 * name_galley.size().y);

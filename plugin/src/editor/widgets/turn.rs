@@ -6,17 +6,17 @@ use pyrophone_settings::{Kind, PARAMETERS};
 use super::super::param_editor::ParamEditor;
 use super::menu::menu;
 
-/// Points that a full turn takes.
+/// Points of pointer travel for a full turn.
 const TRAVEL: f32 = 180.0;
-/// How much slower Shift makes it.
+/// Factor of Shift on the speed.
 const FINE: f64 = 0.1;
-/// Part of the range that a notch of the wheel or an arrow key moves.
+/// Share of the range for a notch of the wheel or an arrow key.
 const NOTCH: f64 = 0.02;
 
-/// Which way the pointer moves a parameter.
+/// Direction of the pointer that moves a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Travel {
-    /// Up and to the right is more; a full turn takes the same way whatever the widget's size.
+    /// Up and to the right increase; a full turn needs the same travel whatever the widget's size.
     Knob,
     /// Along a vertical track of this length in points.
     Fader(f32),
@@ -24,7 +24,7 @@ pub enum Travel {
     Slider(f32),
 }
 
-/// Follows mouse and keys; the value as it is then. What has no effect is not moved by the pointer.
+/// Follows mouse and keys; returns the resulting value. The pointer does not move parameters without effect.
 pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut ParamEditor<'_>) -> f64 {
     let parameter = &PARAMETERS[index];
     let is_held = ui.data(|data| data.get_temp::<f64>(response.id)).is_some();
@@ -82,8 +82,8 @@ fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut P
     }
 }
 
-/// Notches of the wheel, where the pointer rests on what has the focus or Ctrl is held, and of arrow keys: without focus
-/// the wheel is the page's.
+/// Notches of the wheel, where the pointer rests on the focused widget or Ctrl is held, and of arrow keys: without
+/// focus the wheel scrolls the page.
 fn notches(ui: &Ui, response: &Response, index: usize, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let mut notches = 0.0;

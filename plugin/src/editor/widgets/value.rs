@@ -1,4 +1,4 @@
-//! A parameter's value as text, which a click makes a field.
+//! A parameter's value as text, which a click turns into a text field.
 
 use egui::text::{CCursor, CCursorRange};
 use egui::{Align2, Color32, Id, Key, Rect, Role, Sense, Ui, WidgetInfo};
@@ -7,14 +7,14 @@ use pyrophone_settings::{PARAMETERS, Parameter};
 use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
 
-/// Seconds for which a word on a value that was too large or too small stays.
+/// Seconds for which a note on an out-of-range value stays.
 const WORD_S: f64 = 2.5;
 
 fn id_of(parameter: &Parameter) -> Id {
     Id::unique(("value", parameter.id))
 }
 
-/// Makes the value of a parameter a field, with all of its text selected: what is typed replaces it.
+/// Turns the value of a parameter into a text field with all of its text selected, so that typing replaces it.
 pub fn begin_typing(ui: &Ui, index: usize, text: &str) {
     let id = id_of(&PARAMETERS[index]);
     let mut field = egui::text_edit::TextEditState::default();
@@ -72,7 +72,7 @@ fn field(ui: &mut Ui, rect: Rect, index: usize, mut typed: String, hand: &mut Pa
         .margin(egui::Margin::symmetric(2, 1))
         .text_color(if is_valid { theme::TEXT } else { theme::ALARM })
         .align(Align2::CENTER_CENTER);
-    // In a place of its own: what is beside it stays where it is.
+    // A separate layout area keeps the neighbouring items in place.
     let mut place = ui.new_child(egui::UiBuilder::new().id_salt(id).max_rect(rect));
     let response = place.put(rect, field);
     if !response.lost_focus() {

@@ -1,7 +1,7 @@
-//! Messages of MIDI controllers, which the framework gets as values of the parameters that follow them.
+//! Messages of MIDI controllers, converted for the framework into values of the assigned parameters.
 //!
-//! So the engines follow at the message's own sample, as they follow automation, and the host is told the value that
-//! came of it.
+//! So the engines follow at the message's own sample, as they follow automation, and the host receives the resulting
+//! value.
 
 use clap_sys::events::{
     CLAP_CORE_EVENT_SPACE_ID, CLAP_EVENT_IS_LIVE, CLAP_EVENT_MIDI, CLAP_EVENT_PARAM_VALUE, clap_event_header,
@@ -13,17 +13,17 @@ use pyrophone_settings::{Kind, PARAMETERS};
 use crate::controllers::{Controllers, value_at};
 use crate::entry::instance::NUMERIC_IDS;
 
-/// Most messages of one block that move something; whatever comes after them in that block does nothing.
+/// Maximum number of effective messages per block; any further ones are ignored.
 const MOST: usize = 1024;
 
-/// A message of the host's list, which stands for one event or more of ours.
+/// A message of the host's list, which is replaced by one or more events.
 #[derive(Debug, Clone, Copy)]
 struct Message {
-    /// Place in the host's list.
+    /// Index in the host's list.
     event: u32,
-    /// Place in ours of the first value that it sets.
+    /// Index in our list of the first value that it sets.
     first: u32,
-    /// How many it sets.
+    /// Number of values that it sets.
     values: u32,
     number: u8,
     /// Position of the controller, 0-1.
@@ -31,19 +31,19 @@ struct Message {
     time: u32,
 }
 
-/// What an event of ours is.
+/// Content of an event of our list.
 #[derive(Debug, Clone, Copy)]
 pub enum Place {
-    /// The host's event at this place of its list.
+    /// The host's event at this index.
     Host(u32),
-    /// The value of the parameter at this place of the table.
+    /// The value of the parameter at this index of the table.
     Value { index: usize, share: f64, time: u32 },
 }
 
-/// The controllers' messages of the call under way; real-time safe, but for its making.
+/// The controllers' messages of the current call; real-time safe except for its construction.
 pub struct Messages {
     messages: Vec<Message>,
-    /// Position at the end of the call of every controller that has moved something.
+    /// Position at the end of the call of every controller that has moved a parameter.
     last: [Option<f64>; CONTROLLERS as usize],
 }
 
@@ -58,7 +58,7 @@ impl Default for Messages {
 /// # Safety
 /// `event` is null or a live event.
 unsafe fn controller(event: *const clap_event_header) -> Option<(u8, f64, u32)> {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let header = unsafe { event.as_ref() }?;
     if header.space_id != CLAP_CORE_EVENT_SPACE_ID || header.type_ != CLAP_EVENT_MIDI {
         return None;
@@ -70,10 +70,10 @@ unsafe fn controller(event: *const clap_event_header) -> Option<(u8, f64, u32)> 
 }
 
 impl Messages {
-    /// Reads the host's list, `count` events that `event` gives; a parameter that waits for a controller takes the first.
+    /// Reads the host's list, `count` events that `event` returns; a pending MIDI learn uses the first controller.
     ///
     /// # Safety
-    /// What `event` gives is null or a live event.
+    /// Each result of `event` is null or a live event.
     pub unsafe fn read(
         &mut self,
         controllers: &Controllers,
@@ -84,7 +84,7 @@ impl Messages {
         self.last.fill(None);
         let mut added = 0;
         for place in 0..count {
-            // SAFETY: by the caller's word.
+            // SAFETY: guaranteed by the caller.
             let Some((number, share, time)) = (unsafe { controller(event(place)) }) else { continue };
             controllers.hear(number);
             let values = controllers.targets(number).count() as u32;
@@ -97,12 +97,12 @@ impl Messages {
         }
     }
 
-    /// How many more events there are than in the host's list.
+    /// The number of events added to the host's list.
     pub fn added(&self) -> u32 {
         self.messages.iter().map(|message| message.values - 1).sum()
     }
 
-    /// What stands at a place of our list.
+    /// The content at an index of our list.
     pub fn at(&self, controllers: &Controllers, place: u32) -> Place {
         let before = self.messages.partition_point(|message| message.first <= place);
         let Some(message) = before.checked_sub(1).map(|index| self.messages[index]) else { return Place::Host(place) };
@@ -110,23 +110,23 @@ impl Messages {
         if beyond >= message.values {
             return Place::Host(message.event + 1 + beyond - message.values);
         }
-        // The window may have assigned it elsewhere meanwhile; of the message itself the framework makes nothing.
+        // The window may have reassigned it meanwhile; the framework ignores the message itself.
         controllers.targets(message.number).nth(beyond as usize).map_or(Place::Host(message.event), |index| {
             Place::Value { index, share: message.share, time: message.time }
         })
     }
 
-    /// Values at the end of the call of the parameters that were moved.
+    /// Values at the end of the call of all moved parameters.
     pub fn moved(&self, controllers: &Controllers) -> impl Iterator<Item = clap_event_param_value> {
         let moved = self.last.iter().enumerate().filter_map(|(number, share)| Some((number as u8, (*share)?)));
         moved.flat_map(|(number, share)| controllers.targets(number).map(move |index| event_of(index, share, 0)))
     }
 }
 
-/// The event that brings the parameter at `index` to where its controller stands; real-time safe.
+/// The event that sets the parameter at `index` to its controller's position; real-time safe.
 pub fn event_of(index: usize, share: f64, time: u32) -> clap_event_param_value {
     let parameter = &PARAMETERS[index];
-    // Hosts count the steps of what has steps.
+    // Hosts count the steps of discrete parameters.
     let steps = if matches!(parameter.kind, Kind::Float { .. }) { 1.0 } else { parameter.high() - parameter.low() };
     clap_event_param_value {
         header: clap_event_header {

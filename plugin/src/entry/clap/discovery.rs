@@ -17,7 +17,7 @@ use pyrophone_settings::preset::FACTORY;
 use pyrophone_settings::{Library, Preset};
 use pyrophone_training::store;
 
-/// Makes the only provider.
+/// Factory of the only provider.
 pub static PROVIDERS: clap_preset_discovery_factory =
     clap_preset_discovery_factory { count: Some(count), get_descriptor: Some(descriptor_at), create: Some(create) };
 
@@ -75,7 +75,7 @@ unsafe extern "C" fn init(provider: *const clap_preset_discovery_provider) -> bo
         description: c"Readable settings of Pyrophone".as_ptr(),
         file_extension: EXTENSION.as_ptr(),
     };
-    // SAFETY: a live indexer, which copies what it is told.
+    // SAFETY: a live indexer, which copies its arguments.
     if !unsafe { declare_filetype(indexer, &filetype) } {
         return false;
     }
@@ -86,13 +86,13 @@ unsafe extern "C" fn init(provider: *const clap_preset_discovery_provider) -> bo
             None => (CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN, std::ptr::null()),
         };
         let place = clap_preset_discovery_location { flags, name: name.as_ptr(), kind, location };
-        // SAFETY: a live indexer, which copies what it is told.
+        // SAFETY: a live indexer, which copies its arguments.
         unsafe { declare_location(indexer, &place) }
     };
     if !declare(CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT, c"Pyrophone factory presets", factory_folder()) {
         return false;
     }
-    // Hosts refuse folders that are not there, and there is none until something was saved.
+    // Hosts reject folders that do not exist, and there is none until something was saved.
     match Library::of_user().map(|library| library.folder().to_owned()).filter(|folder| folder.is_dir()) {
         Some(folder) => declare(CLAP_PRESET_DISCOVERY_IS_USER_CONTENT, c"Pyrophone user presets", Some(folder)),
         None => true,
@@ -110,7 +110,7 @@ fn factory_folder() -> Option<PathBuf> {
         if std::fs::read_to_string(&path).is_ok_and(|found| found == *text) {
             continue;
         }
-        // Another host may be reading it.
+        // Replaced atomically, because another host may be reading it.
         let mut file = tempfile::NamedTempFile::new_in(&folder).ok()?;
         file.write_all(text.as_bytes()).ok()?;
         file.persist(&path).ok()?;
@@ -130,10 +130,10 @@ unsafe extern "C" fn get_extension(
     std::ptr::null()
 }
 
-/// Tells the host of a preset; whether it wants to hear more.
+/// Reports a preset to the host; returns false if the host wants no more.
 ///
 /// # Safety
-/// A live receiver of the host.
+/// `receiver` is the host's, and live.
 unsafe fn tell(
     receiver: &clap_preset_discovery_metadata_receiver,
     preset: &Preset,
@@ -145,7 +145,7 @@ unsafe fn tell(
     let key = key.map(text);
     let key = key.as_ref().map_or(std::ptr::null(), |key| key.as_ptr());
     let plugin = clap_universal_plugin_id { abi: c"clap".as_ptr(), id: super::descriptor().clap_id().as_ptr() };
-    // SAFETY: a live receiver, which copies what it is told.
+    // SAFETY: a live receiver, which copies its arguments.
     unsafe {
         if !receiver.begin_preset.is_some_and(|begin| begin(receiver, name.as_ptr(), key)) {
             return false;

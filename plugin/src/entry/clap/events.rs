@@ -1,8 +1,8 @@
-//! Events that carry values of parameters, between the host's scale and the framework's.
+//! Events with values of parameters, converted between the host's scale and the framework's.
 //!
-//! The framework counts whole numbers from 0. Those that are never automated are shown to hosts as they are
-//! ([`params`](super::params)), so that their values are shifted on the way in and out. Messages of MIDI controllers
-//! become values on the way in ([`controllers`](super::controllers)).
+//! The framework counts whole numbers from 0. Those that are never automated are shown to hosts with their plain values
+//! ([`params`](super::params)), so their values are shifted on the way in and out. Messages of MIDI controllers become
+//! values on the way in ([`controllers`](super::controllers)).
 
 use std::ffi::c_void;
 
@@ -35,12 +35,12 @@ impl Incoming<'_> {
     }
 }
 
-/// The event as one that sets a parameter whose values are shifted, and by how much.
+/// The event, if it sets a parameter whose values are shifted, and the size of the shift.
 ///
 /// # Safety
 /// `event` is null or a live event.
 unsafe fn shifted(event: *const clap_event_header) -> Option<(clap_event_param_value, f64)> {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let header = unsafe { event.as_ref() }?;
     if header.space_id != CLAP_CORE_EVENT_SPACE_ID || header.type_ != CLAP_EVENT_PARAM_VALUE {
         return None;
@@ -53,14 +53,14 @@ unsafe fn shifted(event: *const clap_event_header) -> Option<(clap_event_param_v
 unsafe extern "C" fn size(list: *const clap_input_events) -> u32 {
     // SAFETY: made in `translated`, and used only within it.
     let incoming = unsafe { &*(*list).ctx.cast::<Incoming<'_>>() };
-    // SAFETY: held by `translated` for this call alone.
+    // SAFETY: `translated` holds it for this call alone.
     incoming.count() + unsafe { &(*incoming.scratch).messages }.added()
 }
 
 unsafe extern "C" fn get(list: *const clap_input_events, index: u32) -> *const clap_event_header {
     // SAFETY: made in `translated`, and used only within it.
     let incoming = unsafe { &*(*list).ctx.cast::<Incoming<'_>>() };
-    // SAFETY: held by `translated` for this call alone.
+    // SAFETY: `translated` holds it for this call alone.
     let scratch = unsafe { &mut *incoming.scratch };
     let own = match scratch.messages.at(incoming.controllers, index) {
         Place::Value { index, share, time } => event_of(index, share, time),
@@ -72,7 +72,7 @@ unsafe extern "C" fn get(list: *const clap_input_events, index: u32) -> *const c
             own
         }
     };
-    // Older events than the framework looks at are overwritten.
+    // Events older than the framework's lookahead are overwritten.
     std::ptr::from_ref(&scratch.events[index as usize % IN_USE].insert(own).header)
 }
 
@@ -92,8 +92,8 @@ unsafe extern "C" fn try_push(list: *const clap_output_events, event: *const cla
     }
 }
 
-/// Calls `work` with lists that shift values and follow MIDI controllers, in place of the host's; real-time safe. Lists
-/// that are null stay null.
+/// Calls `work` with lists that shift values and follow MIDI controllers, in place of the host's; real-time safe. Null
+/// lists stay null.
 ///
 /// # Safety
 /// The lists are null or live as long as the call.
@@ -105,16 +105,16 @@ pub unsafe fn translated<T>(
 ) -> T {
     // Processing and flushing exclude each other by CLAP's rules; a host that breaks them gets its own lists.
     let Ok(mut scratch) = guard.events.try_lock() else { return work(incoming, outgoing) };
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let (host_in, host_out) = unsafe { (incoming.as_ref(), outgoing.as_ref()) };
     let controllers = &guard.instance.params.controllers;
     let context = host_in.map(|host| Incoming { host, controllers, scratch: &raw mut *scratch });
     if let Some(context) = &context {
-        // SAFETY: the host's events, and the scratch that is held here.
+        // SAFETY: the host's events, and the scratch locked above.
         unsafe { (*context.scratch).messages.read(controllers, context.count(), |place| context.event(place)) };
         // Before all other events that go out, because a list is in order of time.
         if let Some((host, push)) = host_out.and_then(|host| Some((host, host.try_push?))) {
-            // SAFETY: the scratch that is held here.
+            // SAFETY: the scratch locked above.
             for moved in unsafe { &(*context.scratch).messages }.moved(controllers) {
                 // SAFETY: the host's own list, which copies the event.
                 unsafe { push(host, &moved.header) };

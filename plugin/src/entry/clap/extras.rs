@@ -1,4 +1,4 @@
-//! Indications of mapping and automation, and what a host's context menu offers for a parameter.
+//! Indications of mapping and automation, and our entries in a host's context menu of a parameter.
 
 use std::ffi::{CStr, c_char};
 
@@ -17,10 +17,10 @@ use super::guard::Guard;
 use crate::entry::indication::Automation;
 use crate::entry::instance::index_of_numeric;
 
-/// What the host says about parameters.
+/// Mapping and automation state of parameters, as reported by the host.
 pub static INDICATION: clap_plugin_param_indication =
     clap_plugin_param_indication { set_mapping: Some(set_mapping), set_automation: Some(set_automation) };
-/// What a host's context menu offers.
+/// Our entries in a host's context menu.
 pub static CONTEXT_MENU: clap_plugin_context_menu =
     clap_plugin_context_menu { populate: Some(populate), perform: Some(perform) };
 
@@ -45,11 +45,11 @@ unsafe extern "C" fn set_automation(plugin: *const clap_plugin, id: clap_id, sta
     }
 }
 
-/// Something that the menu does to a parameter.
+/// Action of a menu entry on a parameter.
 struct Action {
     id: clap_id,
     label: &'static CStr,
-    /// The plain value that the parameter at a place of the table gets; none where it has no such value.
+    /// The plain value for the parameter at an index of the table; none if the action does not apply.
     value: fn(usize) -> Option<f64>,
 }
 
@@ -58,12 +58,12 @@ const ACTIONS: [Action; 2] = [
     Action { id: 2, label: c"Set to the paper's value", value: |index| PARAMETERS[index].paper },
 ];
 
-/// The parameter that is meant, by its place in the table.
+/// The target parameter, by its index in the table.
 ///
 /// # Safety
 /// `target` is null or live.
 unsafe fn parameter_of(target: *const clap_context_menu_target) -> Option<usize> {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let target = unsafe { target.as_ref() }.filter(|target| target.kind == CLAP_CONTEXT_MENU_TARGET_KIND_PARAM)?;
     index_of_numeric(target.id)
 }
@@ -78,7 +78,7 @@ unsafe extern "C" fn populate(
     let Some((builder, add_item)) = builder.and_then(|builder| Some((builder, builder.add_item?))) else {
         return false;
     };
-    // For the plug-in as a whole the host's own entries are all there is.
+    // The menu of the plug-in as a whole has the host's own entries only.
     let Some(index) = index else { return true };
     ACTIONS.iter().filter(|action| (action.value)(index).is_some()).all(|action| {
         let entry = clap_context_menu_entry { label: action.label.as_ptr(), is_enabled: true, action_id: action.id };

@@ -1,4 +1,4 @@
-//! The guard of the framework's plug-in: what every extension starts from.
+//! The guard of the framework's plug-in: the starting point of every extension.
 
 use std::ffi::CStr;
 use std::sync::Mutex;
@@ -14,11 +14,11 @@ use super::scratch::Scratch;
 use crate::entry::buses::Buses;
 use crate::entry::instance::Instance;
 
-/// Guards the framework's plug-in. It has the same data pointer, by which the framework's functions find their own,
-/// so that those which need no guard are simply called with it.
+/// Guard of the framework's plug-in. It has the same data pointer, by which the framework's functions find their own
+/// object, so functions that need no guard are called with it directly.
 #[repr(C)]
 pub struct Guard {
-    /// What the host calls. It comes first: a pointer to it is a pointer to the guard.
+    /// The plug-in as called by the host. It comes first: a pointer to it is a pointer to the guard.
     pub(super) clap: clap_plugin,
     /// The framework's functions.
     pub(super) inner: clap_plugin,
@@ -35,7 +35,7 @@ impl Guard {
     /// # Safety
     /// `plugin` is null or was made by [`create`](super::plugin::create) and is not destroyed.
     pub unsafe fn of<'a>(plugin: *const clap_plugin) -> Option<&'a Self> {
-        // SAFETY: by the caller's word, and the guard begins with what the host calls.
+        // SAFETY: guaranteed by the caller; the guard begins with the host's plug-in.
         unsafe { plugin.cast::<Self>().as_ref() }
     }
 
@@ -50,7 +50,7 @@ impl Guard {
     /// `T` is the extension's type.
     unsafe fn inner_extension<T>(&self, id: &CStr) -> Option<&T> {
         let get = self.inner.get_extension?;
-        // SAFETY: a live plug-in; by the caller's word.
+        // SAFETY: a live plug-in; guaranteed by the caller.
         unsafe { get(self.plugin(), id.as_ptr()).cast::<T>().as_ref() }
     }
 
@@ -83,7 +83,7 @@ impl Guard {
     /// # Safety
     /// `T` is the extension's type, and the plug-in is initialised.
     pub unsafe fn host_extension<T>(&self, id: &CStr) -> Option<&T> {
-        // SAFETY: the host outlives its plug-ins; by the caller's word.
+        // SAFETY: the host outlives its plug-ins; guaranteed by the caller.
         unsafe { ((*self.host).get_extension?)(self.host, id.as_ptr()).cast::<T>().as_ref() }
     }
 

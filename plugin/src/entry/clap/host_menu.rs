@@ -1,4 +1,4 @@
-//! What a CLAP host offers in the menu of a parameter.
+//! A CLAP host's entries in the menu of a parameter.
 
 use std::ffi::{CStr, c_char, c_void};
 
@@ -30,7 +30,7 @@ impl ClapMenu {
     }
 
     fn extension(&self) -> Option<&clap_host_context_menu> {
-        // SAFETY: by the word given to `new`; the ids' type.
+        // SAFETY: guaranteed by the caller of `new`; the ids' type.
         unsafe {
             let get = (*self.host).get_extension?;
             let find = |id: &CStr| get(self.host, id.as_ptr()).cast::<clap_host_context_menu>().as_ref();
@@ -72,7 +72,7 @@ unsafe fn words(text: *const c_char) -> String {
     if text.is_null() {
         return String::new();
     }
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
 }
 
@@ -87,7 +87,7 @@ unsafe extern "C" fn add_item(
 ) -> bool {
     // SAFETY: made in `lines`, and used only within it.
     let lines = unsafe { &mut *(*builder).ctx.cast::<Vec<Line>>() };
-    // SAFETY: data is of the type that its kind says, where that has any, and lives as long as the call.
+    // SAFETY: data is of the type given by its kind, if any, and lives as long as the call.
     let line = unsafe {
         match kind {
             CLAP_CONTEXT_MENU_ITEM_SEPARATOR => Some(Line::Separator),

@@ -1,10 +1,10 @@
-//! The CLAP entry, and what a host finds in the library.
+//! The CLAP entry, and everything a host finds in the library.
 //!
-//! | module | is |
+//! | module | content |
 //! |---|---|
-//! | [`plugin`], [`guard`] | the effect as the host holds it, and what every extension starts from |
-//! | [`params`], [`events`] | parameters, and the events that carry their values |
-//! | [`scale`], [`scratch`] | their values as hosts count them, and room for events of our own |
+//! | [`plugin`], [`guard`] | the effect as the host sees it, and the starting point of every extension |
+//! | [`params`], [`events`] | parameters, and the events with their values |
+//! | [`scale`], [`scratch`] | the host's scale of their values, and memory for our own events |
 //! | [`controllers`] | MIDI controllers that move them |
 //! | [`ports`] | layouts and loudspeakers |
 //! | [`saving`] | states, and presets loaded by a host |
@@ -39,7 +39,7 @@ use nice_plug::wrapper::setup_logger;
 
 use crate::Pyrophone;
 
-/// What a host looks for first.
+/// Symbol that hosts look up first.
 #[unsafe(no_mangle)]
 #[used]
 #[allow(non_upper_case_globals, reason = "CLAP's name for it")]

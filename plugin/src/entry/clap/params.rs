@@ -1,8 +1,8 @@
 //! Parameters as CLAP hosts see them.
 //!
-//! Choices are enumerations; they, switches and whole numbers are not modulated, which would make no sense between
-//! two of them. Whole numbers that are never automated (levels, window, feature, half-width) have their plain values.
-//! The other ones (`vortex_sources`) keep the framework's, which count from 0: hosts have stored automation in them.
+//! Choices are enumerations; they, switches and whole numbers are not modulated, because values between two of them
+//! make no sense. Whole numbers that are never automated (levels, window, feature, half-width) have their plain values.
+//! The other ones (`vortex_sources`) keep the framework's values, counted from 0: hosts have stored automation in them.
 
 use std::ffi::{CStr, c_char};
 
@@ -17,7 +17,7 @@ use super::guard::Guard;
 use super::scale::shift;
 use crate::entry::instance::index_of_numeric;
 
-/// Parameters, with the framework's behind them.
+/// Extension for parameters, on top of the framework's.
 pub static PARAMS: clap_plugin_params = clap_plugin_params {
     count: Some(count),
     get_info: Some(get_info),
@@ -32,13 +32,13 @@ fn whole(index: usize, value: f64) -> f64 {
     if matches!(PARAMETERS[index].kind, Kind::Float { .. }) { value } else { value.round() }
 }
 
-/// Brings a value of the framework's to the host's scale.
+/// Converts a value from the framework's scale to the host's.
 ///
 /// # Safety
 /// `value` is valid for reading and writing.
 unsafe fn to_host(id: clap_id, value: *mut f64) {
     if let Some(index) = index_of_numeric(id) {
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         unsafe { *value = whole(index, *value + shift(id).unwrap_or(0.0)) };
     }
 }
@@ -46,23 +46,23 @@ unsafe fn to_host(id: clap_id, value: *mut f64) {
 unsafe extern "C" fn count(plugin: *const clap_plugin) -> u32 {
     // SAFETY: a live plug-in.
     let guard = unsafe { Guard::of(plugin) };
-    // SAFETY: likewise.
+    // SAFETY: as above.
     guard.and_then(|guard| guard.params()?.count).map_or(0, |count| unsafe { count(plugin) })
 }
 
 unsafe extern "C" fn get_info(plugin: *const clap_plugin, index: u32, info: *mut clap_param_info) -> bool {
-    // The framework panics at the index behind the last.
+    // The framework panics at the index after the last.
     // SAFETY: a live plug-in.
     if info.is_null() || index >= unsafe { count(plugin) } {
         return false;
     }
     // SAFETY: a live plug-in.
     let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.params()?.get_info) else { return false };
-    // SAFETY: a live plug-in and a place to write to.
+    // SAFETY: a live plug-in and a writable location.
     if !unsafe { get(plugin, index, info) } {
         return false;
     }
-    // SAFETY: written to just now.
+    // SAFETY: just written.
     let info = unsafe { &mut *info };
     if let Some(index) = index_of_numeric(info.id) {
         let kind = PARAMETERS[index].kind;
@@ -83,10 +83,10 @@ unsafe extern "C" fn get_info(plugin: *const clap_plugin, index: u32, info: *mut
 unsafe extern "C" fn get_value(plugin: *const clap_plugin, id: clap_id, value: *mut f64) -> bool {
     // SAFETY: a live plug-in.
     let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.params()?.get_value) else { return false };
-    // SAFETY: a live plug-in; null is refused there.
+    // SAFETY: a live plug-in; the function rejects null.
     let is_known = unsafe { get(plugin, id, value) };
     if is_known {
-        // SAFETY: written to just now.
+        // SAFETY: just written.
         unsafe { to_host(id, value) };
     }
     is_known
@@ -106,7 +106,7 @@ unsafe extern "C" fn value_to_text(
     let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.params()?.value_to_text) else {
         return false;
     };
-    // SAFETY: a live plug-in and room for `size` bytes; null is refused there.
+    // SAFETY: a live plug-in and room for `size` bytes; the function rejects null.
     unsafe { get(plugin, id, value - shift(id).unwrap_or(0.0), text, size) }
 }
 
@@ -124,10 +124,10 @@ unsafe extern "C" fn text_to_value(
     if text.is_null() || unsafe { CStr::from_ptr(text) }.to_str().is_err() {
         return false;
     }
-    // SAFETY: a live plug-in and a text; null is refused there.
+    // SAFETY: a live plug-in and a text; the function rejects null.
     let is_understood = unsafe { get(plugin, id, text, value) };
     if is_understood {
-        // SAFETY: written to just now.
+        // SAFETY: just written.
         unsafe { to_host(id, value) };
     }
     is_understood

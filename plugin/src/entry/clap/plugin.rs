@@ -1,4 +1,4 @@
-//! The effect as a CLAP host holds it.
+//! The effect as a CLAP host sees it.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::Arc;
@@ -31,17 +31,17 @@ use crate::Pyrophone;
 use crate::entry::buses::{Buses, MAX_INPUTS};
 use crate::entry::instance;
 
-/// A new plug-in; null where the framework makes none.
+/// A new plug-in; null where the framework creates none.
 ///
 /// # Safety
 /// The host outlives the plug-in.
 pub unsafe fn create(host: *const clap_host) -> *const clap_plugin {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let wrapper = unsafe { Wrapper::<Pyrophone>::new(host) };
     let Some(instance) = instance::take_announced() else { return std::ptr::null() };
-    // The framework's `destroy` takes this reference back.
+    // The framework's `destroy` releases this reference.
     let wrapper = Arc::into_raw(wrapper);
-    // SAFETY: alive until it is destroyed; its functions and data pointer do not change any more.
+    // SAFETY: alive until it is destroyed; its functions and data pointer no longer change.
     let inner = unsafe { *(*wrapper).clap_plugin.as_ptr() };
     let clap = clap_plugin {
         desc: super::descriptor().clap_plugin_descriptor(),
@@ -52,7 +52,7 @@ pub unsafe fn create(host: *const clap_host) -> *const clap_plugin {
         ..inner
     };
     let (events, buses) = (Mutex::default(), Mutex::new(None));
-    // SAFETY: it is taken away again before the plug-in is destroyed, which the host outlives.
+    // SAFETY: it is removed before the plug-in is destroyed, which the host outlives.
     instance.params.host_menu.set_provider(Some(Box::new(unsafe { ClapMenu::new(host) })));
     let guard = Box::new(Guard { clap, inner, host, instance, events, buses });
     std::ptr::from_ref(&Box::leak(guard).clap)
@@ -85,7 +85,7 @@ unsafe extern "C" fn activate(plugin: *const clap_plugin, sample_rate: f64, leas
     if !unsafe { activate(plugin, sample_rate, least, most) } {
         return false;
     }
-    // Here and nowhere else CLAP lets a plug-in say so. A host that has never asked need not be told.
+    // CLAP allows a plug-in to report this only here. A host that has never asked needs no report.
     if before.is_some_and(|before| before != guard.latency_samples()) {
         // SAFETY: the id's type; active plug-ins are initialised.
         let host_latency = unsafe { guard.host_extension::<clap_host_latency>(CLAP_EXT_LATENCY) };
@@ -105,7 +105,7 @@ unsafe fn channel(buses: *const clap_audio_buffer, count: u32, bus: usize, chann
     if buses.is_null() || bus >= count as usize {
         return std::ptr::null_mut();
     }
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let bus = unsafe { &*buses.add(bus) };
     if bus.data32.is_null() || channel >= bus.channel_count as usize {
         return std::ptr::null_mut();
@@ -153,7 +153,7 @@ unsafe extern "C" fn process(plugin: *const clap_plugin, block: *const clap_proc
         return CLAP_PROCESS_ERROR;
     };
     let Some(process) = guard.inner.process else { return CLAP_PROCESS_ERROR };
-    // Nobody else holds them while the plug-in is active, but for a host that breaks the rules.
+    // Uncontended while the plug-in is active, unless a host breaks the rules.
     let mut buses = match guard.buses.try_lock() {
         Ok(buses) => buses,
         Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),

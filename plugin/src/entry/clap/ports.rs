@@ -32,7 +32,7 @@ pub static AUDIO_PORTS: clap_plugin_audio_ports = clap_plugin_audio_ports { coun
 /// Layouts, with their ports' types.
 pub static AUDIO_PORTS_CONFIG: clap_plugin_audio_ports_config =
     clap_plugin_audio_ports_config { count: Some(layout_count), get: Some(layout), select: Some(select) };
-/// Layouts by the channels that a host asks for.
+/// Layouts by the host's requested numbers of channels.
 pub static CONFIGURABLE: clap_plugin_configurable_audio_ports =
     clap_plugin_configurable_audio_ports { can_apply_configuration: Some(can_apply), apply_configuration: Some(apply) };
 /// Loudspeakers.
@@ -59,7 +59,7 @@ fn loudspeakers(channels: u32) -> &'static [u32] {
 unsafe extern "C" fn count(plugin: *const clap_plugin, is_input: bool) -> u32 {
     // SAFETY: a live plug-in.
     let guard = unsafe { Guard::of(plugin) };
-    // SAFETY: likewise.
+    // SAFETY: as above.
     guard.and_then(|guard| guard.audio_ports()?.count).map_or(0, |count| unsafe { count(plugin, is_input) })
 }
 
@@ -75,21 +75,21 @@ unsafe extern "C" fn port(
     }
     // SAFETY: a live plug-in.
     let Some(get) = (unsafe { Guard::of(plugin) }).and_then(|guard| guard.audio_ports()?.get) else { return false };
-    // SAFETY: a live plug-in and a place to write to.
+    // SAFETY: a live plug-in and a writable location.
     if !unsafe { get(plugin, index, is_input, info) } {
         return false;
     }
-    // SAFETY: written to just now.
+    // SAFETY: just written.
     let info = unsafe { &mut *info };
     info.port_type = port_type(info.channel_count);
     true
 }
 
-/// Channels of a port at present; none where there is no such port.
+/// Current channels of a port; none for a port that does not exist.
 fn channels(guard: &Guard, index: u32, is_input: bool) -> Option<u32> {
-    // SAFETY: all fields are numbers or null pointers, for which zero is a value.
+    // SAFETY: all fields are numbers or null pointers, for which zero is valid.
     let mut info: clap_audio_port_info = unsafe { std::mem::zeroed() };
-    // SAFETY: a live plug-in and a place to write to.
+    // SAFETY: a live plug-in and a writable location.
     unsafe { port(guard.plugin(), index, is_input, &mut info) }.then_some(info.channel_count)
 }
 
@@ -113,11 +113,11 @@ unsafe extern "C" fn layout(plugin: *const clap_plugin, index: u32, config: *mut
     }
     // SAFETY: a live plug-in.
     let get = unsafe { Guard::of(plugin) }.and_then(|guard| guard.audio_ports_config()?.get);
-    // SAFETY: a live plug-in and a place to write to.
+    // SAFETY: a live plug-in and a writable location.
     if !get.is_some_and(|get| unsafe { get(plugin, index, config) }) {
         return false;
     }
-    // SAFETY: written to just now.
+    // SAFETY: just written.
     let config = unsafe { &mut *config };
     config.main_input_port_type = port_type(config.main_input_channel_count);
     config.main_output_port_type = port_type(config.main_output_channel_count);
@@ -143,7 +143,7 @@ fn widths(layout: &AudioIOLayout) -> Widths {
     [count(layout.main_input_channels), sidechain, count(layout.main_output_channels)]
 }
 
-/// Whether a request's type is that of its number of channels, and its loudspeakers, where it names them, are ours.
+/// True if a request's type fits its number of channels, and its loudspeakers, where given, are ours.
 ///
 /// # Safety
 /// Its type is null or a text, and the details of a surround port are null or a loudspeaker for each channel.
@@ -152,7 +152,7 @@ unsafe fn is_form_known(request: &clap_audio_port_configuration_request) -> bool
     if request.port_type.is_null() || own.is_null() {
         return request.port_type.is_null();
     }
-    // SAFETY: by the caller's word, and a text of CLAP's own.
+    // SAFETY: guaranteed by the caller, and a text of CLAP's own.
     let (asked, own) = unsafe { (CStr::from_ptr(request.port_type), CStr::from_ptr(own)) };
     if asked != own {
         return false;
@@ -160,12 +160,12 @@ unsafe fn is_form_known(request: &clap_audio_port_configuration_request) -> bool
     if asked != CLAP_PORT_SURROUND || request.port_details.is_null() {
         return true;
     }
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let map = unsafe { std::slice::from_raw_parts(request.port_details.cast::<u8>(), request.channel_count as usize) };
     map.iter().map(|loudspeaker| u32::from(*loudspeaker)).eq(loudspeakers(request.channel_count).iter().copied())
 }
 
-/// The layout that the requests lead to from the present one, by its place in the list.
+/// The layout that results from the current one and the requests, by its index in the list.
 ///
 /// # Safety
 /// `requests` is null or has `count` entries.
@@ -175,7 +175,7 @@ unsafe fn wanted(guard: &Guard, requests: *const clap_audio_port_configuration_r
     }
     let present = declared(guard);
     let mut wanted: Widths = [present.inputs[0] as u32, present.inputs[1] as u32, present.output as u32];
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     for request in unsafe { std::slice::from_raw_parts(requests, count as usize) } {
         let place = match (request.is_input, request.port_index) {
             (true, index @ 0..=1) => index as usize,

@@ -21,7 +21,7 @@ use crate::entry::state;
 
 /// States.
 pub static STATE: clap_plugin_state = clap_plugin_state { save: Some(save), load: Some(load) };
-/// States, by what they are for: they are the same for presets, copies and projects.
+/// Extension for states with a purpose: they are the same for presets, copies and projects.
 pub static STATE_CONTEXT: clap_plugin_state_context =
     clap_plugin_state_context { save: Some(save_for), load: Some(load_for) };
 /// Presets that a host loads.
@@ -71,7 +71,7 @@ fn load_json(guard: &Guard, json: &[u8]) -> bool {
 /// # Safety
 /// `stream` is a live stream of the host.
 unsafe fn write_all(stream: *const clap_ostream, mut bytes: &[u8]) -> bool {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let Some(write) = (unsafe { stream.as_ref() }).and_then(|stream| stream.write) else { return false };
     while !bytes.is_empty() {
         // SAFETY: a live stream, and bytes to read.
@@ -119,7 +119,7 @@ unsafe extern "C" fn load_for(
     unsafe { load(plugin, stream) }
 }
 
-/// The preset at a place that the host names, or why there is none.
+/// The preset at a location given by the host, or the reason for its absence.
 ///
 /// # Safety
 /// The texts are null or live.
@@ -129,7 +129,7 @@ unsafe fn preset_at(
     key: *const c_char,
 ) -> Result<Preset, String> {
     let text = |text: *const c_char| {
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         (!text.is_null()).then(|| unsafe { CStr::from_ptr(text) }.to_str().ok()).flatten()
     };
     match (kind, text(location), text(key)) {
@@ -145,7 +145,7 @@ unsafe fn preset_at(
     }
 }
 
-/// Brings the parameters to a preset's values; recording and window stay.
+/// Sets the parameters to a preset's values; recording and window stay.
 fn apply(guard: &Guard, preset: &Preset) -> Option<()> {
     let present: serde_json::Value = serde_json::from_slice(&saved(guard)?).ok()?;
     let session = pyrophone_settings::Session::default();

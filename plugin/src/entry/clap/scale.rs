@@ -5,8 +5,7 @@ use pyrophone_settings::{Kind, PARAMETERS};
 
 use crate::entry::instance::index_of_numeric;
 
-/// By how much a parameter's values are larger for the host than for the framework; none where they are the same;
-/// real-time safe.
+/// The offset from the framework's to the host's value of a parameter; none where they are the same; real-time safe.
 pub fn shift(id: clap_id) -> Option<f64> {
     let parameter = &PARAMETERS[index_of_numeric(id)?];
     match parameter.kind {

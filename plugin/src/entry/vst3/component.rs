@@ -1,4 +1,4 @@
-//! The effect as a VST3 host holds it: component, processor and controller in one object, as the framework has them.
+//! The effect as a VST3 host sees it: component, processor and controller in one object, as in the framework.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -71,11 +71,11 @@ impl Component {
         }))
     }
 
-    /// Channels of a bus as the effect has it now; 0 where there is none.
+    /// Current channels of a bus; 0 for a bus that does not exist.
     fn channels(&self, direction: BusDirection, index: int32) -> usize {
-        // SAFETY: all fields are numbers, for which zero is a value.
+        // SAFETY: all fields are numbers, for which zero is valid.
         let mut info: BusInfo = unsafe { std::mem::zeroed() };
-        // SAFETY: a live component and a place to write to.
+        // SAFETY: a live component and a writable location.
         let result = unsafe { IComponentTrait::getBusInfo(self, AUDIO, direction, index, &mut info) };
         if result == kResultOk { usize::try_from(info.channelCount).unwrap_or(0).min(MAX_CHANNELS) } else { 0 }
     }
@@ -88,10 +88,10 @@ impl Component {
         Declared { inputs, output: self.channels(OUTPUT, 0) }
     }
 
-    /// The pending values as plain ones, by place in the table.
+    /// The pending values as plain ones, by index in the table.
     ///
     /// The framework converts them, because it rounds in 32 bits: near the middle between two steps the table's own
-    /// conversion, in 64 bits, gives the other one, and a state saved before the next block would differ from one
+    /// conversion, in 64 bits, gives the other step, and a state saved before the next block would differ from one
     /// saved after it.
     fn pending_plain(&self) -> Vec<(usize, f64)> {
         let plain = |(index, normalised): (usize, f64)| {
@@ -102,11 +102,11 @@ impl Component {
         self.pending.all().into_iter().map(plain).collect()
     }
 
-    /// Hands over what the host has set while sound ran and no block has carried, now that none will.
+    /// Delivers values that the host has set during playback and no block has carried, now that none will.
     pub(super) fn settle_pending(&self) {
         for (index, normalised) in self.pending.take_all() {
             let id = numeric_id(pyrophone_settings::PARAMETERS[index].id);
-            // SAFETY: a live controller; it stores values at once while nothing is processed.
+            // SAFETY: a live controller; it stores values at once while processing is off.
             unsafe { self.controller.setParamNormalized(id, normalised) };
         }
     }
@@ -153,17 +153,17 @@ impl IComponentTrait for Component {
     }
 
     unsafe fn getBusInfo(&self, kind: MediaType, direction: BusDirection, index: int32, info: *mut BusInfo) -> tresult {
-        // The framework takes indices below 0 for the sidechain.
+        // The framework treats negative indices as the sidechain.
         // SAFETY: a live component.
         if info.is_null() || !(0..unsafe { self.getBusCount(kind, direction) }).contains(&index) {
             return kInvalidArgument;
         }
-        // SAFETY: a live component and a place to write to.
+        // SAFETY: a live component and a writable location.
         unsafe { self.component.getBusInfo(kind, direction, index, info) }
     }
 
     unsafe fn getRoutingInfo(&self, from: *mut RoutingInfo, to: *mut RoutingInfo) -> tresult {
-        // SAFETY: a live component; null is refused there.
+        // SAFETY: a live component; the function rejects null.
         unsafe { self.component.getRoutingInfo(from, to) }
     }
 
@@ -175,7 +175,7 @@ impl IComponentTrait for Component {
     unsafe fn setActive(&self, state: TBool) -> tresult {
         if state != 0 {
             let buses = Buses::new(self.declared(), self.max_block.load(Ordering::Relaxed));
-            // A host that activates in mid-block waits for the block's end here, as the framework has it do.
+            // A host that activates in mid-block waits for the block's end here, as in the framework.
             *self.buses.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(buses);
         }
         // SAFETY: a live component.
@@ -194,7 +194,7 @@ impl IComponentTrait for Component {
         // SAFETY: a live component and a live stream.
         let result = unsafe { self.component.setState(pointer(&copy)) };
         if result == kResultOk {
-            // What was set before belongs to what was there before.
+            // Values set earlier belong to the previous state.
             self.pending.take_all();
         }
         result

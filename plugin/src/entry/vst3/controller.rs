@@ -23,7 +23,7 @@ use crate::entry::instance::{NUMERIC_IDS, index_of_numeric};
 use crate::host_menu::Provider;
 
 impl Component {
-    /// A controller has moved while nothing plays; otherwise the next block carries it.
+    /// Applies a controller's movement while playback is stopped; otherwise the next block carries it.
     fn move_controller(&self, number: u8, position: f64) {
         if self.is_processing.load(Ordering::SeqCst) {
             return;
@@ -31,7 +31,7 @@ impl Component {
         let assigned = &self.instance.params.controllers;
         self.controllers.set_position(assigned, number, position);
         for index in assigned.targets(number) {
-            // SAFETY: a live controller; it stores values at once while nothing is processed.
+            // SAFETY: a live controller; it stores values at once while processing is off.
             unsafe { self.controller.setParamNormalized(NUMERIC_IDS[index], value_at(index, position)) };
         }
     }
@@ -44,12 +44,12 @@ impl IEditControllerTrait for Component {
     }
 
     unsafe fn setState(&self, state: *mut IBStream) -> tresult {
-        // SAFETY: a live controller; it keeps nothing of its own.
+        // SAFETY: a live controller; it stores nothing itself.
         unsafe { IEditControllerTrait::setState(&self.controller, state) }
     }
 
     unsafe fn getState(&self, state: *mut IBStream) -> tresult {
-        // SAFETY: a live controller; it keeps nothing of its own.
+        // SAFETY: a live controller; it stores nothing itself.
         unsafe { IEditControllerTrait::getState(&self.controller, state) }
     }
 
@@ -62,18 +62,18 @@ impl IEditControllerTrait for Component {
         if info.is_null() || index < 0 {
             return kInvalidArgument;
         }
-        // The framework panics at the index behind the last.
+        // The framework panics at the index after the last.
         if let Some(number) = (index as usize).checked_sub(COUNT) {
             let Some(number) = u8::try_from(number).ok().filter(|number| *number < CONTROLLERS) else {
                 return kInvalidArgument;
             };
-            // SAFETY: a place to write to.
+            // SAFETY: a writable location.
             describe(number, unsafe { &mut *info });
             return kResultOk;
         }
-        // SAFETY: a live controller and a place to write to.
+        // SAFETY: a live controller and a writable location.
         let result = unsafe { self.controller.getParameterInfo(index, info) };
-        // SAFETY: written to just now.
+        // SAFETY: just written.
         let info = unsafe { &mut *info };
         if result == kResultOk
             && let Some(index) = index_of_numeric(info.id)
@@ -92,27 +92,27 @@ impl IEditControllerTrait for Component {
             return kInvalidArgument;
         }
         if number_of(id).is_some() {
-            // SAFETY: a place to write to.
+            // SAFETY: a writable location.
             text::write(&format!("{:.0}", 127.0 * value.clamp(0.0, 1.0)), unsafe { &mut *string });
             return kResultOk;
         }
-        // SAFETY: a live controller and a place to write to.
+        // SAFETY: a live controller and a writable location.
         let result = unsafe { self.controller.getParamStringByValue(id, value, string) };
         if result == kResultOk
             && let Some(index) = index_of_numeric(id)
             && !PARAMETERS[index].unit.is_empty()
         {
-            // SAFETY: written to just now.
+            // SAFETY: just written.
             let string = unsafe { &mut *string };
             let whole = text::read(string);
-            // Hosts put the unit behind it themselves.
+            // Hosts append the unit themselves.
             text::write(whole.strip_suffix(PARAMETERS[index].unit).map_or(whole.as_str(), str::trim_end), string);
         }
         result
     }
 
     unsafe fn getParamValueByString(&self, id: ParamID, string: *mut TChar, value: *mut ParamValue) -> tresult {
-        // SAFETY: a live controller; null is refused there.
+        // SAFETY: a live controller; the function rejects null.
         unsafe { self.controller.getParamValueByString(id, string, value) }
     }
 
@@ -148,7 +148,8 @@ impl IEditControllerTrait for Component {
             if self.pending.is_echo(index, value) {
                 return kResultOk;
             }
-            // The engines get it with the next block, at its sample; until then it is what the host reads and saves.
+            // The engines receive it with the next block, at its sample; until then this is the value that the host
+            // reads and saves.
             self.pending.set(index, value);
             return kResultOk;
         }
@@ -157,16 +158,16 @@ impl IEditControllerTrait for Component {
     }
 
     unsafe fn setComponentHandler(&self, handler: *mut IComponentHandler) -> tresult {
-        // SAFETY: null or a live handler, of which a reference is kept.
+        // SAFETY: null or a live handler, to which a reference is kept.
         let own = unsafe { ComRef::from_raw(handler) }.and_then(|handler| handler.cast::<IComponentHandler3>());
         let menu = own.map(|handler| Box::new(Vst3Menu::new(handler, self.view.clone())) as Box<dyn Provider>);
         self.instance.params.host_menu.set_provider(menu);
-        // SAFETY: a live controller; null takes the handler away.
+        // SAFETY: a live controller; null removes the handler.
         unsafe { self.controller.setComponentHandler(handler) }
     }
 
     unsafe fn createView(&self, name: FIDString) -> *mut IPlugView {
-        // SAFETY: a live controller, which gives a view and one reference to it, or null.
+        // SAFETY: a live controller, which returns a view with one reference, or null.
         let view = unsafe { ComPtr::from_raw(self.controller.createView(name)) };
         let view = view.and_then(|view| View::new(view, self.view.clone()).to_com_ptr::<IPlugView>());
         view.map_or(std::ptr::null_mut(), ComPtr::into_raw)
@@ -186,7 +187,7 @@ impl IMidiMappingTrait for Component {
         }
         let number = u8::try_from(controller).ok().filter(|number| *number < CONTROLLERS);
         let Some(number) = number.filter(|_| bus == 0 && (0..16).contains(&channel)) else { return kResultFalse };
-        // SAFETY: a place to write to.
+        // SAFETY: a writable location.
         unsafe { id.write(id_of(number)) };
         kResultOk
     }
@@ -200,10 +201,10 @@ impl IUnitInfoTrait for Component {
     }
 
     unsafe fn getUnitInfo(&self, index: int32, info: *mut UnitInfo) -> tresult {
-        // SAFETY: null or a place to write to.
+        // SAFETY: null or a writable location.
         let Some(place) = (unsafe { info.as_mut() }) else { return kInvalidArgument };
         if index == 0 {
-            // SAFETY: all fields are numbers, for which zero is a value.
+            // SAFETY: all fields are numbers, for which zero is valid.
             *place = unsafe { std::mem::zeroed() };
             (place.id, place.parentUnitId, place.programListId) = (kRootUnitId, kNoParentUnitId, kNoProgramListId);
             text::write("Pyrophone", &mut place.name);
@@ -213,7 +214,7 @@ impl IUnitInfoTrait for Component {
         if !(0..unsafe { self.getUnitCount() }).contains(&index) {
             return kInvalidArgument;
         }
-        // SAFETY: a live object and a place to write to.
+        // SAFETY: a live object and a writable location.
         unsafe { self.units.getUnitInfo(index - 1, info) }
     }
 

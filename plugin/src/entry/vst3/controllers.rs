@@ -1,7 +1,7 @@
 //! MIDI controllers, which VST3 hosts know as parameters alone.
 //!
-//! Each controller is a hidden parameter, to which every MIDI channel of it is mapped. Where a block moves one, the
-//! framework gets values of the parameters that follow it, beside the host's own, and the host is told what came of it.
+//! Each controller is a hidden parameter, to which it is mapped on every MIDI channel. Where a block moves one, the
+//! framework receives values of the assigned parameters, beside the host's own, and the host receives the result.
 
 use std::sync::atomic::{AtomicI32, AtomicPtr, AtomicU16, AtomicU32, Ordering};
 
@@ -19,9 +19,9 @@ use super::text;
 use crate::controllers::{Controllers, value_at};
 use crate::entry::instance::NUMERIC_IDS;
 
-/// Id of controller 0's parameter; the others follow it. A promise to hosts: projects may hold automation of them.
+/// Id of controller 0's parameter; the others follow it. It must never change: projects may hold automation of them.
 const FIRST_ID: ParamID = 0x7fff_0000;
-/// Most values that a block brings to one parameter; of more, the last stands for the rest.
+/// Maximum number of values per block for one parameter; beyond it, the last one replaces the rest.
 const MOST: usize = 64;
 
 /// Id of the parameter that a controller is.
@@ -34,9 +34,9 @@ pub fn number_of(id: ParamID) -> Option<u8> {
     id.checked_sub(FIRST_ID).and_then(|number| u8::try_from(number).ok()).filter(|number| *number < CONTROLLERS)
 }
 
-/// What there is to say of a controller's parameter.
+/// Fills in the description of a controller's parameter.
 pub fn describe(number: u8, info: &mut ParameterInfo) {
-    // SAFETY: all fields are numbers, for which zero is a value.
+    // SAFETY: all fields are numbers, for which zero is valid.
     *info = unsafe { std::mem::zeroed() };
     info.id = id_of(number);
     info.unitId = kRootUnitId;
@@ -46,7 +46,7 @@ pub fn describe(number: u8, info: &mut ParameterInfo) {
     text::write(&name, &mut info.shortTitle);
 }
 
-/// The values that a block brings to one parameter. The audio thread alone writes and reads them.
+/// The values that a block brings to one parameter. Only the audio thread writes and reads them.
 struct Queue {
     id: ParamID,
     offsets: [AtomicI32; MOST],
@@ -96,7 +96,7 @@ impl IParamValueQueueTrait for Queue {
     unsafe fn getPoint(&self, index: int32, offset: *mut int32, value: *mut ParamValue) -> tresult {
         let point = usize::try_from(index).ok().and_then(|place| self.point(place));
         let Some((at, to)) = point.filter(|_| !offset.is_null() && !value.is_null()) else { return kInvalidArgument };
-        // SAFETY: places to write to.
+        // SAFETY: writable locations.
         unsafe {
             offset.write(at);
             value.write(to);
@@ -109,13 +109,13 @@ impl IParamValueQueueTrait for Queue {
     }
 }
 
-/// A block's changes: the host's, and behind them those that controllers make.
+/// A block's changes: the host's, followed by those of the controllers.
 struct Changes {
     host: AtomicPtr<IParameterChanges>,
-    /// By the parameter's place in the table.
+    /// By the parameter's index in the table.
     queues: Vec<ComWrapper<Queue>>,
     pointers: Vec<ComPtr<IParamValueQueue>>,
-    /// Places of the parameters that controllers move in this block.
+    /// Indices of the parameters that controllers move in this block.
     moved: [AtomicU16; COUNT],
     moved_count: AtomicU32,
 }
@@ -169,7 +169,7 @@ impl IParameterChangesTrait for Changes {
     }
 }
 
-/// Controllers of an instance: where they stand, and what they move in the block under way.
+/// Controllers of an instance: their positions, and the parameters they move in the current block.
 pub struct ControllerInput {
     /// Positions, by number.
     positions: [AtomicF64; CONTROLLERS as usize],
@@ -192,24 +192,24 @@ impl Default for ControllerInput {
 }
 
 impl ControllerInput {
-    /// Where a controller stands, 0-1.
+    /// Position of a controller, 0-1.
     pub fn position(&self, number: u8) -> f64 {
         self.positions[usize::from(number)].load(Ordering::Relaxed)
     }
 
-    /// Notes where a controller stands; a parameter that waits for one takes it. Real-time safe.
+    /// Sets a controller's position, which completes a pending MIDI learn. Real-time safe.
     pub fn set_position(&self, controllers: &Controllers, number: u8, position: f64) {
         controllers.hear(number);
         self.positions[usize::from(number)].store(position.clamp(0.0, 1.0), Ordering::Relaxed);
     }
 
-    /// Reads a block's changes and gives those that the framework is to have; real-time safe.
+    /// Reads a block's changes and returns those for the framework; real-time safe.
     ///
     /// # Safety
     /// `host` is null or live until [`finish`](Self::finish).
     pub unsafe fn follow(&self, controllers: &Controllers, host: *mut IParameterChanges) -> *mut IParameterChanges {
         self.finish();
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         let Some(changes) = (unsafe { ComRef::from_raw(host) }) else { return host };
         self.changes.host.store(host, Ordering::Relaxed);
         // SAFETY: live changes, whose queues live as long as they do.
@@ -228,9 +228,9 @@ impl ControllerInput {
     /// A live queue.
     unsafe fn follow_one(&self, controllers: &Controllers, number: u8, queue: &ComRef<'_, IParamValueQueue>) {
         let (mut offset, mut position) = (0, 0.0);
-        // SAFETY: by the caller's word, and places to write to.
+        // SAFETY: guaranteed by the caller; writable locations.
         for point in 0..unsafe { queue.getPointCount() } {
-            // SAFETY: likewise.
+            // SAFETY: as above.
             let result = unsafe { queue.getPoint(point, &mut offset, &mut position) };
             if result != kResultOk || !position.is_finite() {
                 continue;
@@ -240,21 +240,21 @@ impl ControllerInput {
         }
     }
 
-    /// Places of the parameters that the block's controllers move, and their values at its end; real-time safe.
+    /// Indices of the parameters that the block's controllers move, and their values at its end; real-time safe.
     pub fn moved(&self) -> impl Iterator<Item = (usize, f64)> {
         self.changes.moved().filter_map(|index| Some((index, self.changes.queues[index].last()?.1)))
     }
 
-    /// Tells the host what has moved, as far as it listens; real-time safe where the host is.
+    /// Reports the moved parameters to the host, if it accepts reports; real-time safe where the host is.
     ///
     /// # Safety
     /// `outputs` is null or live.
     pub unsafe fn tell(&self, outputs: *mut IParameterChanges) {
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         let Some(outputs) = (unsafe { ComRef::from_raw(outputs) }) else { return };
         for (index, value) in self.moved() {
             let mut place = 0;
-            // SAFETY: live changes, which give null or a queue that lives as long; places to read from and to write to.
+            // SAFETY: live changes, which return null or a queue that lives as long; readable and writable locations.
             unsafe {
                 let queue = outputs.addParameterData(&NUMERIC_IDS[index], &mut place);
                 if let Some(queue) = ComRef::from_raw(queue) {

@@ -1,9 +1,9 @@
-//! The window's frame as the framework sees it: the host's, with a run loop whose handlers are signed off.
+//! The window's frame as the framework sees it: the host's, with a run loop that unregisters its handlers.
 //!
-//! nice-plug 0.4.2 makes an event handler for each view that holds a reference to itself and would sign off when it
-//! is dropped, which therefore never happens: two descriptors and a view's worth of memory are lost for each window.
-//! So the frame keeps the list of handlers, and when the view lets go of the frame they are signed off and that
-//! reference is given back for them.
+//! nice-plug 0.4.2 creates an event handler for each view; it holds a reference to itself and would unregister when
+//! dropped, which therefore never happens: two descriptors and a view's worth of memory are lost for each window. So
+//! the frame keeps the list of handlers; when the view releases the frame, they are unregistered and that reference is
+//! released for them.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -13,7 +13,7 @@ use vst3::Steinberg::{
 };
 use vst3::{Class, ComPtr};
 
-/// Stands between the framework's view and the host's frame.
+/// Adapter between the framework's view and the host's frame.
 pub struct Frame {
     host: ComPtr<IPlugFrame>,
     run_loop: Option<ComPtr<IRunLoop>>,
@@ -39,8 +39,8 @@ impl Frame {
         self.handlers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Signs all handlers off and gives back the references that they hold to themselves. To be called once the
-    /// framework's view has let go of the frame.
+    /// Unregisters all handlers and releases the references that they hold to themselves. To be called once the
+    /// framework's view has released the frame.
     pub fn sign_off(&self) {
         let handlers = std::mem::take(&mut *self.list());
         for handler in handlers {
@@ -49,7 +49,7 @@ impl Frame {
                 // SAFETY: a live run loop, and a handler that was signed on with it and is alive by its own reference.
                 unsafe { run_loop.unregisterEventHandler(handler) };
             }
-            // SAFETY: this is the reference that the handler's maker has leaked into it; nobody else gives it back.
+            // SAFETY: this is the reference that the handler's creator has leaked into it; nothing else releases it.
             drop(unsafe { ComPtr::from_raw(handler) });
         }
     }
@@ -81,7 +81,7 @@ impl IRunLoopTrait for Frame {
     }
 
     unsafe fn unregisterEventHandler(&self, handler: *mut IEventHandler) -> tresult {
-        // What was signed off already says so once more when it is dropped; it must not reach the host again.
+        // A handler unregistered here does so again when it is dropped; that must not reach the host.
         let mut list = self.list();
         let Some(place) = list.iter().position(|known| *known == handler as usize) else { return kResultOk };
         list.remove(place);

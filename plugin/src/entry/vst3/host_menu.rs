@@ -1,4 +1,4 @@
-//! What a VST3 host offers in the menu of a parameter.
+//! A VST3 host's entries in the menu of a parameter.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicPtr, Ordering};
@@ -16,14 +16,14 @@ use super::text;
 use crate::entry::instance::NUMERIC_IDS;
 use crate::host_menu::{Line, Provider};
 
-/// Address of the view that is open; null where there is none.
+/// Address of the open view; null if there is none.
 pub type OpenView = Arc<AtomicPtr<IPlugView>>;
 
 /// The host of one instance.
 pub struct Vst3Menu {
     handler: ComPtr<IComponentHandler3>,
     view: OpenView,
-    /// The menu that was asked for last: what is chosen of it is done by it.
+    /// The menu requested last: it performs the chosen entry.
     menu: Option<(usize, ComPtr<IContextMenu>)>,
 }
 
@@ -31,7 +31,7 @@ pub struct Vst3Menu {
 unsafe impl Send for Vst3Menu {}
 
 impl Vst3Menu {
-    /// A host with this handler, for whatever view is open.
+    /// A host with this handler, for any open view.
     pub fn new(handler: ComPtr<IComponentHandler3>, view: OpenView) -> Self {
         Self { handler, view, menu: None }
     }
@@ -56,9 +56,9 @@ impl Provider for Vst3Menu {
 
     fn perform(&mut self, index: usize, action: i32) {
         let Some((_, menu)) = self.menu.as_ref().filter(|(of, _)| *of == index) else { return };
-        // SAFETY: all fields are numbers, for which zero is a value.
+        // SAFETY: all fields are numbers, for which zero is valid.
         let (mut item, mut target): (IContextMenuItem, _) = (unsafe { std::mem::zeroed() }, std::ptr::null_mut());
-        // SAFETY: a live menu on the main thread, places to write to; the target lives as long as the menu.
+        // SAFETY: a live menu on the main thread, writable locations; the target lives as long as the menu.
         unsafe {
             if menu.getItem(action, &mut item, &mut target) == kResultOk
                 && let Some(target) = ComRef::from_raw(target)
@@ -69,18 +69,18 @@ impl Provider for Vst3Menu {
     }
 }
 
-/// A line of the menu; the number by which it is known is its place.
+/// A line of the menu; its index serves as the action's number.
 fn line(menu: &ComPtr<IContextMenu>, place: i32) -> Option<Line> {
-    // SAFETY: all fields are numbers, for which zero is a value.
+    // SAFETY: all fields are numbers, for which zero is valid.
     let (mut item, mut target): (IContextMenuItem, _) = (unsafe { std::mem::zeroed() }, std::ptr::null_mut());
-    // SAFETY: a live menu, and places to write to.
+    // SAFETY: a live menu, and writable locations.
     if unsafe { menu.getItem(place, &mut item, &mut target) } != kResultOk {
         return None;
     }
     #[allow(clippy::unnecessary_cast, reason = "the type of flags is another one on Windows")]
     let has = |flags: Flags| item.flags as u32 & flags as u32 == flags as u32;
     let label = text::read(&item.name);
-    // Groups are marked by two flags, of which each has a meaning alone.
+    // Groups are marked by two flags, each of which has a different meaning alone.
     Some(if has(Flags_::kIsGroupStart) {
         Line::Begin(label)
     } else if has(Flags_::kIsGroupEnd) {

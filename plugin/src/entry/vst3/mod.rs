@@ -1,15 +1,15 @@
-//! The VST3 factory, and what a host finds in the library.
+//! The VST3 factory, and everything a host finds in the library.
 //!
-//! | module | is |
+//! | module | content |
 //! |---|---|
-//! | [`component`] | the effect as the host holds it |
+//! | [`component`] | the effect as the host sees it |
 //! | [`processor`] | arrangements, set-up, blocks |
 //! | [`controller`] | parameters and their groups |
 //! | [`controllers`] | MIDI controllers that move parameters |
 //! | [`pending`] | values set on the main thread that no block has carried yet |
 //! | [`host_menu`] | what the host adds to the window's menus |
 //! | [`view`], [`frame`] | the window and the run loop around it |
-//! | [`stream`], [`text`] | states and texts as VST3 has them |
+//! | [`stream`], [`text`] | states and texts in VST3's form |
 
 mod component;
 mod controller;
@@ -36,11 +36,11 @@ use vst3::{Class, ComWrapper};
 use crate::Pyrophone;
 use component::Component;
 
-/// Makes effects.
+/// Creator of effects.
 struct Factory(PluginInfo);
 
 impl Factory {
-    /// Writes what there is to say of the only class.
+    /// Writes the description of the only class.
     ///
     /// # Safety
     /// `place` is null or valid for a write.
@@ -48,7 +48,7 @@ impl Factory {
         if index != 0 || place.is_null() {
             return kInvalidArgument;
         }
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         unsafe { place.write(info(&self.0)) };
         kResultOk
     }
@@ -60,7 +60,7 @@ impl Class for Factory {
 
 impl IPluginFactoryTrait for Factory {
     unsafe fn getFactoryInfo(&self, info: *mut PFactoryInfo) -> tresult {
-        // SAFETY: null or a place to write to.
+        // SAFETY: null or a writable location.
         unsafe { self.describe(0, info, PluginInfo::create_factory_info) }
     }
 
@@ -69,7 +69,7 @@ impl IPluginFactoryTrait for Factory {
     }
 
     unsafe fn getClassInfo(&self, index: int32, info: *mut PClassInfo) -> tresult {
-        // SAFETY: null or a place to write to.
+        // SAFETY: null or a writable location.
         unsafe { self.describe(index, info, PluginInfo::create_class_info) }
     }
 
@@ -77,7 +77,7 @@ impl IPluginFactoryTrait for Factory {
         if class.is_null() || interface.is_null() || object.is_null() {
             return kInvalidArgument;
         }
-        // SAFETY: a place to write to.
+        // SAFETY: a writable location.
         unsafe { object.write(std::ptr::null_mut()) };
         // SAFETY: ids of classes have sixteen bytes.
         if unsafe { &*class.cast::<[u8; 16]>() } != self.0.cid {
@@ -86,21 +86,21 @@ impl IPluginFactoryTrait for Factory {
         let Some(component) = Component::new() else { return kOutOfMemory };
         let Some(unknown) = component.as_com_ref::<FUnknown>() else { return kOutOfMemory };
         let unknown = unknown.as_ptr();
-        // SAFETY: a live object, an id of sixteen bytes and a place to write to.
+        // SAFETY: a live object, an id of sixteen bytes and a writable location.
         unsafe { ((*(*unknown).vtbl).queryInterface)(unknown, interface.cast::<TUID>(), object) }
     }
 }
 
 impl IPluginFactory2Trait for Factory {
     unsafe fn getClassInfo2(&self, index: int32, info: *mut PClassInfo2) -> tresult {
-        // SAFETY: null or a place to write to.
+        // SAFETY: null or a writable location.
         unsafe { self.describe(index, info, PluginInfo::create_class_info_2) }
     }
 }
 
 impl IPluginFactory3Trait for Factory {
     unsafe fn getClassInfoUnicode(&self, index: int32, info: *mut PClassInfoW) -> tresult {
-        // SAFETY: null or a place to write to.
+        // SAFETY: null or a writable location.
         unsafe { self.describe(index, info, PluginInfo::create_class_info_unicode) }
     }
 
@@ -129,7 +129,7 @@ pub extern "C" fn ModuleEntry(_library: *mut c_void) -> bool {
     enter()
 }
 
-/// Linux: the library is about to be unloaded.
+/// Linux: called before the library is unloaded.
 #[cfg(all(target_family = "unix", not(target_os = "macos")))]
 #[unsafe(no_mangle)]
 pub extern "C" fn ModuleExit() -> bool {
@@ -143,7 +143,7 @@ pub extern "C" fn bundleEntry(_bundle: *mut c_void) -> bool {
     enter()
 }
 
-/// macOS: the bundle is about to be unloaded.
+/// macOS: called before the bundle is unloaded.
 #[cfg(target_os = "macos")]
 #[unsafe(no_mangle)]
 pub extern "C" fn bundleExit() -> bool {
@@ -157,7 +157,7 @@ pub extern "system" fn InitDll() -> bool {
     enter()
 }
 
-/// Windows: the library is about to be unloaded.
+/// Windows: called before the library is unloaded.
 #[cfg(target_os = "windows")]
 #[unsafe(no_mangle)]
 pub extern "system" fn ExitDll() -> bool {

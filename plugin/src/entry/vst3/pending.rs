@@ -1,8 +1,8 @@
 //! Values that a host has set on its main thread and no block has carried yet.
 //!
-//! While sound runs, a VST3 host tells a change twice: to the controller at once, and to the processor with the next
-//! block. Between the two the engines rightly play the old value, but what the host reads and saves is the new one.
-//! Values that the effect itself has told the host of come back as well; no block carries those.
+//! During playback, a VST3 host reports a change twice: to the controller at once, and to the processor with the next
+//! block. Between the two the engines rightly use the old value, but the value that the host reads and saves is the new
+//! one. Values reported by the effect itself come back as well; no block carries those.
 
 use std::sync::atomic::{AtomicU8, AtomicU32, AtomicU64, Ordering};
 
@@ -11,16 +11,16 @@ use pyrophone_settings::PARAMETERS;
 
 /// Bits of no normalised value: not a number.
 const NONE: u64 = u64::MAX;
-/// Blocks with changes of a parameter after which the value set on the main thread is the older one, whatever it was.
+/// Blocks with changes of a parameter after which the value set on the main thread is obsolete, whatever it was.
 const BLOCKS: u8 = 2;
 
-/// Values told to the host of each parameter that are remembered: hosts hand them back in their own time.
+/// Reported values remembered for each parameter: hosts return them with delay.
 const TOLD: usize = 32;
 
 struct Slot {
     bits: AtomicU64,
     blocks: AtomicU8,
-    /// The latest values that the host was told, as 32-bit floats, and how many there were.
+    /// The latest values reported to the host, as 32-bit floats, and their count.
     told: [AtomicF32; TOLD],
     told_count: AtomicU32,
 }
@@ -58,7 +58,7 @@ impl PendingValues {
         (bits != NONE).then(|| f64::from_bits(bits))
     }
 
-    /// Notes a value that the host is told, and that stands in place of any that was pending; real-time safe.
+    /// Remembers a value reported to the host, which replaces any pending one; real-time safe.
     pub fn tell(&self, index: usize, normalised: f64) {
         let slot = &self.0[index];
         let place = slot.told_count.fetch_add(1, Ordering::Relaxed) as usize % TOLD;
@@ -66,7 +66,7 @@ impl PendingValues {
         slot.bits.store(NONE, Ordering::Release);
     }
 
-    /// Whether a value that the host sets is one that it was told not long ago.
+    /// True if a value set by the host is one that was reported to it recently.
     pub fn is_echo(&self, index: usize, normalised: f64) -> bool {
         let is_it = |told: &AtomicF32| (f64::from(told.load(Ordering::Relaxed)) - normalised).abs() < 1e-6;
         self.0[index].told.iter().any(is_it)
@@ -80,15 +80,15 @@ impl PendingValues {
             return;
         }
         let blocks = slot.blocks.fetch_add(1, Ordering::Relaxed) + 1;
-        // Hosts hand values on as 32-bit floats now and then.
+        // Hosts sometimes pass values on as 32-bit floats.
         let is_it = (f64::from_bits(bits) - normalised).abs() < 1e-6;
         if is_it || blocks >= BLOCKS {
-            // Where the host has set yet another value meanwhile, that one stays.
+            // A value that the host has set meanwhile stays.
             let _ = slot.bits.compare_exchange(bits, NONE, Ordering::AcqRel, Ordering::Relaxed);
         }
     }
 
-    /// Takes all values, by place in the table.
+    /// Removes and returns all values, by index in the table.
     pub fn take_all(&self) -> Vec<(usize, f64)> {
         let take = |(index, slot): (usize, &Slot)| {
             let bits = slot.bits.swap(NONE, Ordering::AcqRel);
@@ -97,7 +97,7 @@ impl PendingValues {
         self.0.iter().enumerate().filter_map(take).collect()
     }
 
-    /// All values, by place in the table; they stay.
+    /// All values, by index in the table; they stay.
     pub fn all(&self) -> Vec<(usize, f64)> {
         (0..self.0.len()).filter_map(|index| Some((index, self.get(index)?))).collect()
     }

@@ -18,7 +18,7 @@ use crate::entry::instance::index_of_numeric;
 
 const SAMPLE_32: int32 = SymbolicSampleSizes_::kSample32 as int32;
 
-/// Loudspeakers that the effect names when it is asked; others of the same number would be accepted and not reported.
+/// Loudspeaker arrangements reported to the host; others with as many channels would be accepted and not reported.
 const ARRANGEMENTS: [SpeakerArrangement; 4] =
     [SpeakerArr::kMono, SpeakerArr::kStereo, SpeakerArr::k50, SpeakerArr::k51];
 
@@ -29,25 +29,25 @@ unsafe fn are_known(arrangements: *const SpeakerArrangement, count: int32) -> bo
     if arrangements.is_null() {
         return false;
     }
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let arrangements = unsafe { std::slice::from_raw_parts(arrangements, count) };
     arrangements.iter().all(|arrangement| ARRANGEMENTS.contains(arrangement))
 }
 
-/// A bus of the host, if it has one at this place.
+/// A bus of the host, if it exists.
 ///
 /// # Safety
 /// `buses` is null or has `count` entries.
 unsafe fn bus<'a>(buses: *const AudioBusBuffers, count: int32, index: usize) -> Option<&'a AudioBusBuffers> {
     let is_there = !buses.is_null() && usize::try_from(count).is_ok_and(|count| index < count);
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     is_there.then(|| unsafe { &*buses.add(index) })
 }
 
 /// A channel of a bus, null where it is missing.
 fn channel(bus: Option<&AudioBusBuffers>, index: usize) -> *mut f32 {
     let Some(bus) = bus else { return std::ptr::null_mut() };
-    // SAFETY: with samples of 32 bits, which is checked before, this is the union's field.
+    // SAFETY: this is the union's field for 32-bit samples, which the caller has checked.
     let channels = unsafe { bus.__field0.channelBuffers32 };
     if channels.is_null() || usize::try_from(bus.numChannels).map_or(true, |count| index >= count) {
         return std::ptr::null_mut();
@@ -73,14 +73,14 @@ fn bus_of(pointers: &mut [*mut f32]) -> AudioBusBuffers {
 }
 
 impl Component {
-    /// Notes which of the values that the host has set on its main thread come with this block; real-time safe.
+    /// Notes which values set on the host's main thread arrive with this block; real-time safe.
     ///
     /// # Safety
     /// The block's changes are null or live.
     unsafe fn pass_changes(&self, data: &ProcessData) {
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         let Some(changes) = (unsafe { ComRef::from_raw(data.inputParameterChanges) }) else { return };
-        // SAFETY: live changes; queues live as long as they do, and places to write to.
+        // SAFETY: live changes; queues live as long as they do; writable locations.
         unsafe {
             for index in 0..changes.getParameterCount() {
                 let Some(queue) = ComRef::from_raw(changes.getParameterData(index)) else { continue };
@@ -96,10 +96,10 @@ impl Component {
         }
     }
 
-    /// Plays a block with channels that are all there.
+    /// Processes a block after replacing missing channels.
     ///
     /// # Safety
-    /// As [`IAudioProcessorTrait::process`] has it for the host.
+    /// The conditions of [`IAudioProcessorTrait::process`].
     unsafe fn process_guarded(&self, data: &mut ProcessData, buses: &mut Buses) -> tresult {
         let declared = buses.declared();
         for index in 0..MAX_INPUTS {
@@ -114,7 +114,7 @@ impl Component {
         let [main, sidechain] = &mut buses.inputs;
         let mut guarded_inputs =
             [bus_of(&mut main[..declared.inputs[0]]), bus_of(&mut sidechain[..declared.inputs[1]])];
-        // The framework looks at one bus more than there is.
+        // The framework reads one bus more than there is.
         let mut guarded_outputs = [bus_of(&mut buses.output[..declared.output]), empty_bus()];
         let mut guarded = ProcessData { ..*data };
         guarded.numInputs = inputs as int32;
@@ -131,16 +131,16 @@ impl Component {
         // SAFETY: null or the host's changes.
         unsafe { self.controllers.tell(data.outputParameterChanges) };
         self.controllers.finish();
-        // SAFETY: the host's buses; channels beyond those declared must not keep what was in them.
+        // SAFETY: the host's buses; channels beyond those declared must not keep old samples.
         unsafe { silence_rest(data, declared.output) };
         result
     }
 }
 
-/// Silences output channels of the host that the effect does not have.
+/// Silences output channels of the host beyond those of the effect.
 ///
 /// # Safety
-/// As [`IAudioProcessorTrait::process`] has it for the host.
+/// The conditions of [`IAudioProcessorTrait::process`].
 unsafe fn silence_rest(data: &mut ProcessData, channels: usize) {
     let samples = usize::try_from(data.numSamples).unwrap_or(0);
     for index in 0..usize::try_from(data.numOutputs).unwrap_or(0) {
@@ -156,7 +156,7 @@ unsafe fn silence_rest(data: &mut ProcessData, channels: usize) {
             }
         }
         if !data.outputs.is_null() {
-            // SAFETY: the host's bus; what is said of its silence is of the block before.
+            // SAFETY: the host's bus; its silence flags still describe the previous block.
             unsafe { (*data.outputs.add(index)).silenceFlags = 0 };
         }
     }
@@ -174,7 +174,7 @@ impl IAudioProcessorTrait for Component {
         if !unsafe { are_known(inputs, input_count) && are_known(outputs, output_count) } {
             return kResultFalse;
         }
-        // The framework compares the sidechain with the main input and takes any for it.
+        // The framework compares the sidechain with the main input, and would accept any arrangement.
         // SAFETY: two entries, by the count.
         if input_count == 2 && unsafe { *inputs != *inputs.add(1) } {
             return kResultFalse;
@@ -189,12 +189,12 @@ impl IAudioProcessorTrait for Component {
         index: int32,
         arrangement: *mut SpeakerArrangement,
     ) -> tresult {
-        // The framework takes indices below 0 for the sidechain.
+        // The framework treats negative indices as the sidechain.
         // SAFETY: a live component.
         if arrangement.is_null() || !(0..unsafe { self.component.getBusCount(AUDIO, direction) }).contains(&index) {
             return kInvalidArgument;
         }
-        // SAFETY: a live processor and a place to write to.
+        // SAFETY: a live processor and a writable location.
         unsafe { self.processor.getBusArrangement(direction, index, arrangement) }
     }
 
@@ -219,8 +219,8 @@ impl IAudioProcessorTrait for Component {
             return kResultFalse;
         }
         self.max_block.store(asked.maxSamplesPerBlock as usize, Ordering::Relaxed);
-        // Twice: the framework hands a new process mode to the effect only with the set-up after it, so that a host
-        // that renders offline was taken for one that plays.
+        // Twice: the framework passes a new process mode to the effect only at the following set-up, so an offline
+        // render would count as real time.
         // SAFETY: a live processor and the host's set-up.
         unsafe {
             self.processor.setupProcessing(setup);
@@ -244,7 +244,7 @@ impl IAudioProcessorTrait for Component {
         if data.symbolicSampleSize != SAMPLE_32 || data.numSamples < 0 {
             return kInvalidArgument;
         }
-        // Nobody else holds it while the effect is active, but for a host that breaks the rules.
+        // Uncontended while the effect is active, unless a host breaks the rules.
         let mut buses = match self.buses.try_lock() {
             Ok(buses) => buses,
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),

@@ -7,12 +7,12 @@ use vst3::Steinberg::IBStream_::IStreamSeekMode_::{kIBSeekCur, kIBSeekEnd, kIBSe
 use vst3::Steinberg::{IBStream, IBStreamTrait, int32, int64, kInvalidArgument, kResultFalse, kResultOk, tresult};
 use vst3::{Class, ComRef, ComWrapper};
 
-/// Longest state that is read: an embedded recording, and room to spare.
+/// Longest state accepted: an embedded recording, with a margin.
 const MAX_BYTES: usize = 1 << 30;
 /// Bytes read at once.
 const PIECE: usize = 1 << 16;
 
-/// A stream in memory, used by the thread that made it only.
+/// A stream in memory, used only by the thread that created it.
 pub struct MemoryStream {
     bytes: RefCell<Vec<u8>>,
     position: Cell<usize>,
@@ -35,20 +35,20 @@ pub fn pointer(stream: &ComWrapper<MemoryStream>) -> *mut IBStream {
     stream.as_com_ref::<IBStream>().map_or(std::ptr::null_mut(), |stream| stream.as_ptr())
 }
 
-/// All that is left in a host's stream. Some hosts give fewer bytes than asked for, some answer with an error at the
-/// end: only the number of bytes counts.
+/// The rest of a host's stream. Some hosts return fewer bytes than requested, some return an error at the end: only the
+/// number of bytes counts.
 ///
 /// # Safety
 /// `stream` is null or a live stream.
 pub unsafe fn read_all(stream: *mut IBStream) -> Option<Vec<u8>> {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let stream = unsafe { ComRef::from_raw(stream) }?;
     let mut bytes = Vec::new();
     loop {
         let start = bytes.len();
         bytes.resize(start + PIECE, 0);
         let mut done: int32 = 0;
-        // SAFETY: room for a piece, and a place to write to.
+        // SAFETY: room for a piece, and a writable location.
         unsafe { stream.read(bytes[start..].as_mut_ptr().cast(), PIECE as int32, &mut done) };
         let done = usize::try_from(done).unwrap_or(0).min(PIECE);
         bytes.truncate(start + done);
@@ -61,19 +61,19 @@ pub unsafe fn read_all(stream: *mut IBStream) -> Option<Vec<u8>> {
     }
 }
 
-/// Writes all bytes; whether the host has taken them.
+/// Writes all bytes; returns false if the host did not accept them.
 ///
 /// # Safety
 /// `stream` is null or a live stream.
 pub unsafe fn write_all(stream: *mut IBStream, mut bytes: &[u8]) -> bool {
-    // SAFETY: by the caller's word.
+    // SAFETY: guaranteed by the caller.
     let Some(stream) = (unsafe { ComRef::from_raw(stream) }) else { return false };
     while !bytes.is_empty() {
         let count = bytes.len().min(PIECE);
         let mut done: int32 = 0;
-        // SAFETY: `count` bytes to read, which a stream does not change, and a place to write to.
+        // SAFETY: `count` readable bytes, which a stream does not change, and a writable location.
         let result = unsafe { stream.write(bytes.as_ptr().cast_mut().cast(), count as int32, &mut done) };
-        // Some hosts do not say how much they took.
+        // Some hosts do not report the number of bytes written.
         let done = if done <= 0 && result == kResultOk { count } else { usize::try_from(done).unwrap_or(0).min(count) };
         if result != kResultOk || done == 0 {
             return false;
@@ -91,7 +91,7 @@ impl Class for MemoryStream {
 /// `place` is null or valid for a write.
 unsafe fn write_if_wanted<T>(place: *mut T, value: T) {
     if !place.is_null() {
-        // SAFETY: by the caller's word.
+        // SAFETY: guaranteed by the caller.
         unsafe { place.write(value) };
     }
 }
@@ -101,7 +101,7 @@ impl IBStreamTrait for MemoryStream {
         let bytes = self.bytes.borrow();
         let rest = bytes.get(self.position.get()..).unwrap_or_default();
         let length = rest.len().min(usize::try_from(count).unwrap_or(0));
-        // SAFETY: the caller gives room for `count` bytes, and `done` is null or a place to write to.
+        // SAFETY: the caller gives room for `count` bytes, and `done` is null or writable.
         unsafe {
             buffer.cast::<u8>().copy_from_nonoverlapping(rest.as_ptr(), length);
             write_if_wanted(done, length as int32);
@@ -117,7 +117,7 @@ impl IBStreamTrait for MemoryStream {
         if bytes.len() < end {
             bytes.resize(end, 0);
         }
-        // SAFETY: the caller gives `count` bytes, and `done` is null or a place to write to.
+        // SAFETY: the caller gives `count` bytes, and `done` is null or writable.
         unsafe {
             bytes[start..end].as_mut_ptr().copy_from_nonoverlapping(buffer.cast::<u8>(), length);
             write_if_wanted(done, count);
@@ -135,13 +135,13 @@ impl IBStreamTrait for MemoryStream {
         };
         let Some(position) = from.checked_add_signed(offset as isize) else { return kResultFalse };
         self.position.set(position);
-        // SAFETY: `result` is null or a place to write to.
+        // SAFETY: `result` is null or writable.
         unsafe { write_if_wanted(result, position as int64) };
         kResultOk
     }
 
     unsafe fn tell(&self, position: *mut int64) -> tresult {
-        // SAFETY: `position` is null or a place to write to.
+        // SAFETY: `position` is null or writable.
         unsafe { write_if_wanted(position, self.position.get() as int64) };
         kResultOk
     }

@@ -2,7 +2,7 @@
 
 use vst3::Steinberg::Vst::String128;
 
-/// Writes a text, cut where there is no room, with a zero at its end.
+/// Writes a text, truncated if necessary, with a terminating zero.
 pub fn write(text: &str, to: &mut String128) {
     let room = to.len() - 1;
     let mut length = 0;

@@ -14,17 +14,17 @@ use vst3::{Class, ComPtr, ComRef, ComWrapper};
 use super::frame::Frame;
 use super::host_menu::OpenView;
 
-/// Passes on what a host asks of its view.
+/// Guard of the framework's view.
 pub struct View {
     inner: ComPtr<IPlugView>,
     /// The address that the host knows this view by.
     address: AtomicPtr<IPlugView>,
     frame: Mutex<Option<ComWrapper<Frame>>>,
-    /// Where the address is left while the view is open.
+    /// Holder of the address while the view is open.
     open: OpenView,
 }
 
-// SAFETY: views are used on the host's main thread only; what is shared is behind a lock.
+// SAFETY: views are used on the host's main thread only; shared data is behind a lock.
 unsafe impl Send for View {}
 // SAFETY: as above.
 unsafe impl Sync for View {}
@@ -43,7 +43,7 @@ impl View {
         self.frame.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes the address away, unless another view has left its own.
+    /// Removes the address, unless it is another view's.
     fn close(&self) {
         let (own, none) = (self.address.load(Ordering::Relaxed), std::ptr::null_mut());
         let _ = self.open.compare_exchange(own, none, Ordering::AcqRel, Ordering::Relaxed);
@@ -109,12 +109,12 @@ impl IPlugViewTrait for View {
     }
 
     unsafe fn getSize(&self, size: *mut ViewRect) -> tresult {
-        // SAFETY: a live view; null is refused there.
+        // SAFETY: a live view; the function rejects null.
         unsafe { self.inner.getSize(size) }
     }
 
     unsafe fn onSize(&self, size: *mut ViewRect) -> tresult {
-        // SAFETY: a live view; null is refused there.
+        // SAFETY: a live view; the function rejects null.
         unsafe { self.inner.onSize(size) }
     }
 
@@ -129,7 +129,7 @@ impl IPlugViewTrait for View {
         let Some(host) = (unsafe { ComRef::from_raw(frame) }) else { return kResultOk };
         let guard = ComWrapper::new(Frame::new(host.to_com_ptr(), self.address.load(Ordering::Relaxed)));
         let pointer = guard.as_com_ref::<IPlugFrame>().map_or(std::ptr::null_mut(), |frame| frame.as_ptr());
-        // SAFETY: a live view, which takes a reference of its own.
+        // SAFETY: a live view, which keeps its own reference.
         let result = unsafe { self.inner.setFrame(pointer) };
         *self.frame() = Some(guard);
         result
@@ -141,7 +141,7 @@ impl IPlugViewTrait for View {
     }
 
     unsafe fn checkSizeConstraint(&self, size: *mut ViewRect) -> tresult {
-        // SAFETY: a live view; null is refused there.
+        // SAFETY: a live view; the function rejects null.
         unsafe { self.inner.checkSizeConstraint(size) }
     }
 }

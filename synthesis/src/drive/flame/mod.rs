@@ -1,4 +1,4 @@
-//! A flame that burns without any input: pressure of simulated scenes, a function of the place on the timeline.
+//! A flame that burns without any input: the pressure of simulated scenes, as a function of position on the timeline.
 
 mod table;
 
@@ -12,17 +12,17 @@ use crate::smoothed::Smoothed;
 /// Time constant in seconds of intensity and wind.
 const SMOOTHING_S: f64 = 0.02;
 
-/// Seconds over which one place gives way to another.
+/// Duration in seconds of a crossfade from one place to another.
 const FADE_S: f64 = 0.05;
 
-/// What burns, and which moment of its period stands at the timeline's start.
+/// The scene that burns, and the time within its period at the timeline's start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Place {
     scene: usize,
     offset_s: f64,
 }
 
-/// Pressure of the scenes that come with the engines.
+/// Pressure of the built-in scenes.
 #[derive(Debug)]
 pub(super) struct Flame {
     sample_rate_hz: f64,
@@ -30,9 +30,9 @@ pub(super) struct Flame {
     intensity: Smoothed,
     wind: Smoothed,
     weights: [f64; WAYS],
-    /// What is heard; nothing yet right after reset.
+    /// The audible place; none right after reset.
     heard: Option<Place>,
-    /// What comes instead, and for how many samples it has been coming.
+    /// The place that replaces it, and the number of samples since that began.
     coming: Option<(Place, usize)>,
     fade_samples: usize,
 }
@@ -57,7 +57,7 @@ impl Flame {
         self.coming = None;
     }
 
-    /// Makes the samples from `position` on.
+    /// Renders the samples from `position` on.
     pub fn process(&mut self, controls: &FlameControls, position: i64, out: &mut [f64]) {
         let wanted = Place {
             scene: controls.scene.min(self.tables.len() - 1),
@@ -99,8 +99,8 @@ impl Flame {
     }
 }
 
-/// How much of each way makes a flame of this intensity, 0-2, in this wind, 0-1. Flux is proportional to the fuel; the
-/// ways differ in their turbulence, so it is their powers that add up.
+/// Share of each variant in a flame of this intensity, 0-2, in this wind, 0-1. Flux is proportional to the fuel; the
+/// variants differ in their turbulence, so their powers add up.
 fn weights(intensity: f64, wind: f64) -> [f64; WAYS] {
     let (plain, windy) = equal_power(wind);
     let mut weights = [0.0; WAYS];
@@ -109,7 +109,8 @@ fn weights(intensity: f64, wind: f64) -> [f64; WAYS] {
     weights
 }
 
-/// Factors of what goes and of what comes at a part of the way, 0-1; at the ends exactly one of the two.
+/// Gain factors of the outgoing and the incoming signal at a share of the way, 0-1; at the ends, exactly one of the
+/// two.
 fn equal_power(part: f64) -> (f64, f64) {
     ((1.0 - part).max(0.0).sqrt(), part.max(0.0).sqrt())
 }

@@ -1,4 +1,4 @@
-//! Simulated flames' flux, as it comes with the engines.
+//! Flux of the built-in simulated flames.
 
 use std::io::Cursor;
 use std::sync::LazyLock;
@@ -6,21 +6,21 @@ use std::sync::LazyLock;
 use super::super::kernel::mitchell_netravali;
 use crate::error::Error;
 
-/// What may burn. Indices are a promise: names are only ever appended.
+/// The scenes. Indices are a promise: names may only be appended.
 pub const SCENES: &[&str] =
     &["candle", "torch", "flame_jet", "burning_brick", "dragon", "campfire", "flamethrower", "explosion"];
 
-/// Ways in which each scene was simulated.
+/// Variants in which each scene was simulated.
 pub const WAYS: usize = 2;
 
 /// Simulated as designed.
 pub const PLAIN: usize = 0;
-/// With twice the wind, motion and turbulence.
+/// The variant with twice the wind, motion and turbulence.
 pub const WINDY: usize = 1;
 
 /// Level of a plain scene's pressure before the high-pass: that of the paper's own signals.
 const RMS: f64 = 0.08;
-/// Largest pressure of a plain scene, where that needs a lower level.
+/// Largest pressure of a plain scene, if that requires a lower level.
 const PEAK: f64 = 0.7;
 
 /// One file per scene, in the order of [`SCENES`]: a WAV whose sample rate is the step rate and whose channels are the
@@ -39,18 +39,18 @@ const FILES: [&[u8]; SCENES.len()] = [
 static TABLES: LazyLock<Result<Vec<Table>, Error>> =
     LazyLock::new(|| SCENES.iter().zip(FILES).map(|(scene, file)| Table::read(scene, file)).collect());
 
-/// All scenes' tables, in the order of [`SCENES`]; read at the first call.
+/// Tables of all scenes, in the order of [`SCENES`]; read at the first call.
 pub fn tables() -> Result<&'static [Table], Error> {
     TABLES.as_deref().map_err(Error::clone)
 }
 
-/// A scene's flux over one period, for every way that it was simulated in.
+/// A scene's flux over one period, for each variant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     rate_hz: f64,
-    /// A period's steps, with what the kernel's taps reach beyond its ends: one step before and two after.
+    /// Steps of a period, with those beyond its ends that the kernel's taps reach: one step before and two after.
     steps: Vec<[f32; WAYS]>,
-    /// From flux per step to pressure.
+    /// Conversion factor from flux per step to pressure.
     gain: f64,
 }
 
@@ -79,7 +79,7 @@ impl Table {
             reader.samples::<i16>().collect::<Result<_, _>>().map_err(|error| broken(error.to_string()))?;
         let period: Vec<[f32; WAYS]> = samples.as_chunks().0.iter().map(|step| step.map(f32::from)).collect();
         if period.len() < 4 {
-            return Err(broken(format!("it has {} steps, which is no period", period.len())));
+            return Err(broken(format!("it has {} steps, which is not a period", period.len())));
         }
         Ok(Self::new(f64::from(spec.sample_rate), period))
     }
@@ -88,7 +88,7 @@ impl Table {
     pub fn pressure(&self, time_s: f64, weights: &[f64; WAYS]) -> f64 {
         let period = self.steps.len() - 3;
         let step = (time_s * self.rate_hz).rem_euclid(period as f64);
-        // The remainder may be rounded up to the period itself.
+        // The remainder may round up to the period itself.
         let first = (step as usize).min(period - 1);
         let part = step - first as f64;
         let mut pressure = 0.0;

@@ -10,7 +10,7 @@ use super::lanes::{Lanes, Machine, STAGE, Work};
 use super::sizes::AXES_MAX;
 use crate::texture::feature::Features;
 
-/// At most this many windows, evenly spread, are used to find the axes.
+/// Largest number of windows, evenly spaced, from which the axes are computed.
 const SAMPLE: usize = 8192;
 /// Windows handled by one task.
 const CHUNK: usize = 4096;
@@ -20,35 +20,35 @@ pub const COLUMNS: usize = 4;
 const GROUP: usize = 16;
 /// Stages in a group.
 const STAGES: usize = GROUP / STAGE;
-/// Part of the variance that a shell's axes may leave out.
+/// Share of the variance that a shell's axes may leave out.
 const LEFT_OUT: f64 = 2e-2;
 
 /// An orthonormal frame of the directions in which features vary most.
 #[derive(Debug, Encode, Decode)]
 pub struct Axes {
     mean: Vec<f64>,
-    /// For each group of axes, for each dimension of a feature, its part in those axes; 0 beyond the last.
+    /// For each group of axes and each dimension of a feature, its components along those axes; 0 beyond the last axis.
     parts: Vec<[f64; GROUP]>,
 }
 
-/// A feature along the axes, as many of them as were asked for.
+/// A feature along the axes, as far as it was projected.
 #[derive(Debug, Clone)]
 pub struct Projection {
     /// Its coordinates.
     coordinates: [f32; AXES_MAX],
-    /// For every number of axes that a shell may have, the square of the length of what all but the last leave out.
+    /// For every number of axes that a shell may have, the squared length of the remainder beyond all but the last.
     rests: [f64; AXES_MAX / STAGE],
-    /// Its distance from the mean.
+    /// Distance from the mean.
     pub length: f64,
     square: f64,
-    /// The part of the square that the coordinates explain.
+    /// Share of the squared length that the coordinates explain.
     explained: f64,
     /// Groups of axes that it was projected onto.
     groups: usize,
 }
 
 impl Projection {
-    /// The point in `axes` numbers, a multiple of `STAGE`: coordinates, then the length of what they leave out.
+    /// The point in `axes` numbers, a multiple of `STAGE`: coordinates, then the length of the remainder.
     #[inline(always)]
     pub fn point(&self, axes: usize) -> [f32; AXES_MAX] {
         let mut point = self.coordinates;
@@ -88,8 +88,9 @@ impl Axes {
         self.parts.truncate(axes.div_ceil(GROUP) * self.mean.len());
     }
 
-    /// Numbers that the points of `windows` need: coordinates enough to leave out next to nothing of how the windows
-    /// differ, and the length of the rest. Windows 60 dB below others differ in directions that those hardly have.
+    /// Number of coordinates that the points of `windows` need: enough to leave out next to nothing of the differences
+    /// between the windows, plus the length of the remainder. Windows 60 dB below others differ in directions that the
+    /// others hardly have.
     pub fn needed(&self, features: &Features<'_>, windows: &[u32]) -> usize {
         Machine::best().run(Needed { axes: self, features, windows })
     }
@@ -102,7 +103,7 @@ impl Axes {
         projection
     }
 
-    /// `feature`, not projected onto anything yet.
+    /// `feature`, not yet projected onto anything.
     #[inline(always)]
     pub fn begin(&self, feature: &[f64]) -> Projection {
         // Eight sums side by side fill two vectors, and additions need not wait for each other.
@@ -123,7 +124,7 @@ impl Axes {
         Projection { coordinates, rests, length: square.sqrt(), square, explained: 0.0, groups: 0 }
     }
 
-    /// Projects `feature` onto so many axes, where it is not yet.
+    /// Projects `feature` onto `axes` axes, as far as that is still to be done.
     #[inline(always)]
     pub fn extend(&self, projection: &mut Projection, feature: &[f64], axes: usize) {
         let Projection { coordinates, rests, square, explained, groups, .. } = projection;
@@ -133,7 +134,7 @@ impl Axes {
         for (part, (coordinates, rests)) in parts.zip(room).take(wanted).skip(*groups) {
             let squares = self.project_onto(part, feature, coordinates);
             for (rest, squares) in rests.iter_mut().zip(squares.as_chunks::<STAGE>().0) {
-                // The last number of a stage may be the rest instead of a coordinate.
+                // The last number of a stage may be the remainder instead of a coordinate.
                 let [a, b, c, d, e, f, g, last] = *squares;
                 *explained += ((a + b) + (c + d)) + ((e + f) + g);
                 *rest = (*square - *explained).max(0.0);
@@ -143,7 +144,7 @@ impl Axes {
         *groups = wanted.max(*groups);
     }
 
-    /// Projects onto some axes; answers the squares of the coordinates.
+    /// Projects onto some axes; returns the squares of the coordinates.
     #[inline(always)]
     fn project_onto(&self, part: &[[f64; GROUP]], feature: &[f64], point: &mut [f32; GROUP]) -> [f64; GROUP] {
         // Two sums side by side: additions need not wait for each other.

@@ -3,8 +3,8 @@
 use super::lanes::{Lanes, STAGE};
 use super::sizes::{AXES_MAX, LANES};
 
-/// Squared distances from `point` to sixteen boxes, each axis with its lower and its upper faces,
-/// and which are at most `limit`; not complete once none is.
+/// Squared distances from `point` to sixteen boxes, each axis with its lower and its upper faces, and a mask of those
+/// that are at most `limit`; incomplete once there are none.
 #[inline(always)]
 pub fn box_bounds<L: Lanes>(
     lanes: L,

@@ -1,4 +1,4 @@
-//! A query as integers, and how near it may be to a leaf's sixteen windows.
+//! A query as integers, and its least distance from a leaf's sixteen windows.
 
 use super::codes::{CODE_MAX, Frame, QUAD};
 use super::lanes::Lanes;
@@ -12,13 +12,14 @@ const LIMIT_MAX: f32 = 1e9;
 pub struct Coded {
     /// Half-steps from the middle.
     pub steps: [[i8; QUAD]; AXES_MAX / QUAD],
-    /// |q|^2 + 254 times the sum of all steps: with what `Lanes::closeness` answers it makes the squared distance.
+    /// |q|^2 + 254 times the sum of all steps: added to the result of `Lanes::closeness`, it gives the squared
+    /// distance.
     base: i32,
-    /// The part of it that is not of the first axes.
+    /// The part of it beyond the first axes.
     rest: i32,
     /// Square of its distance from the frame's box.
     outside: f32,
-    /// Distance of its nearest point in the box from where the steps say, and the windows' slack.
+    /// Distance of its nearest point in the box from the one given by the steps, plus the windows' slack.
     error: f32,
     per_half_step: f32,
 }
@@ -29,7 +30,7 @@ impl Coded {
         Self { steps: [[0; QUAD]; AXES_MAX / QUAD], base: 0, rest: 0, outside: 0.0, error: 0.0, per_half_step: 0.0 }
     }
 
-    /// Takes `point` into `frame`.
+    /// Converts `point` to `frame`.
     #[inline(always)]
     pub fn set<L: Lanes>(&mut self, lanes: L, frame: Frame<'_>, point: &[f32; AXES_MAX]) {
         let per_half_step = 1.0 / frame.scale.half_step;
@@ -43,7 +44,7 @@ impl Coded {
         self.per_half_step = per_half_step;
     }
 
-    /// The most that `Lanes::closeness` may answer for a window within `reach`; rounded up.
+    /// The largest result of `Lanes::closeness` for a window within `reach`; rounded up.
     #[inline(always)]
     pub fn limit(&self, reach: f32) -> i32 {
         let square = reach * reach - self.outside;
@@ -53,7 +54,7 @@ impl Coded {
         (steps * steps * (1.0 + 1e-5)).min(LIMIT_MAX) as i32 + 1 - self.base
     }
 
-    /// The same for the first axes alone, where for all of them it is `limit`.
+    /// The same for the first axes alone, if it is `limit` for all of them.
     #[inline(always)]
     pub fn first_limit(&self, limit: i32) -> i32 {
         limit.saturating_add(self.rest)

@@ -1,26 +1,26 @@
-//! Boxes that a bounded search has left aside, to come back to the nearest.
+//! Boxes that a bounded search has postponed, to return to the nearest.
 
 use super::tree::Child;
 
 /// A box of one of the shells.
 pub type Place = (u8, Child);
 
-/// Boxes with their bounds, in no order. Putting one in costs next to nothing, and happens up to
-/// sixteen times as often as taking the nearest out, which looks through all.
+/// Boxes with their bounds, in no order. Adding one costs next to nothing, and happens up to sixteen times as often as
+/// removing the nearest, which searches all of them.
 #[derive(Debug)]
 pub struct Frontier {
     /// Bounds' bits: those of numbers that are not negative are in the numbers' order.
     bounds: Vec<u32>,
     places: Vec<Place>,
-    /// How many of them are remembered.
+    /// Number of boxes stored.
     len: usize,
 }
 
-/// Bounds looked at together.
+/// Number of bounds compared together.
 const CHUNK: usize = 32;
 
 impl Frontier {
-    /// Room for `capacity` boxes; more are not remembered.
+    /// A frontier for `capacity` boxes; further ones are dropped.
     pub fn new(capacity: usize) -> Self {
         Self { bounds: vec![0; capacity], places: vec![(0, Child::NONE); capacity], len: 0 }
     }
@@ -40,7 +40,7 @@ impl Frontier {
         }
     }
 
-    /// Takes out the latest put in whose bound is at most `limit`; those passed over are forgotten.
+    /// Removes the latest box whose bound is at most `limit`; those skipped on the way are dropped.
     #[inline(always)]
     pub fn pop_latest(&mut self, limit: f32) -> Option<(f32, Place)> {
         while self.len > 0 {
@@ -53,14 +53,14 @@ impl Frontier {
         None
     }
 
-    /// Takes out the nearest, if its bound is at most `limit`.
+    /// Removes the nearest box, if its bound is at most `limit`.
     #[inline(always)]
     pub fn pop_nearest(&mut self, limit: f32) -> Option<(f32, Place)> {
         let bounds = &mut self.bounds[..self.len];
         let least = bounds.iter().copied().min().filter(|least| f32::from_bits(*least) <= limit)?;
         let mut at = 0;
         for chunk in bounds.chunks(CHUNK) {
-            // Without leaving early, so that a chunk is compared at once.
+            // Without early exit, so that a chunk is compared at once.
             if chunk.iter().fold(false, |found, bound| found | (*bound == least)) {
                 at += chunk.iter().position(|bound| *bound == least).unwrap_or(0);
                 break;

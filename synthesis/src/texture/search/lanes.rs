@@ -1,15 +1,16 @@
-//! Arithmetic on sixteen numbers at once, chosen at run time: AVX-512, AVX2, or what the compiler
-//! makes of plain arrays (on ARM that is NEON, which is always there).
+//! Arithmetic on sixteen numbers at once, chosen at run time: AVX-512, AVX2, or whatever the compiler makes of plain
+//! arrays (NEON on ARM, which always has it).
 //!
-//! All round alike, so that a search within a budget goes the same way on every machine. Bounds allow for the rounding.
+//! All of them round in the same way, so that a search within a budget takes the same course on every machine. Bounds
+//! allow for the rounding.
 
 use super::codes::{CHUNK, Frame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
 use super::sizes::{AXES_MAX, LANES};
 
-/// Bounds are checked against the limit after every so many axes.
+/// Number of axes after which bounds are checked against the limit.
 pub const STAGE: usize = 8;
 
-/// Sixteen numbers, of the machine's own kind.
+/// Sixteen numbers in the machine's own vectors.
 pub trait Lanes: Copy {
     /// Sixteen single-precision numbers.
     type Singles: Copy;
@@ -30,10 +31,10 @@ pub trait Lanes: Copy {
     fn max(self, a: Self::Singles, b: Self::Singles) -> Self::Singles;
     /// A bit for every number that is at most `limit`.
     fn within(self, a: Self::Singles, limit: f32) -> u32;
-    /// As an array.
+    /// The vector as an array.
     fn array(self, a: Self::Singles) -> [f32; LANES];
-    /// Writes how many half-steps `point` lies from the middle along each of the frame's axes; what lies outside counts as at the
-    /// edge. All of it is rounded alike on every machine.
+    /// Writes the distance of `point` from the middle, in half-steps, along each of the frame's axes; coordinates
+    /// outside count as at the edge. Everything is rounded in the same way on every machine.
     fn take_in(
         self,
         frame: Frame<'_>,
@@ -49,21 +50,21 @@ pub trait Lanes: Copy {
     fn closeness(self, codes: &[Quad], query: &[[i8; QUAD]], squares: Self::Integers) -> Self::Integers;
     /// A bit for every integer that is at most `limit`.
     fn at_most(self, a: Self::Integers, limit: i32) -> u32;
-    /// As an array.
+    /// The vector as an array.
     fn integers(self, a: Self::Integers) -> [i32; LANES];
     /// Eight zeros.
     fn zeros(self) -> Self::Doubles;
     /// sum + (a - b)^2
     fn add_square(self, a: &[f64; 8], b: &[f64; 8], sum: Self::Doubles) -> Self::Doubles;
-    /// sum + (a weight - b)^2, where a weight is rounded as any product is.
+    /// sum + (a weight - b)^2, with a weight rounded like any product.
     fn add_weighted_square(self, a: &[f64; 8], weight: &[f64; 8], b: &[f64; 8], sum: Self::Doubles) -> Self::Doubles;
     /// The sum of the eight.
     fn sum(self, a: Self::Doubles) -> f64;
-    /// Asks for the memory of the first values, which will be read soon.
+    /// Prefetches the first values, which will be read soon.
     fn prefetch<T>(self, values: &[T]);
 }
 
-/// The sum of eight numbers, in the one order in which vectors of any width add their halves.
+/// The sum of eight numbers, in the order in which vectors of any width add their halves.
 #[inline(always)]
 fn sum_of([a, b, c, d, e, f, g, h]: [f64; 8]) -> f64 {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
@@ -207,7 +208,7 @@ mod x86 {
         }
     }
 
-    /// Eight axes at once, in the same order and with the same roundings as without.
+    /// Eight axes at once, in the same order and with the same rounding as one by one.
     #[inline(always)]
     fn take_in(
         V3 { avx, avx2, .. }: V3,
@@ -230,7 +231,7 @@ mod x86 {
             }
             let halves: __m256 = cast(*halves);
             let from_middle = avx._mm256_sub_ps(cast(*point), cast(*middles));
-            // Of a number and no number the second argument is taken.
+            // If one argument is NaN, the result is the second one.
             let inside = avx._mm256_min_ps(avx._mm256_max_ps(from_middle, avx._mm256_sub_ps(zero, halves)), halves);
             let beyond = avx._mm256_sub_ps(from_middle, inside);
             outside = avx._mm256_add_ps(outside, avx._mm256_mul_ps(beyond, beyond));
@@ -477,12 +478,12 @@ pub enum Machine {
     /// AVX2 and FMA.
     #[cfg(target_arch = "x86_64")]
     V3(pulp::x86::V3),
-    /// Any.
+    /// Any machine.
     Portable,
 }
 
 impl Machine {
-    /// All that this machine has, the fastest first.
+    /// All that this machine has, fastest first.
     pub fn all() -> Vec<Self> {
         let mut all = Vec::new();
         #[cfg(target_arch = "x86_64")]
@@ -518,9 +519,9 @@ impl Machine {
     }
 }
 
-/// Something that is compiled for every kind of arithmetic; `with` must be inlined.
+/// Work that is compiled for every kind of arithmetic; `with` must be inlined.
 pub trait Work {
-    /// What comes out.
+    /// Result of the work.
     type Done;
     /// Does it.
     fn with<L: Lanes>(self, lanes: L) -> Self::Done;

@@ -1,19 +1,19 @@
-//! The nearest window to a feature (§5.2): an index of our own.
+//! The nearest window to a feature (§5.2): Pyrophone's own index.
 //!
-//! Features have some fifty dimensions, but few of them are real. So every window is kept as its
-//! coordinates along the level's principal axes, as many as its sound needs, and the length of what
-//! they leave out; the distance in these numbers never exceeds the true one. They are stored as
-//! integers of seven bits, in leaves of sixteen windows that lie near each other, and a tree of bounding boxes,
-//! sixteen children wide, leads to the leaves. Sixteen bounds are computed at once.
+//! Features have some fifty dimensions, but few of them matter. Every window is therefore stored as its coordinates
+//! along the level's principal axes, as many as its sound needs, and the length of the remainder; the distance in these
+//! numbers never exceeds the true one. They are stored as integers of seven bits, in leaves of sixteen neighbouring
+//! windows, and a tree of bounding boxes, sixteen children wide, leads to the leaves. Sixteen bounds are computed at
+//! once.
 //!
-//! Windows of different loudness lie in *shells*, one for every 12 dB of the feature's length, each with a tree of
-//! its own. So a noise floor far below the rest is coded in steps of its own and along as many axes as it needs, though of
-//! the recording's variance it is nothing; and since no window is nearer than the two lengths differ, most shells are passed over.
+//! Windows of different loudness are divided into *shells*, one for every 12 dB of the feature's length, each with its
+//! own tree. A noise floor far below the rest is thus coded in its own steps and along as many axes as it needs,
+//! although it contributes nothing to the recording's variance; and since no window is nearer than the difference of
+//! the two lengths, most shells are skipped.
 //!
-//! Only windows whose bound lies below the best distance found so far are looked at in full: first
-//! in whatever order of arithmetic is fastest, and if that cannot tell, in double precision in the
-//! reference's order, without fused operations. Rounding is allowed for in all bounds, so the window
-//! found is the nearest, ties to the lowest, on every machine.
+//! Only windows whose bound is below the best distance so far are compared in full: first in the fastest order of
+//! arithmetic, and if that is inconclusive, in double precision in the reference's order, without fused operations. All
+//! bounds allow for rounding, so the result is the nearest window, with ties going to the lowest, on every machine.
 
 mod axes;
 mod block;
@@ -74,12 +74,12 @@ impl Index {
         Ok(Self { axes, shells, first_window, windows: count })
     }
 
-    /// The windows it holds.
+    /// The windows in it.
     pub fn windows(&self) -> Range<usize> {
         self.first_window..self.first_window + self.windows
     }
 
-    /// Bytes held, about.
+    /// Approximate number of bytes held.
     pub fn bytes(&self) -> usize {
         self.shells.iter().map(|shell| shell.tree.bytes()).sum()
     }

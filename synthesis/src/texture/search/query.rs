@@ -11,7 +11,7 @@ use super::sizes::{AXES_MAX, LANES};
 use super::tree::{Child, Kind};
 use crate::texture::feature::Features;
 
-/// How much work a search may do.
+/// Amount of work that a search may do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Budget {
     /// Until the window found is at most (1 + eps) times as far away as the nearest; 0 = exact.
@@ -27,11 +27,11 @@ pub enum Budget {
 }
 
 impl Budget {
-    /// Enough to find something in any recording: down the tree once, and all of a leaf in full.
+    /// Enough to find something in any recording: one descent of the tree, and all of a leaf in full.
     pub const LEAST: u32 = COMPARISON_COST + STOREYS as u32 * LANES as u32 + LEAF_COST_MAX;
 }
 
-/// What a search found.
+/// Result of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SearchResult {
     /// Window number.
@@ -44,16 +44,16 @@ pub struct SearchResult {
 
 /// Storeys of the largest tree: 16^7 leaves hold 2^32 windows.
 const STOREYS: usize = 8;
-/// What a leaf costs, in bounds of boxes: its windows' bounds are integers.
+/// Cost of a leaf, in bounds of boxes: its windows' bounds are integers.
 const LEAF_COST: u32 = 8;
 /// Most that one leaf or node can cost: all bounds, and all of a leaf's windows in full.
 const LEAF_COST_MAX: u32 = LEAF_COST + COMPARISON_COST * LANES as u32;
-/// What comparing a window in full costs, in bounds of windows or boxes.
+/// Cost of comparing a window in full, in bounds of windows or boxes.
 pub const COMPARISON_COST: u32 = 4;
-/// Boxes that a bounded search keeps in mind; more than any budget can fill.
+/// Number of boxes that a bounded search remembers; more than any budget can fill.
 const ASIDE_CAPACITY: usize = 1 << 13;
 
-/// Room for searches; one for each thread that searches. Nothing allocates after `new`.
+/// Working memory of searches, one for each searching thread. Nothing allocates after `new`.
 #[derive(Debug)]
 pub struct Searcher {
     machine: Machine,
@@ -68,12 +68,12 @@ impl Default for Searcher {
 }
 
 impl Searcher {
-    /// Room for searches in any index, with the fastest arithmetic that this machine has.
+    /// Working memory for searches in any index, with the fastest arithmetic of this machine.
     pub fn new() -> Self {
         Self::with(Machine::best())
     }
 
-    /// The same for every arithmetic that this machine has: all find the same windows.
+    /// The same for every kind of arithmetic of this machine: all find the same windows.
     pub fn every() -> Vec<Self> {
         Machine::all().into_iter().map(Self::with).collect()
     }
@@ -82,8 +82,8 @@ impl Searcher {
         Self { machine, stack: Vec::with_capacity((STOREYS + 1) * LANES), aside: Frontier::new(ASIDE_CAPACITY) }
     }
 
-    /// The nearest window of `index` to `query`, the lowest of equally near ones. `features` must
-    /// be those the index was made of. `hint`, if it is one of the index's windows, is tried first.
+    /// The nearest window of `index` to `query`, the lowest of equally near ones. `features` must be those of the
+    /// index. `hint`, if it is one of the index's windows, is tried first.
     pub fn nearest(
         &mut self,
         index: &Index,
@@ -104,7 +104,7 @@ impl Searcher {
     }
 }
 
-/// What is to be found where.
+/// The search's target.
 #[derive(Clone, Copy)]
 struct Task<'a> {
     index: &'a Index,
@@ -113,36 +113,36 @@ struct Task<'a> {
     hint: Option<usize>,
 }
 
-/// Relative rounding of a bound computed in single precision, with room to spare.
+/// Relative rounding of a bound computed in single precision, with margin.
 const RELATIVE_ROUNDING: f64 = 8e-6;
 /// Rounding of a bound relative to the lengths of the vectors it is computed from.
 const LENGTH_ROUNDING: f64 = 8e-7;
 /// Relative rounding of a distance summed in another order than the reference's.
 const ORDER_ROUNDING: f64 = 1e-12;
 
-/// No group of leaves.
+/// Value for no group of leaves.
 const NO_GROUP: u32 = u32::MAX;
 /// A bound on a difference of lengths in single precision, rounded down.
 const LENGTH_BOUND: f32 = 1.0 - 1e-6;
 
-/// A search under way.
+/// A search in progress.
 struct Search<'a, L> {
     lanes: L,
     task: Task<'a>,
     projection: Projection,
     /// Length of the query, and for every shell a bound on the distance of its windows.
     bounds: [f32; SHELLS],
-    /// Shells not yet entered, a bit each.
+    /// Shells not yet entered, one bit each.
     left: u32,
     /// The shell that is searched, and the query's point in it.
     shell: &'a Shell,
     point: [f32; AXES_MAX],
-    /// The group whose frame the query was last taken into.
+    /// The group to whose frame the query was last converted.
     group: u32,
     coded: Coded,
-    /// What `Lanes::closeness` may answer at most for a window of the group within reach.
+    /// Largest result of `Lanes::closeness` for a window of the group within reach.
     closeness_limit: i32,
-    /// What rounding may add to a bound in the shell.
+    /// Largest rounding error of a bound in the shell.
     rounding: f64,
     /// (1 + rounding) / (1 + eps).
     tightening: f64,
@@ -151,7 +151,8 @@ struct Search<'a, L> {
     /// Distance beyond which a bound rules a window out.
     reach: f32,
     compared: u32,
-    /// Of another width than what it is counted with: two counters written as one and read apart cost more than the counting.
+    /// Of a different width from the budget's counter: two counters written together and read separately cost more than
+    /// the counting.
     compared_in_full: u64,
 }
 
@@ -192,7 +193,7 @@ impl<'a, L: Lanes> Search<'a, L> {
         search
     }
 
-    /// Enters the shell whose windows may be nearest of those not yet entered; answers it and its bound.
+    /// Enters the shell whose windows may be nearest among those not yet entered; returns it and its bound.
     #[inline(always)]
     fn next_shell(&mut self) -> Option<(usize, f32)> {
         let (mut nearest, mut shell) = (f32::INFINITY, None);
@@ -210,10 +211,10 @@ impl<'a, L: Lanes> Search<'a, L> {
         Some((shell, nearest))
     }
 
-    /// Leaves all shells not yet entered aside.
+    /// Postpones all shells not yet entered.
     #[inline(always)]
     fn aside_shells(&mut self, aside: &mut Frontier) {
-        // The farthest first: the latest left aside is the next to be searched.
+        // The farthest first, because the latest one postponed is the next to be searched.
         while self.left != 0 {
             let (mut farthest, mut shell) = (f32::NEG_INFINITY, 0);
             let mut left = self.left;
@@ -230,7 +231,7 @@ impl<'a, L: Lanes> Search<'a, L> {
         }
     }
 
-    /// Goes over to another shell.
+    /// Switches to another shell.
     #[inline(always)]
     fn enter(&mut self, shell: usize) {
         self.shell = &self.task.index.shells[shell];
@@ -247,12 +248,11 @@ impl<'a, L: Lanes> Search<'a, L> {
         self.closeness_limit = self.coded.limit(self.reach);
     }
 
-    /// Compares a window in full. Only where rounding might change the order does the reference's
-    /// own arithmetic decide.
+    /// Compares a window in full. Only if rounding might change the order does the reference's own arithmetic decide.
     #[inline(always)]
     fn compare(&mut self, window: usize) {
         self.compared += COMPARISON_COST;
-        // The hint is met again where it lies, and leaves that are not full repeat a window.
+        // The hint is met again in its place, and leaves that are not full repeat a window.
         if window == self.window && self.best < f64::INFINITY {
             return;
         }
@@ -326,7 +326,7 @@ impl<'a, L: Lanes> Search<'a, L> {
         }
     }
 
-    /// Asks for the samples of a leaf's windows that will be compared.
+    /// Prefetches the samples of a leaf's windows that will be compared.
     #[inline(always)]
     fn prefetch(&self, windows: &[u32; LANES], mut within: u32) {
         while within != 0 {
@@ -339,7 +339,7 @@ impl<'a, L: Lanes> Search<'a, L> {
         }
     }
 
-    /// Hands every child of `node` that may hold something nearer to `found`, with its bound.
+    /// Passes every child of `node` that may contain something nearer to `found`, with its bound.
     #[inline(always)]
     fn visit_node(&mut self, node: usize, mut found: impl FnMut(f32, Child)) {
         self.compared += LANES as u32;
@@ -365,7 +365,7 @@ impl<'a, L: Lanes> Search<'a, L> {
     }
 }
 
-/// Whether `new` is nearer than `old`, or as near and lower.
+/// True if `new` is nearer than `old`, or as near and lower.
 #[cold]
 #[inline(never)]
 fn is_nearer(Task { features, query, .. }: &Task<'_>, new: usize, old: usize) -> bool {
@@ -391,7 +391,7 @@ fn distance_in_any_order<L: Lanes>(lanes: L, [causal, coarse]: [&[f64]; 2], quer
     rest + lanes.sum(sums)
 }
 
-/// The same of a feature that is to be weighted.
+/// The same for a feature that is still to be weighted.
 #[inline(always)]
 fn weighted_distance_in_any_order<L: Lanes>(
     lanes: L,
@@ -465,10 +465,9 @@ impl Work for Exact<'_> {
     }
 }
 
-/// Best first, until the work allowed is done: from each box straight on to the nearest in it, down
-/// to a leaf; then on with the nearest of all that were left aside. Looking for that one costs more
-/// than it saves where the search will come to its end anyway, as nearly all do: so for the first
-/// half of the work the latest left aside is as good.
+/// Best-first search, until the allowed work is done: from each box straight on to the nearest box in it, down to a
+/// leaf; then on with the nearest of all postponed boxes. Finding that one costs more than it saves if the search will
+/// finish anyway, as nearly all do, so for the first half of the work the latest postponed box is used instead.
 struct Bounded<'a> {
     task: Task<'a>,
     candidates: u32,
@@ -483,7 +482,7 @@ impl Work for Bounded<'_> {
         let mut search = Search::new(lanes, self.task, 0.0);
         let aside = self.aside;
         aside.clear();
-        // The first shell is entered whatever its bound, so that something is found.
+        // The first shell is entered regardless of its bound, so that something is found.
         let (mut shell, _) = search.next_shell().unwrap_or_default();
         search.aside_shells(aside);
         let mut next = search.shell.tree.root;
@@ -503,7 +502,7 @@ impl Work for Bounded<'_> {
                     }
                 }),
             }
-            // The way down to the first leaf is within any budget, so something has been found by now.
+            // The descent to the first leaf fits any budget, so something has been found by now.
             if search.compared + LEAF_COST_MAX > self.candidates {
                 break;
             }

@@ -9,7 +9,7 @@ use super::tree::Tree;
 use crate::bulk::bulk_fields;
 use crate::texture::feature::Features;
 
-/// Most shells; the last one takes all that is quieter.
+/// Largest number of shells; the last one takes everything quieter.
 pub const SHELLS: usize = 12;
 /// Length of a shell's loudest feature over its quietest: 12 dB.
 const RATIO: f64 = 4.0;
@@ -52,8 +52,8 @@ pub struct Part {
     pub most: f32,
 }
 
-/// Divides `windows` into shells, the loudest first. A recording may hold minutes of digital silence: of equal windows in
-/// a row the first, which wins ties, stands for all.
+/// Divides `windows` into shells, the loudest first. A recording may contain minutes of digital silence: of consecutive
+/// equal windows, the first, which wins ties, represents all.
 pub fn divide(features: &Features<'_>, windows: Range<usize>) -> Vec<Part> {
     let numbers: Vec<u32> = windows.clone().map(|window| window as u32).collect();
     let measure = |windows: &[u32]| -> Vec<f32> {
@@ -82,7 +82,7 @@ pub fn divide(features: &Features<'_>, windows: Range<usize>) -> Vec<Part> {
         }
         let part = &mut parts[shell_of(*length)];
         part.windows.push(*window);
-        // Single precision rounded the length either way.
+        // Single precision may have rounded the length either way.
         part.least = part.least.min(length.next_down().max(0.0));
         part.most = part.most.max(length.next_up());
     }

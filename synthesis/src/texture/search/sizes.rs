@@ -1,6 +1,6 @@
 //! Sizes that the whole index shares.
 
-/// Windows of a leaf, and children of a node: as many as the widest vectors hold numbers.
+/// Windows of a leaf, and children of a node: as many as the widest vectors have lanes.
 pub const LANES: usize = 16;
-/// Most numbers kept per window.
+/// Largest number of coordinates stored per window.
 pub const AXES_MAX: usize = 48;

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::bulk::bulk_fields;
 use crate::texture::feature::Features;
 
-/// Told parts done that add up to 1; may call it off.
+/// Receives finished shares that add up to 1; may cancel the work.
 pub type Step<'a> = &'a (dyn Fn(f32) -> Result<(), Error> + Sync);
 
 /// A node, or a leaf.
@@ -20,7 +20,7 @@ pub struct Child(u32);
 
 const LEAF_BIT: u32 = 1 << 31;
 
-/// What a child is, and its number among its kind.
+/// Kind of a child, with its number among that kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A node.
@@ -43,13 +43,13 @@ impl Child {
         Self(leaf as u32 | LEAF_BIT)
     }
 
-    /// Which of the two it is.
+    /// Kind of the child.
     #[inline(always)]
     pub fn kind(self) -> Kind {
         if self.0 & LEAF_BIT == 0 { Kind::Node(self.0 as usize) } else { Kind::Leaf((self.0 & !LEAF_BIT) as usize) }
     }
 
-    /// The same child of a tree that `nodes` and `leaves` have been put in front of.
+    /// The same child of a tree with `nodes` and `leaves` inserted in front.
     fn behind(self, nodes: usize, leaves: usize) -> Self {
         match self {
             Self::NONE => self,
@@ -59,7 +59,7 @@ impl Child {
     }
 }
 
-/// Nodes and leaves, in flat arrays: a leaf's codes lie together.
+/// Nodes and leaves, in flat arrays: a leaf's codes are contiguous.
 #[derive(Debug, Encode, Decode)]
 pub struct Tree {
     axes: usize,
@@ -67,13 +67,13 @@ pub struct Tree {
     #[bitcode(skip)]
     frames: Vec<f32>,
     scales: Vec<Scale>,
-    /// Of every leaf: a quad for every four of the first axes, and for every four of the others, apart from them: those are
-    /// seldom looked at, and would only fill the cache.
+    /// For every leaf: a quad for every four of the first axes, and separately for every four of the others, which are
+    /// seldom compared and would only fill the cache.
     #[bitcode(skip)]
     codes: Vec<Quad>,
     #[bitcode(skip)]
     other_codes: Vec<Quad>,
-    /// Of every leaf, likewise.
+    /// For every leaf, in the same way.
     #[bitcode(skip)]
     squares: Vec<[i32; LANES]>,
     #[bitcode(skip)]
@@ -85,7 +85,7 @@ pub struct Tree {
     #[bitcode(skip)]
     faces: Vec<[[f32; LANES]; 2]>,
     children: Vec<[Child; LANES]>,
-    /// Where to begin.
+    /// Starting point.
     pub root: Child,
 }
 
@@ -94,11 +94,11 @@ bulk_fields!(Tree: frames, codes, other_codes, squares, other_squares, windows, 
 /// Up to sixteen windows; lanes not in use repeat the last.
 #[derive(Debug)]
 pub struct Leaf<'a> {
-    /// The group whose frame its codes lie in.
+    /// The group whose frame applies to its codes.
     pub group: u32,
     /// Its points, along the first axes and along the others.
     pub codes: [&'a [Quad]; 2],
-    /// Their squared lengths in half-steps, likewise.
+    /// Their squared lengths in half-steps, in the same way.
     pub squares: [&'a [i32; LANES]; 2],
     /// Window numbers.
     pub windows: &'a [u32; LANES],
@@ -109,7 +109,7 @@ pub struct Leaf<'a> {
 pub struct Node<'a> {
     /// Lower and upper faces of its boxes, axis by axis.
     pub faces: &'a [[[f32; LANES]; 2]],
-    /// What is in them; `NONE` from the first lane on that is not in use.
+    /// The children; `NONE` from the first unused lane on.
     pub children: &'a [Child; LANES],
 }
 
@@ -188,7 +188,7 @@ impl Tree {
         Node { faces: &self.faces[node * self.axes..][..self.axes], children: &self.children[node] }
     }
 
-    /// Asks for the memory of a leaf or node that may be visited soon.
+    /// Prefetches a leaf or node that may be visited soon.
     #[inline(always)]
     pub fn prefetch<L: Lanes>(&self, lanes: L, child: Child) {
         match child.kind() {
@@ -200,7 +200,7 @@ impl Tree {
         }
     }
 
-    /// Bytes held, about.
+    /// Approximate number of bytes held.
     pub fn bytes(&self) -> usize {
         let of_leaf = size_of::<[u32; LANES]>() + 2 * size_of::<[i32; LANES]>() + size_of::<u32>();
         let leaves = self.windows.len() * of_leaf + (self.codes.len() + self.other_codes.len()) * size_of::<Quad>();
@@ -210,7 +210,7 @@ impl Tree {
         leaves + groups + nodes
     }
 
-    /// Takes over another tree; answers where its root is now.
+    /// Appends another tree; returns the new place of its root.
     fn append(&mut self, mut other: Self) -> Child {
         let (nodes, leaves, groups) = (self.children.len(), self.windows.len(), self.scales.len() as u32);
         self.frames.append(&mut other.frames);
@@ -384,7 +384,7 @@ impl Builder<'_> {
         &self.points[i as usize * self.axes..][..self.axes]
     }
 
-    /// Builds the subtree over the points named in `order`; answers it and its bounds.
+    /// Builds the subtree over the points listed in `order`; returns it and its bounds.
     fn subtree(&self, tree: &mut Tree, order: &mut [u32]) -> Result<(Child, Bounds), Error> {
         if order.len() <= LANES * LANES {
             return Ok(self.group(tree, order));
@@ -399,7 +399,7 @@ impl Builder<'_> {
                 own.root = root;
                 Ok((own, bounds))
             };
-            // Put together in order: the tree must not depend on the number of threads.
+            // Combined in order: the tree must not depend on the number of threads.
             let built: Result<Vec<(Tree, Bounds)>, Error> = parts.into_par_iter().map(build).collect();
             children.extend(built?.into_iter().map(|(own, bounds)| (tree.append(own), bounds)));
         } else {
@@ -440,7 +440,7 @@ impl Builder<'_> {
         }
         tree.frames.extend(middles);
         tree.frames.extend(halves);
-        // Rounded up: a bound must stay one.
+        // Rounded up: a bound must remain a bound.
         tree.scales.push(Scale { half_step, slack: (error * (1.0 + 1e-6)) as f32 });
         match leaves.pop() {
             Some(only) if leaves.is_empty() => only,
@@ -451,7 +451,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A leaf, and how far a point lies at most from where its codes say.
+    /// Adds a leaf; returns the largest distance of a point from the position given by its codes.
     fn leaf(&self, tree: &mut Tree, order: &mut [u32], group: u32, middles: &[f32], half_step: f32) -> (Child, f64) {
         order.sort_unstable_by_key(|i| self.windows[*i as usize]);
         let lanes: [u32; LANES] = std::array::from_fn(|lane| order[lane.min(order.len() - 1)]);
