@@ -49,7 +49,7 @@ pub fn run(args: &ExtendArgs, work: &Work) -> Result<Done, Error> {
     }
     let written = output::write(&args.output, extended.channels, signal.sample_rate_hz, broadcast.as_ref());
     if let (Err(_), Some(path)) = (&written, &args.betas) {
-        // Half of what was asked for is nothing; that the sound failed is what is reported.
+        // No partial results: the CSV goes too, and the sound's error is the one reported.
         let _ = std::fs::remove_file(path);
     }
     let files = args.betas.iter().cloned().collect();

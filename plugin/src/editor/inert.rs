@@ -165,7 +165,7 @@ impl Situation<'_> {
         match id {
             "macro_crackle" | "macro_sharpness" => self.crackle(),
             "macro_tightness" => self.texture("").filter(|_| self.crackle().is_some()),
-            "take_amount" if self.values.get(Id::Take) == 0.0 => Some("Take 0 uses the seeds that are set"),
+            "take_amount" if self.values.get(Id::Take) == 0.0 => Some("Take 0 uses the seeds as set"),
             _ => None,
         }
     }

@@ -10,7 +10,7 @@
 //! | [`saving`] | states, and presets loaded by a host |
 //! | [`discovery`] | presets for a host's browser |
 //! | [`extras`] | indications and context menus |
-//! | [`host_menu`] | what the host adds to the window's menus |
+//! | [`host_menu`] | the host's own entries in the window's menus |
 
 mod controllers;
 mod discovery;

@@ -7,7 +7,7 @@
 //! | [`controller`] | parameters and their groups |
 //! | [`controllers`] | MIDI controllers that move parameters |
 //! | [`pending`] | values set on the main thread that no block has carried yet |
-//! | [`host_menu`] | what the host adds to the window's menus |
+//! | [`host_menu`] | the host's own entries in the window's menus |
 //! | [`view`], [`frame`] | the window and the run loop around it |
 //! | [`stream`], [`text`] | states and texts in VST3's form |
 
