@@ -14,6 +14,11 @@ pub const MATCH_EXPONENT: f64 = 0.6;
 pub(super) const MATCHED_HZ: f64 = 600.0;
 /// Corner in Hz of the loudness that is taken out.
 const LOUDNESS_HZ: f64 = 8.0;
+/// Between these frequencies in Hz loudness counts what is higher the more, by 6 dB an octave: 20 dB in all. A low end that is
+/// much louder than the rest sways by itself; highs that were divided by it would sway with it, which they do not.
+const RISE_HZ: [f64; 2] = [300.0, 3000.0];
+/// Highest frequency used, as a part of the sample rate.
+const HIGHEST: f64 = 0.45;
 /// Part of the loudest below which loudness is not followed: -50 dB.
 const FLOOR: f64 = 3.162e-3;
 /// What lies below this frequency in Hz is wind at the microphone: it is not heard, and does not tell how loud the low end is.
@@ -47,6 +52,8 @@ pub struct Profile {
     pub(super) side_taps: Vec<f64>,
     /// Taps of the low-pass where the recording has one; else empty.
     pub(super) limit_taps: Vec<f64>,
+    /// Root mean square of the white noise whose density is what lies above the low-pass; 0 where there is none.
+    pub(super) floor: f64,
 }
 
 bulk_fields!(Profile: relative);
@@ -56,12 +63,14 @@ impl Profile {
     pub fn compress(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> Self {
         let frame_samples = frame_samples(sample_rate_hz);
         let mean = mean_of(channels);
-        let mut relative = loudness(channels, frame_samples, sample_rate_hz / frame_samples as f64);
+        let weighted: Vec<Vec<f64>> = channels.iter().map(|channel| highs_raised(channel, sample_rate_hz)).collect();
+        let mut relative = loudness(&weighted, frame_samples, sample_rate_hz / frame_samples as f64);
         let whole = (relative.iter().map(|x| x * x).sum::<f64>() / relative.len().max(1) as f64).sqrt();
         let floor = FLOOR * relative.iter().fold(0.0f64, |most, x| most.max(*x));
         let is_audible = whole > 0.0;
         relative.iter_mut().for_each(|x| *x = if is_audible { x.max(floor) / whole } else { 1.0 });
         let power = Power::of(&mean, sample_rate_hz);
+        let limit_hz = power.band_limit_hz();
         let mut profile = Self {
             relative,
             frame_samples,
@@ -72,7 +81,8 @@ impl Profile {
             lufs: None,
             taps: Vec::new(),
             side_taps: Vec::new(),
-            limit_taps: power.band_limit_hz().map_or_else(Vec::new, |hz| design_low_pass(hz, sample_rate_hz)),
+            limit_taps: limit_hz.map_or_else(Vec::new, |hz| design_low_pass(hz, sample_rate_hz)),
+            floor: limit_hz.map_or(0.0, |hz| power.floor_above(hz)),
         };
         for channel in channels.iter_mut() {
             for (i, sample) in channel.iter_mut().enumerate() {
@@ -142,6 +152,18 @@ impl Profile {
     }
 }
 
+/// A signal as loudness hears it: a shelf of first order, a zero at the first corner and a pole at the second.
+fn highs_raised(signal: &[f64], sample_rate_hz: f64) -> Vec<f64> {
+    let [zero, pole] = RISE_HZ.map(|hz| 1.0 / section_gain(hz.min(HIGHEST * sample_rate_hz), sample_rate_hz));
+    let (mut before, mut out) = (0.0, 0.0);
+    let mut filter = |sample: &f64| {
+        out = ((1.0 + zero) * sample + (1.0 - zero) * before - (1.0 - pole) * out) / (1.0 + pole);
+        before = *sample;
+        out
+    };
+    signal.iter().map(&mut filter).collect()
+}
+
 /// Loudness by frames: the root of the channels' mean power below [`LOUDNESS_HZ`], zero phase.
 fn loudness(channels: &[Vec<f64>], frame_samples: usize, frame_rate_hz: f64) -> Vec<f64> {
     let samples = channels.first().map_or(0, Vec::len);
@@ -197,6 +219,23 @@ mod tests {
             assert!((back - sample).abs() < 1e-12, "{i}: {back} instead of {sample}");
             assert_eq!(profile.own_dynamics(i as i64, MATCH_EXPONENT), 1.0);
         }
+    }
+
+    #[test]
+    fn a_loud_low_end_that_sways_does_not_make_the_highs_sway() {
+        let rate_hz = 44_100.0;
+        let (mut high, mut low) = (vec![0.0; 200_000], vec![0.0; 200_000]);
+        White::new(1, 2).fill(0, &mut high);
+        let omega = |hz: f64, i: usize| 2.0 * std::f64::consts::PI * hz * i as f64 / rate_hz;
+        low.iter_mut().enumerate().for_each(|(i, x)| *x = 2.0 * (1.0 + omega(2.0, i).sin()) * omega(60.0, i).sin());
+        let mut flat = [high.iter().zip(&low).map(|(high, low)| high + low).collect()];
+        Profile::compress(&mut flat, rate_hz);
+        let (mut section, gain) = (Svf::default(), section_gain(2000.0, rate_hz));
+        let highs: Vec<f64> = flat[0].iter().map(|x| section.process(gain, *x).high).collect();
+        let levels: Vec<f64> = highs[4410..].chunks_exact(2205).map(|x| x.iter().map(|x| x * x).sum::<f64>()).collect();
+        let [most, least] = [f64::max, f64::min].map(|pick| levels.iter().copied().reduce(pick).unwrap());
+        let swing_db = 10.0 * (most / least).log10();
+        assert!(swing_db < 2.0, "{swing_db} dB");
     }
 
     #[test]
