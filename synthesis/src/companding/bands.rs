@@ -14,6 +14,8 @@ const NUMBERS: std::ops::RangeInclusive<i32> = 20..=43;
 /// octave to search.
 const EMPTY: f64 = 1e-4;
 const LIMIT_STEPS: i32 = 72;
+/// Octaves above a band limit at which its slope has ended.
+const SLOPE_OCTAVES: f64 = 0.45;
 /// Highest frequency used, as a share of the sample rate.
 const HIGHEST: f64 = 0.45;
 
@@ -91,15 +93,33 @@ impl Power {
         inside.iter().sum::<f64>() / inside.len() as f64
     }
 
-    /// The frequency in Hz above which there is nothing, 40 dB below the level an octave lower: the limit set by a
-    /// lossy format or a lower rate. None if the recording has no such limit.
+    /// The frequency in Hz above which there is at most a noise floor, 40 dB below the level an octave lower: the limit set
+    /// by a lossy format or a lower rate. None if the recording has no such limit.
     pub fn band_limit_hz(&self) -> Option<f64> {
         let highest = HIGHEST * 2.0 * self.bin_hz * (self.bins.len() - 1) as f64;
         let step = maths::pow(2.0, 1.0 / 24.0);
         let density = |hz: f64| self.density(hz / step, hz * step);
         let candidates = (0..LIMIT_STEPS).map(|i| highest / maths::powi(step, i));
-        let limit = candidates.clone().find(|hz| density(*hz) > EMPTY * density(hz / 2.0))?;
-        (limit < highest).then_some(limit)
+        // From the top down, the first step that is not empty below one that is. Far above the limit both may be noise floor,
+        // which does not count as empty.
+        let (mut loudest, mut was_empty, mut limit) = (0.0f64, false, None);
+        for hz in candidates {
+            loudest = loudest.max(density(hz));
+            let is_empty = loudest <= EMPTY * density(hz / 2.0);
+            if was_empty && !is_empty {
+                limit = Some(hz);
+            }
+            was_empty = is_empty;
+        }
+        limit
+    }
+
+    /// Root mean square of white noise as dense as the noise floor: what lies above a band limit in Hz once its slope has
+    /// ended. 0 if nothing is left above it.
+    pub fn floor_above(&self, limit_hz: f64) -> f64 {
+        let highest = HIGHEST * 2.0 * self.bin_hz * (self.bins.len() - 1) as f64;
+        let lowest = limit_hz * maths::pow(2.0, SLOPE_OCTAVES);
+        if lowest >= highest { 0.0 } else { (self.density(lowest, highest) * self.bins.len() as f64).sqrt() }
     }
 
     /// Root mean square below a frequency in Hz.
@@ -184,6 +204,20 @@ mod tests {
         let found = Power::of(&low, 44_100.0).band_limit_hz().unwrap();
         assert!((10_500.0..12_000.0).contains(&found), "{found} Hz");
         assert_eq!(Power::of(&[0.0; 50_000], 44_100.0).band_limit_hz(), None);
+    }
+
+    #[test]
+    fn a_noise_floor_above_the_limit_is_found() {
+        let mut low = vec![0.0; 200_000];
+        White::new(1, 2).fill(0, &mut low);
+        let taps = super::super::equalizer::design_low_pass(6_000.0, 44_100.0);
+        super::super::equalizer::Equalizer::new(44_100.0, 1).process(&taps, 1.0, &mut [&mut low], 0..200_000);
+        let noise = White::new(3, 4);
+        low.iter_mut().enumerate().for_each(|(i, x)| *x += 1e-3 * noise.at(i as i64));
+        let power = Power::of(&low, 44_100.0);
+        let floor = power.floor_above(power.band_limit_hz().unwrap());
+        assert!((0.9e-3..1.1e-3).contains(&floor), "{floor}");
+        assert_eq!(power.floor_above(19_000.0), 0.0);
     }
 
     #[test]

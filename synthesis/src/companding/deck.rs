@@ -5,14 +5,19 @@ use std::ops::Range;
 use super::equalizer::Equalizer;
 use super::image::Image;
 use super::recorded::Recorded;
+use crate::noise::White;
 
 /// Factor per sample with which the rest of a removed recording fades out.
 const FADE: f64 = 0.99;
 
+/// Seed and, for the first slot, stream of the noise floor; no other stage uses them.
+const FLOOR_SEED: u32 = 0x464C_4F52;
+const FLOOR_STREAM: u32 = 0x4849_5300;
+
 /// Filters of one recording.
 #[derive(Debug)]
 pub(super) struct Deck {
-    /// Removes the energy that changing windows leave above a band-limited recording's limit.
+    /// Removes the energy that changing windows leave above a band-limited recording's limit; its noise floor is added back.
     band_limit: Equalizer,
     equalizer: Equalizer,
     /// Image matching, for two channels only.
@@ -24,11 +29,14 @@ pub(super) struct Deck {
     forgets_after: usize,
     /// The recording's own level.
     level: f64,
+    /// The noise floor above a band limit, and its factor for each sample of the block.
+    floor: White,
+    floor_gains: Vec<f64>,
 }
 
 impl Deck {
-    /// A deck for `channels` in blocks of up to `block` samples.
-    pub fn new(sample_rate_hz: f64, channels: usize, block: usize) -> Self {
+    /// A deck for the recording in `slot`, with `channels` in blocks of up to `block` samples.
+    pub fn new(slot: usize, sample_rate_hz: f64, channels: usize, block: usize) -> Self {
         let mut deck = Self {
             band_limit: Equalizer::new(sample_rate_hz, channels),
             equalizer: Equalizer::new(sample_rate_hz, channels),
@@ -37,6 +45,8 @@ impl Deck {
             left_out: 0,
             forgets_after: 0,
             level: 0.0,
+            floor: White::new(FLOOR_SEED, FLOOR_STREAM + slot as u32),
+            floor_gains: vec![0.0; block],
         };
         let memory_samples = deck.band_limit.memory_samples() + deck.equalizer.memory_samples();
         deck.forgets_after = memory_samples + deck.tail_samples();
@@ -70,13 +80,21 @@ impl Deck {
         self.level
     }
 
-    /// Filters the samples in `range` of every channel. After its recording is removed, it ends once it is silent.
+    /// Sets the factor of the noise floor at sample `i` of the block, for a recording at level 1.
+    #[inline]
+    pub fn set_floor_gain(&mut self, i: usize, gain: f64) {
+        self.floor_gains[i] = gain;
+    }
+
+    /// Filters the samples in `range` of every channel. After its recording is removed, it ends once it is silent. The
+    /// block's first sample is at `position` on the host's timeline.
     pub fn process(
         &mut self,
         recorded: &Recorded<'_>,
         spectrum_match: f64,
         channels: &mut [&mut [f64]],
         range: Range<usize>,
+        position: i64,
     ) {
         if !self.is_on(recorded) {
             self.left_out += range.len();
@@ -96,7 +114,13 @@ impl Deck {
         self.band_limit.process(limit_taps, 1.0, channels, range.clone());
         self.equalizer.process(taps, spectrum_match, channels, range.clone());
         if let Some(image) = &mut self.image {
-            image.process(side_taps, channels, range);
+            image.process(side_taps, channels, range.clone());
+        }
+        if let Some(profile) = recorded.profile.filter(|profile| profile.floor > 0.0) {
+            for i in range {
+                let noise = profile.floor * self.floor_gains[i] * self.floor.at(position.wrapping_add(i as i64));
+                channels.iter_mut().for_each(|channel| channel[i] += noise);
+            }
         }
     }
 
@@ -125,16 +149,38 @@ mod tests {
         noise[6_000..18_000].fill(0.0);
         let mut profile = Profile::compress(&mut [noise.clone()], RATE_HZ);
         profile.set_calibration(1.0, design(&[6.0; 23], RATE_HZ), Vec::new());
-        let mut deck = Deck::new(RATE_HZ, 1, 1000);
+        let mut deck = Deck::new(0, RATE_HZ, 1, 1000);
         let mut at = 0;
         while at < noise.len() {
             let end = (at + cut).min((at / 1000 + 1) * 1000);
             let is_there = always || !(6_000..18_000).contains(&at);
             let recorded = Recorded { profile: is_there.then_some(&profile), gain: 1.0 };
-            deck.process(&recorded, 1.0, &mut [&mut noise], at..end);
+            deck.process(&recorded, 1.0, &mut [&mut noise], at..end, 0);
             at = end;
         }
         noise
+    }
+
+    #[test]
+    fn a_noise_floor_comes_with_the_recording_however_it_is_cut() {
+        let mut noise = vec![0.0; 100_000];
+        White::new(5, 6).fill(0, &mut noise);
+        let mut profile = Profile::compress(&mut [noise], RATE_HZ);
+        let mut heard = |floor: f64, cut: usize| {
+            profile.floor = floor;
+            let recorded = Recorded { profile: Some(&profile), gain: 1.0 };
+            let (mut deck, mut silence) = (Deck::new(1, RATE_HZ, 1, 1000), vec![0.0; 1000]);
+            (0..1000).for_each(|i| deck.set_floor_gain(i, 0.5));
+            for start in (0..1000).step_by(cut) {
+                deck.process(&recorded, 1.0, &mut [&mut silence], start..(start + cut).min(1000), 77);
+            }
+            silence
+        };
+        assert!(heard(0.0, 1000).iter().all(|x| *x == 0.0));
+        let whole = heard(1e-2, 1000);
+        let rms = (whole.iter().map(|x| x * x).sum::<f64>() / 1000.0).sqrt();
+        assert!((rms - 0.5e-2).abs() < 0.5e-3, "{rms}");
+        assert!(heard(1e-2, 7) == whole);
     }
 
     #[test]

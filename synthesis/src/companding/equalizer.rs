@@ -15,9 +15,9 @@ use crate::smoothed::Smoothed;
 
 /// Most that a third octave is raised or lowered, in dB.
 pub const LIMIT_DB: f64 = 20.0;
-/// Stop-band attenuation of a low-pass, in dB: this is how far the energy left there by changing windows exceeds an
-/// empty band's noise floor.
-const STOP_DB: f64 = 30.0;
+/// Stop-band attenuation of a low-pass in dB, below any recording's noise floor, and its slope in dB per octave.
+const STOP_DB: f64 = 80.0;
+const SLOPE_DB: f64 = 180.0;
 /// Taps at 44.1 kHz.
 const TAPS: f64 = 512.0;
 /// Length of the transform for designing, in taps; long, so that the cepstrum does not wrap.
@@ -35,9 +35,9 @@ pub fn design(gains_db: &[f64], sample_rate_hz: f64) -> Vec<f64> {
     minimum_phase(gain_db, sample_rate_hz)
 }
 
-/// Taps of a low-pass that stays as it is up to a frequency in Hz, and falls by 30 dB within a sixth of an octave.
+/// Taps of a low-pass that stays as it is up to a frequency in Hz, and falls by 80 dB within half an octave.
 pub fn design_low_pass(corner_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
-    minimum_phase(|hz| -STOP_DB * (6.0 * maths::log2(hz.max(1.0) / corner_hz)).clamp(0.0, 1.0), sample_rate_hz)
+    minimum_phase(|hz| -(SLOPE_DB * maths::log2(hz.max(1.0) / corner_hz)).clamp(0.0, STOP_DB), sample_rate_hz)
 }
 
 /// Taps of the minimum-phase filter with a gain in dB by frequency in Hz.

@@ -191,7 +191,7 @@ impl Companding {
             drive: Delay::new(latency_samples),
             drive_block: vec![0.0; block],
             timeline: Timeline::new(latency_samples + 1, TextureControls::default()),
-            decks: std::array::from_fn(|_| Deck::new(sample_rate_hz, channels, block)),
+            decks: std::array::from_fn(|slot| Deck::new(slot, sample_rate_hz, channels, block)),
             low_end: LowEnd::new(sample_rate_hz, channels),
             noise: White::new(UNDERTONE_SEED, UNDERTONE_STREAM),
             position: 0,
@@ -316,12 +316,16 @@ impl Companding {
                     if deck.is_on(recorded) {
                         let gain = self.output_gain.at(place.1, deck.level(recorded));
                         texture.iter_mut().for_each(|channel| channel[i] *= gain);
+                        if recorded.has_floor() {
+                            deck.set_floor_gain(i, self.output_gain.at(place.1, 1.0));
+                        }
                     }
                 }
                 self.relative_block[i] = self.relative_at(place, &controls);
                 *drive *= self.low_gain_at(place, &controls, recordings);
             }
-            self.play_decks(&controls.companding, recordings, textures, start..end);
+            let position = self.position.wrapping_add(self.now - samples as i64);
+            self.play_decks(&controls.companding, recordings, textures, start..end, position);
             start = end;
         }
         self.sum(recordings, textures, channels);
@@ -364,17 +368,18 @@ impl Companding {
         self.expand(&recordings, &mut [&mut blocks], channels);
     }
 
-    /// Applies each recording's filters to its texture in a range of the block.
+    /// Applies each recording's filters to its texture in a range of the block, whose first sample is at `position`.
     fn play_decks(
         &mut self,
         controls: &CompandingControls,
         recordings: &[Recorded<'_>; SLOTS],
         textures: &mut [&mut [&mut [f64]]],
         range: Range<usize>,
+        position: i64,
     ) {
         let spectrum_match = within(controls.spectrum_match, 0.0, 1.0);
         for ((texture, recorded), deck) in textures.iter_mut().zip(recordings).zip(&mut self.decks) {
-            deck.process(recorded, spectrum_match, texture, range.clone());
+            deck.process(recorded, spectrum_match, texture, range.clone(), position);
         }
     }
 

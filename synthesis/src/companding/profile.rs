@@ -14,6 +14,11 @@ pub const MATCH_EXPONENT: f64 = 0.6;
 pub(super) const MATCHED_HZ: f64 = 600.0;
 /// Corner in Hz of the removed loudness.
 const LOUDNESS_HZ: f64 = 8.0;
+/// Corners in Hz between which loudness weights the signal up by 6 dB an octave, 20 dB in all. A low end much louder than the
+/// rest sways independently, and highs divided by its loudness would be made to sway with it.
+const RISE_HZ: [f64; 2] = [300.0, 3000.0];
+/// Highest frequency used, as a share of the sample rate.
+const HIGHEST: f64 = 0.45;
 /// Share of the loudest below which loudness is not followed: -50 dB.
 const FLOOR: f64 = 3.162e-3;
 /// Frequency in Hz below which sound is wind at the microphone: it is inaudible, and must not count towards the level
@@ -48,6 +53,8 @@ pub struct Profile {
     pub(super) side_taps: Vec<f64>,
     /// Taps of the low-pass, if the recording is band-limited; otherwise empty.
     pub(super) limit_taps: Vec<f64>,
+    /// Root mean square of white noise as dense as the recording's noise floor above the low-pass; 0 if there is none.
+    pub(super) floor: f64,
 }
 
 bulk_fields!(Profile: relative);
@@ -62,11 +69,12 @@ impl Profile {
     /// The same where the `power` of the channels' mean is known already.
     pub(crate) fn compress_with(channels: &mut [Vec<f64>], power: &Power, sample_rate_hz: f64) -> Self {
         let frame_samples = frame_samples(sample_rate_hz);
-        let mut relative = loudness(channels, frame_samples, sample_rate_hz / frame_samples as f64);
+        let mut relative = loudness(channels, frame_samples, sample_rate_hz);
         let whole = (relative.iter().map(|x| x * x).sum::<f64>() / relative.len().max(1) as f64).sqrt();
         let floor = FLOOR * relative.iter().fold(0.0f64, |most, x| most.max(*x));
         let is_audible = whole > 0.0;
         relative.iter_mut().for_each(|x| *x = if is_audible { x.max(floor) / whole } else { 1.0 });
+        let limit_hz = power.band_limit_hz();
         let mut profile = Self {
             relative,
             frame_samples,
@@ -77,7 +85,8 @@ impl Profile {
             lufs: None,
             taps: Vec::new(),
             side_taps: Vec::new(),
-            limit_taps: power.band_limit_hz().map_or_else(Vec::new, |hz| design_low_pass(hz, sample_rate_hz)),
+            limit_taps: limit_hz.map_or_else(Vec::new, |hz| design_low_pass(hz, sample_rate_hz)),
+            floor: limit_hz.map_or(0.0, |hz| power.floor_above(hz)),
         };
         // A power for each sample of all channels: it is most of the work here.
         for i in 0..channels.first().map_or(0, Vec::len) {
@@ -147,15 +156,32 @@ impl Profile {
     }
 }
 
-/// Loudness by frames: the root of the channels' mean power below [`LOUDNESS_HZ`], zero phase.
-fn loudness(channels: &[Vec<f64>], frame_samples: usize, frame_rate_hz: f64) -> Vec<f64> {
+/// A filter for a signal as loudness hears it: a shelf of first order, a zero at the first corner and a pole at the second.
+fn highs_raised(sample_rate_hz: f64) -> impl FnMut(f64) -> f64 {
+    let [zero, pole] = RISE_HZ.map(|hz| 1.0 / section_gain(hz.min(HIGHEST * sample_rate_hz), sample_rate_hz));
+    let (mut before, mut out) = (0.0, 0.0);
+    move |sample| {
+        out = ((1.0 + zero) * sample + (1.0 - zero) * before - (1.0 - pole) * out) / (1.0 + pole);
+        before = sample;
+        out
+    }
+}
+
+/// Loudness by frames: the root of the channels' mean power below [`LOUDNESS_HZ`], zero phase, with the highs raised.
+fn loudness(channels: &[Vec<f64>], frame_samples: usize, sample_rate_hz: f64) -> Vec<f64> {
+    let frame_rate_hz = sample_rate_hz / frame_samples as f64;
     let samples = channels.first().map_or(0, Vec::len);
-    let power = |start: usize| {
-        let end = samples.min(start + frame_samples);
-        let sum: f64 = channels.iter().flat_map(|channel| &channel[start..end]).map(|x| x * x).sum();
-        sum / ((end - start) * channels.len()) as f64
-    };
-    let mut powers: Vec<f64> = (0..samples).step_by(frame_samples).map(power).collect();
+    let mut powers = vec![0.0; samples.div_ceil(frame_samples)];
+    for channel in channels {
+        let mut weighted = highs_raised(sample_rate_hz);
+        for (power, frame) in powers.iter_mut().zip(channel.chunks(frame_samples)) {
+            frame.iter().for_each(|sample| *power += maths::square(weighted(*sample)));
+        }
+    }
+    for (frame, power) in powers.iter_mut().enumerate() {
+        let length = frame_samples.min(samples - frame * frame_samples);
+        *power /= (length * channels.len()) as f64;
+    }
     // Beyond the ends there is no signal, which differs from silence: the sum of weights accounts for it.
     let mut weights = vec![1.0; powers.len()];
     let keep = maths::exp(-2.0 * std::f64::consts::PI * LOUDNESS_HZ / frame_rate_hz);
@@ -202,6 +228,23 @@ mod tests {
             assert!((back - sample).abs() < 1e-12, "{i}: {back} instead of {sample}");
             assert_eq!(profile.own_dynamics(i as i64, MATCH_EXPONENT), 1.0);
         }
+    }
+
+    #[test]
+    fn a_loud_low_end_that_sways_does_not_make_the_highs_sway() {
+        let rate_hz = 44_100.0;
+        let (mut high, mut low) = (vec![0.0; 200_000], vec![0.0; 200_000]);
+        White::new(1, 2).fill(0, &mut high);
+        let omega = |hz: f64, i: usize| 2.0 * std::f64::consts::PI * hz * i as f64 / rate_hz;
+        low.iter_mut().enumerate().for_each(|(i, x)| *x = 2.0 * (1.0 + omega(2.0, i).sin()) * omega(60.0, i).sin());
+        let mut flat = [high.iter().zip(&low).map(|(high, low)| high + low).collect()];
+        Profile::compress(&mut flat, rate_hz);
+        let (mut section, gain) = (Svf::default(), section_gain(2000.0, rate_hz));
+        let highs: Vec<f64> = flat[0].iter().map(|x| section.process(gain, *x).high).collect();
+        let levels: Vec<f64> = highs[4410..].chunks_exact(2205).map(|x| x.iter().map(|x| x * x).sum::<f64>()).collect();
+        let [most, least] = [f64::max, f64::min].map(|pick| levels.iter().copied().reduce(pick).unwrap());
+        let swing_db = 10.0 * (most / least).log10();
+        assert!(swing_db < 2.0, "{swing_db} dB");
     }
 
     #[test]

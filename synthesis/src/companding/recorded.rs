@@ -11,6 +11,13 @@ pub struct Recorded<'a> {
     pub gain: f64,
 }
 
+impl Recorded<'_> {
+    /// Whether it has a noise floor above its band limit.
+    pub fn has_floor(&self) -> bool {
+        self.profile.is_some_and(|profile| profile.floor > 0.0)
+    }
+}
+
 impl Default for Recorded<'_> {
     fn default() -> Self {
         Self { profile: None, gain: 1.0 }
