@@ -315,7 +315,7 @@ impl Diagnosis {
     pub fn advice(self, is_calm: bool) -> &'static str {
         match self {
             Self::Buzzes if is_calm => {
-                "Tones stand out that the recording does not have: a longer, livelier recording has fewer."
+                "It has tones that the recording does not have: try a longer, livelier recording."
             }
             Self::Buzzes => "It buzzes: turn Scaling auto on, Scaling alpha down, or Dynamics mode to companded.",
             Self::MayBuzz => {
@@ -323,8 +323,8 @@ impl Diagnosis {
             }
             Self::Wanders if is_calm => "It does not follow the drive: turn a steady layer down.",
             Self::Wanders => "It does not follow the drive: turn Dynamics up, or a steady layer down.",
-            Self::Sudden if is_calm => "It is more sudden than the recording.",
-            Self::Sudden => "It is more sudden than the recording: turn Drive match down.",
+            Self::Sudden if is_calm => "It crackles more than the recording.",
+            Self::Sudden => "It crackles more than the recording: turn Drive match down.",
             Self::Dull if is_calm => "It crackles less than the recording: turn extension and vortex down.",
             Self::Dull => "It crackles less than the recording: turn Drive match up, or extension and vortex down.",
         }
@@ -471,7 +471,7 @@ mod tests {
         assert!(says(Figures { lines_db: Some(6.0), ..good }).contains("Scaling alpha"));
         assert!(!Diagnosis::Buzzes.advice(true).contains("Scaling alpha"), "that is down already");
         assert!(says(Figures { follows: Some(0.2), ..good }).contains("follow"));
-        assert!(says(Figures { crackle: Some(4.0), ..good }).contains("sudden"));
+        assert!(says(Figures { crackle: Some(4.0), ..good }).contains("crackles more"));
         assert!(says(Figures { crackle: Some(0.2), ..good }).contains("less"));
     }
 
