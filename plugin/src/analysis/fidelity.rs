@@ -471,7 +471,7 @@ mod tests {
         assert!(says(Figures { lines_db: Some(6.0), ..good }).contains("Scaling alpha"));
         assert!(!Diagnosis::Buzzes.advice(true).contains("Scaling alpha"), "that is down already");
         assert!(says(Figures { follows: Some(0.2), ..good }).contains("follow"));
-        assert!(says(Figures { crackle: Some(4.0), ..good }).contains("sudden"));
+        assert!(says(Figures { crackle: Some(4.0), ..good }).contains("crackles more"));
         assert!(says(Figures { crackle: Some(0.2), ..good }).contains("less"));
     }
 
