@@ -296,7 +296,9 @@ mod tests {
         for (case, layout) in layouts.into_iter().cycle().take(48).enumerate() {
             let (channels, samples) = (layout.channels(), 1 + case * 7);
             let mut layer = || -> Vec<Vec<f64>> {
-                (0..channels).map(|_| (0..samples).map(|_| rough(&mut random)).collect()).collect()
+                // Negative zero in all layers at once: only what is added to it decides its sign.
+                let mut channel = || std::iter::once(-0.0).chain((1..samples).map(|_| rough(&mut random))).collect();
+                (0..channels).map(|_| channel()).collect()
             };
             let all: [Vec<Vec<f64>>; 7] = std::array::from_fn(|_| layer());
             let dry: Vec<Vec<f32>> = layer().iter().map(|x| x.iter().map(|x| *x as f32).collect()).collect();
