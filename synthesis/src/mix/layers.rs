@@ -59,7 +59,7 @@ pub(super) struct Levels {
     pub bypass: f64,
 }
 
-/// The larger magnitude; what is no number is the largest, so that the ceiling silences it in all channels.
+/// The larger magnitude; NaN counts as the largest, so that the ceiling silences it in all channels.
 #[inline]
 pub(super) fn louder(sample: f64, loudest: f64) -> f64 {
     if sample.abs() > loudest || sample.is_nan() { sample.abs() } else { loudest }

@@ -10,7 +10,7 @@ use crate::ceiling;
 /// Samples mixed at a time: the sums of ten channels stay in the first-level cache.
 pub(super) const PART: usize = 64;
 
-/// What stays the same for a whole stretch of samples.
+/// Values that are constant over a stretch of samples.
 #[derive(Debug)]
 pub(super) struct Settled<'a> {
     /// Levels of the stretch; its bypass is exactly 0 or 1.
@@ -85,7 +85,7 @@ impl Settled<'_> {
 
     /// Keeps all channels below full scale, by one factor for each sample.
     fn hold(&mut self, loudest: &[f64]) {
-        // Up to the knee the factor is 1; what is no number fails the comparison.
+        // Up to the knee the factor is 1; NaN fails the comparison.
         if !self.has_ceiling || loudest.iter().all(|magnitude| *magnitude <= ceiling::KNEE) {
             return;
         }
@@ -119,19 +119,19 @@ fn add(wet: &mut [f64], layer: &[f64; PART], level: f64, most: &mut f64) {
     *most = most.max(peak(&scaled[..wet.len()]));
 }
 
-/// The same for a layer that is not computed while its level is 0, and is then taken for silence.
+/// The same for a layer that is not computed while its level is 0, and then counts as silence.
 fn add_unless_off(wet: &mut [f64], layer: impl FnOnce() -> [f64; PART], level: f64, most: &mut f64) {
     if level == 0.0 {
-        // Not nothing: it turns a negative zero into a positive one.
+        // This turns a negative zero into a positive one, as adding the silent layer would.
         wet.iter_mut().for_each(|wet| *wet += 0.0);
     } else {
         add(wet, &layer(), level, most);
     }
 }
 
-/// Largest magnitude; what is no number does not count.
+/// Largest magnitude; NaN does not count.
 fn peak(samples: &[f64]) -> f64 {
-    // In four parts, which do not wait for one another.
+    // Four maxima side by side, so that comparisons need not wait for each other.
     let mut most = [0.0f64; 4];
     let mut chunks = samples.chunks_exact(4);
     for chunk in &mut chunks {

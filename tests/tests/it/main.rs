@@ -1,4 +1,5 @@
-//! End-to-end tests in one program, so that it is linked once; those that measure a whole process have programs of their own.
+//! End-to-end tests in one program, so that it is linked once. Those that open a window set variables of the process, and those that
+//! measure a whole process want it for themselves: they have programs of their own.
 
 #[path = "../../../recording/tests/files/mod.rs"]
 mod files;
@@ -6,11 +7,6 @@ mod files;
 mod bad_recordings;
 mod bad_states;
 mod controllers;
-mod editor;
-mod editor_drag;
-mod editor_menu;
-mod editor_midi;
-mod editor_slots;
 mod equality;
 mod golden;
 mod imports;

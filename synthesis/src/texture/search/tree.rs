@@ -117,17 +117,22 @@ impl Tree {
     /// A tree over `points`, at least one, and the largest distance of a point from the features' mean. `step` is told the
     /// part done.
     pub fn new(points: &Points<'_>, step: Step<'_>) -> Result<(Self, f32), Error> {
+        Self::in_parts(points, AT_ONCE, step)
+    }
+
+    /// The same tree, bit for bit, with the points of at most `at_once` windows held at a time, 256 or more.
+    fn in_parts(points: &Points<'_>, at_once: usize, step: Step<'_>) -> Result<(Self, f32), Error> {
         let total = points.windows.len();
         let mut tree = Self::empty(points.numbers);
-        let radius = if total <= AT_ONCE {
-            let (at_once, radius) = points.axes.points(points.features, points.windows, points.numbers);
-            let builder = Builder { points: &at_once, axes: points.numbers, windows: points.windows, total, step };
+        let radius = if total <= at_once {
+            let (all, radius) = points.axes.points(points.features, points.windows, points.numbers);
+            let builder = Builder { points: &all, axes: points.numbers, windows: points.windows, total, step };
             let mut order: Vec<u32> = (0..total as u32).collect();
             tree.root = builder.subtree(&mut tree, &mut order)?.0;
             radius
         } else {
             let (columns, radius) = points.axes.columns(points.features, points.windows);
-            let top = Top { points, columns, total, step };
+            let top = Top { points, columns, at_once, total, step };
             let mut order: Vec<u32> = (0..total as u32).collect();
             tree.root = top.subtree(&mut tree, &mut order)?.0;
             radius
@@ -314,6 +319,7 @@ fn stride(points: usize) -> usize {
 struct Top<'a> {
     points: &'a Points<'a>,
     columns: Vec<[f32; COLUMNS]>,
+    at_once: usize,
     total: usize,
     step: Step<'a>,
 }
@@ -343,7 +349,7 @@ impl Top<'_> {
     /// Builds the subtree over the points named in `order`; answers it and its bounds.
     fn subtree(&self, tree: &mut Tree, order: &mut [u32]) -> Result<(Child, Bounds), Error> {
         let Points { axes, features, numbers, .. } = *self.points;
-        if order.len() <= AT_ONCE {
+        if order.len() <= self.at_once {
             let windows = self.windows_of(order.iter());
             let (points, _) = axes.points(features, &windows, numbers);
             let builder =
@@ -500,4 +506,32 @@ fn node(tree: &mut Tree, axes: usize, children: &[(Child, Bounds)]) -> (Child, B
     }));
     tree.children.push(lanes);
     (Child::of_node(tree.children.len() - 1), bounds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::White;
+    use crate::texture::{Dictionary, PyramidConfig};
+
+    #[test]
+    fn a_tree_built_in_parts_is_the_tree_built_at_once() {
+        // Noise differs along all axes alike, so that splits also fall on axes beyond the first few.
+        let mut noise = vec![0.0; 60_000];
+        White::new(1, 2).fill(0, &mut noise);
+        let shape = PyramidConfig { levels: 4, ..PyramidConfig::default() };
+        let dictionary = Dictionary::new(&[noise], 44_100.0, &shape, &|_| true).unwrap();
+        let (features, windows) = (dictionary.features(0), dictionary.index(0).unwrap().windows());
+        let axes = Axes::new(&features, windows.clone());
+        let windows: Vec<u32> = windows.map(|window| window as u32).collect();
+        assert!(windows.len() > 5000, "{} windows are too few for several storeys", windows.len());
+        for numbers in [8, 48] {
+            let points = Points { axes: &axes, features: &features, windows: &windows, numbers };
+            let built = |at_once: usize| format!("{:?}", Tree::in_parts(&points, at_once, &|_| Ok(())).unwrap());
+            let whole = built(usize::MAX);
+            for at_once in [256, 1000, 5000] {
+                assert!(built(at_once) == whole, "{numbers} numbers, {at_once} windows at once");
+            }
+        }
+    }
 }
