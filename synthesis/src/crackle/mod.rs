@@ -267,7 +267,7 @@ impl Crackle {
         let mean = (sum / count).max(LEAST_MEAN);
         let loudness = within(loudness, 0.0, LOUDEST) / mean;
         let follow = within(controls.follow, 0.0, 2.0);
-        let density = crackles.share()
+        let density = crackles.share(&crackles.events()[due.event])
             * within(controls.density, 0.0, STREAMS as f64)
             * maths::pow(loudness, DENSITY_EXPONENT * follow);
         if loudness <= 0.0 || due.threshold >= density {
@@ -275,7 +275,7 @@ impl Crackle {
         }
         let Some(grain) = self.grains.iter_mut().find(|grain| !grain.is_on()) else { return };
         let (event, variation) = (&crackles.events()[due.event], crackles.variation());
-        let [late, rate, level, tilt, balance, ..] = due.draws;
+        let [late, rate, level, tilt, balance] = due.draws;
         let sharpness = within(controls.sharpness, -1.0, 1.0);
         let spread = maths::pow(event.peak / crackles.median_peak(), within(controls.spread, 0.0, 2.0) - 1.0);
         let followed = maths::pow(mean, MEAN_EXPONENT * follow) * maths::pow(loudness, LEVEL_EXPONENT * follow);
