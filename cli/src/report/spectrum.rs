@@ -1,6 +1,6 @@
 //! Power over frequency.
 
-use pyrophone_synthesis::fft::RealTransform;
+use maths::fft::RealTransform;
 
 /// Longest and shortest window in samples.
 const WINDOWS: (usize, usize) = (1 << 15, 1 << 10);

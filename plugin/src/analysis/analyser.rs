@@ -1,6 +1,6 @@
 //! A running spectrum.
 
-use pyrophone_synthesis::fft::{Complex64, RealTransform};
+use maths::fft::{Complex64, RealTransform};
 
 use super::bands::{BANDS, Bands};
 
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn noise_has_its_density_and_a_tone_its_place() {
         let rate_hz = 48_000.0;
-        let noise = pyrophone_synthesis::noise::White::new(1, 0);
+        let noise = pyrophone_synthesis::dsp::White::new(1, 0);
         let mut analyser = Analyser::new(rate_hz, 0.18, 0.02);
         let (mut mean, mut count) = ([0.0f32; BANDS], 0.0);
         for n in 0..480_000 {

@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use pyrophone_synthesis::fft::{Complex64, RealTransform};
+use maths::fft::{Complex64, RealTransform};
 
 /// Seconds over which figures are averaged.
 const MEMORY_S: f64 = 8.0;
@@ -405,7 +405,7 @@ impl Fidelity {
 
 #[cfg(test)]
 mod tests {
-    use pyrophone_synthesis::noise::White;
+    use pyrophone_synthesis::dsp::White;
 
     use super::*;
 

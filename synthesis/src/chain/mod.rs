@@ -7,7 +7,6 @@
 //! before.
 
 mod bus;
-pub(crate) mod delay;
 mod meters;
 mod telemetry;
 mod voice;
@@ -29,8 +28,8 @@ pub use bus::{Channels, Transport};
 pub use meters::Meters;
 pub use telemetry::Telemetry;
 
+use crate::dsp::Delay;
 use bus::CHUNK;
-use delay::Delay;
 use voice::{MAX_CHANNELS, Voice};
 
 /// Length in seconds of the crossfade after a jump.

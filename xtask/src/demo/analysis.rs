@@ -1,6 +1,6 @@
 //! Power over frequency, and over time and frequency.
 
-use pyrophone_synthesis::fft::{Complex64, RealTransform};
+use maths::fft::{Complex64, RealTransform};
 
 /// Lowest and highest frequency that is shown, in Hz.
 pub const BAND_HZ: (f64, f64) = (20.0, 20_000.0);

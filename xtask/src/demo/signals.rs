@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 
 /// Sample rate in Hz.
 pub const RATE_HZ: u32 = 48_000;

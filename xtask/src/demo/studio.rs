@@ -48,7 +48,7 @@ impl Sound {
             sample_format: hound::SampleFormat::Int,
         };
         let gain = 10f64.powf(gain_db / 20.0) * f64::from(i16::MAX);
-        let dither = pyrophone_synthesis::noise::White::new(0, 0);
+        let dither = pyrophone_synthesis::dsp::White::new(0, 0);
         let dither = |n: i64| dither.at(n) * 0.5 / 3f64.sqrt();
         let mut file = std::io::Cursor::new(vec![]);
         let mut writer = hound::WavWriter::new(&mut file, spec)?;

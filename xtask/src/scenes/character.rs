@@ -1,6 +1,6 @@
 //! The character of a low-frequency flame signal in a few figures: levels, burstiness, slope.
 
-use pyrophone_synthesis::fft::RealTransform;
+use maths::fft::RealTransform;
 
 /// Bands with reported levels, in Hz: below the paper's high-pass, and the lower and upper part of the range above it.
 pub const BANDS_HZ: [(f64, f64); 3] = [(10.0, 30.0), (30.0, 80.0), (80.0, 175.0)];

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use super::super::kernel::mitchell_netravali;
+use crate::dsp::mitchell_netravali;
 use crate::error::Error;
 
 /// The scenes. Indices are a promise: names may only be appended.
