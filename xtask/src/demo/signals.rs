@@ -154,8 +154,8 @@ impl Draw {
 
 #[cfg(test)]
 mod tests {
-    use super::super::analysis::Spectrum;
     use super::*;
+    use pyrophone_analysis::Spectrum;
 
     #[test]
     fn the_fire_has_all_bands_and_crackles() {

@@ -11,11 +11,11 @@ use pyrophone_host::bounce::BlockSize;
 use pyrophone_recording::{Recording, write_wav_f32};
 use pyrophone_settings::{Automation, Id, Values};
 
-use super::analysis::Spectrum;
 use super::loudness::{Listening, matched};
 use super::page::{Pair, Row, Side};
 use super::plots::{ASH, Curve, EMBER, FLAME_BLUE, spectrogram, spectrum};
 use crate::bounce::{Request, learned, play, reference};
+use pyrophone_analysis::Spectrum;
 
 /// Rights in a result.
 const RIGHTS_OF_RESULT: &str = "those in the sounds it was made from";

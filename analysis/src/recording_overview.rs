@@ -2,9 +2,9 @@
 
 use pyrophone_recording::{Cut, Recording};
 
-use super::analyser::Analyser;
-use super::bands::{BANDS, FLOOR_DB, decibels};
-use super::fidelity::Character;
+use crate::analyser::Analyser;
+use crate::bands::{BANDS, FLOOR_DB, decibels};
+use crate::fidelity::Character;
 
 /// Columns of outline and course.
 pub const COLUMNS: usize = 512;
