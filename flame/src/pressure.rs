@@ -1,7 +1,7 @@
 //! From flux at the simulation's steps to sound pressure at audio rate (Chadwick & James 2011, §3, eq. 9-11).
 
 use pyrophone_synthesis::controls::{DriveControls, DriveMode};
-use pyrophone_synthesis::drive::{Drive, mitchell_netravali};
+use pyrophone_synthesis::{drive::Drive, dsp::mitchell_netravali};
 
 use crate::error::{Error, in_range};
 

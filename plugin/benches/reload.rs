@@ -12,7 +12,7 @@ use pyrophone::loader::{Engine, Loader};
 use pyrophone_settings::Session;
 use pyrophone_settings::session::{FIELD, RecordingReference};
 use pyrophone_synthesis::chain::Channels;
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_training::store::FOLDER_VARIABLE;
 
 const RATE_HZ: u32 = 48_000;

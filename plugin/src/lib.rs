@@ -17,12 +17,9 @@
 //! | [`meters`] | levels for the editor | any thread |
 //! | [`frame_pace`] | frame rate of the window | the audio thread |
 //! | [`probe`] | drive and output for the editor | from the audio thread to the window's |
-//! | [`analysis`] | spectra and outlines for the editor | the loader's and the window's |
 //! | [`editor`] | the window | the host's window thread |
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
-#[allow(clippy::disallowed_methods, reason = "it is only drawn")]
-pub mod analysis;
 pub mod audio;
 pub mod channels;
 pub mod controllers;

@@ -55,47 +55,7 @@ fn name_the_defaults_of_version_1(parameters: &mut Table) {
 const _: () = assert!(MIGRATIONS.len() as i64 == VERSION - 1, "each version needs its way to the next");
 
 /// Names and texts of the factory presets.
-pub const FACTORY: &[(&str, &str)] = &[
-    ("default", include_str!("../../presets/default.toml")),
-    ("extend", include_str!("../../presets/extend.toml")),
-    ("flame", include_str!("../../presets/flame.toml")),
-    ("campfire", include_str!("../../presets/campfire.toml")),
-    ("flamethrower", include_str!("../../presets/flamethrower.toml")),
-    ("explosion", include_str!("../../presets/explosion.toml")),
-    ("swinging-torch", include_str!("../../presets/swinging-torch.toml")),
-    ("texture", include_str!("../../presets/texture.toml")),
-    ("texture-paper", include_str!("../../presets/texture-paper.toml")),
-    ("candle-close", include_str!("../../presets/candle-close.toml")),
-    ("match-strike", include_str!("../../presets/match-strike.toml")),
-    ("hearth", include_str!("../../presets/hearth.toml")),
-    ("bonfire", include_str!("../../presets/bonfire.toml")),
-    ("torch-pass-by", include_str!("../../presets/torch-pass-by.toml")),
-    ("flamethrower-burst", include_str!("../../presets/flamethrower-burst.toml")),
-    ("dragon-breath", include_str!("../../presets/dragon-breath.toml")),
-    ("jet-engine", include_str!("../../presets/jet-engine.toml")),
-    ("burning-house", include_str!("../../presets/burning-house.toml")),
-    ("explosion-tail", include_str!("../../presets/explosion-tail.toml")),
-    ("magic-fire", include_str!("../../presets/magic-fire.toml")),
-    ("embers", include_str!("../../presets/embers.toml")),
-    ("gas-burner", include_str!("../../presets/gas-burner.toml")),
-    ("blowtorch", include_str!("../../presets/blowtorch.toml")),
-    ("wildfire-far", include_str!("../../presets/wildfire-far.toml")),
-    ("drums-to-fire", include_str!("../../presets/drums-to-fire.toml")),
-    ("paper-burning-brick", include_str!("../../presets/paper-burning-brick.toml")),
-    ("paper-candle", include_str!("../../presets/paper-candle.toml")),
-    ("paper-dragon", include_str!("../../presets/paper-dragon.toml")),
-    ("paper-flame-jet", include_str!("../../presets/paper-flame-jet.toml")),
-    ("paper-torch", include_str!("../../presets/paper-torch.toml")),
-    ("speech", include_str!("../../presets/speech.toml")),
-    ("drums", include_str!("../../presets/drums.toml")),
-    ("wet-logs", include_str!("../../presets/wet-logs.toml")),
-    ("grass-fire", include_str!("../../presets/grass-fire.toml")),
-    ("burning-paper", include_str!("../../presets/burning-paper.toml")),
-    ("coal-embers", include_str!("../../presets/coal-embers.toml")),
-    ("brazier", include_str!("../../presets/brazier.toml")),
-    ("torch-in-hand", include_str!("../../presets/torch-in-hand.toml")),
-    ("burning-hut", include_str!("../../presets/burning-hut.toml")),
-];
+pub const FACTORY: &[(&str, &str)] = pyrophone_assets::PRESETS;
 
 /// A named set of values.
 #[derive(Debug, Clone, PartialEq, Default)]

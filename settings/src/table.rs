@@ -109,7 +109,7 @@ pub const DRIVE_MODES: &[&str] = &["pressure", "flux", "envelope", "input envelo
 pub const FLAME_SCENES: &[&str] = pyrophone_synthesis::drive::SCENES;
 
 /// Names of the values of `vortex_texture`.
-pub const VORTEX_TEXTURES: &[&str] = pyrophone_synthesis::vortex::TEXTURES;
+pub const VORTEX_TEXTURES: &[&str] = &pyrophone_synthesis::vortex::TEXTURES;
 /// Names of the values of `fuel`.
 pub const FUELS: &[&str] = pyrophone_synthesis::controls::Fuel::NAMES;
 /// Names of the values of `vortex_flow`.

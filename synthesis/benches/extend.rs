@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::ExtendControls;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::extend::Extend;
-use pyrophone_synthesis::noise::White;
 
 const SECONDS: usize = 20;
 const BLOCK: usize = 64;

@@ -1,12 +1,11 @@
 //! From a recording to a dictionary: as the paper takes it, or as companding does.
 
 use crate::Error;
-use crate::channels::mean_of;
 use crate::companding::Profile;
 use crate::companding::bands::Power;
 use crate::companding::calibrate::{Goal, calibrate};
 use crate::crackle::{Split, is_impulsive, split};
-use crate::loudness::integrated_lufs;
+use crate::dsp::{integrated_lufs, mean_of};
 use crate::structure::MatchingMode;
 use crate::texture::PyramidConfig;
 use crate::texture::dictionary::{Dictionary, Progress, check};

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use crate::controls::ToneControls;
-use crate::smoothed::Smoothed;
+use crate::dsp::Smoothed;
 
 /// Frequency in Hz about which the tone tilts.
 pub const TILT_HZ: f64 = 700.0;

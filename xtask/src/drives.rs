@@ -2,7 +2,7 @@
 //!
 //! Each scene is simulated in two ways, and the flux of every step written as a loop: `presets/drives/SCENE.wav`, a
 //! channel per way, a sample per step. The local gas speeds, in the flame as designed, are written beside it as a speed
-//! field of the same loop: `presets/fields/SCENE.field`. The synthesis crate includes these files in the build.
+//! field of the same loop: `presets/fields/SCENE.field`. The crate `assets` includes these files in the build.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

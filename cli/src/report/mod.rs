@@ -3,7 +3,6 @@
 mod page;
 mod plots;
 mod raster;
-mod spectrum;
 
 use std::io::Write;
 use std::path::Path;
@@ -13,8 +12,8 @@ use pyrophone_recording::write_file;
 use crate::error::Error;
 use crate::output::make_folder;
 
+use pyrophone_analysis::Spectrum;
 pub use raster::{Picture, View};
-use spectrum::Spectrum;
 
 /// The band in Hz that comes from the simulation itself (Chadwick & James 2011, §3-4).
 const BAND_HZ: (f64, f64) = (30.0, 180.0);

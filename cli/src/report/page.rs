@@ -5,8 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::plots::{ASH, Axis, EMBER, GLOW, Plot};
 use super::raster::Picture;
-use super::spectrum::Spectrum;
 use super::{BAND_HZ, Report, figures};
+use pyrophone_analysis::Spectrum;
 
 /// Range of a spectrum's axis in dB.
 const RANGE_DB: f64 = 90.0;
@@ -15,7 +15,7 @@ const LOWEST_HZ: f64 = 10.0;
 
 /// Renders the whole page; fails if a picture cannot be drawn.
 pub fn render(report: &Report<'_>) -> Result<String, String> {
-    let spectrum = Spectrum::of(report.pressure, report.sample_rate_hz);
+    let spectrum = Spectrum::of(&[report.pressure], report.sample_rate_hz);
     let title = escaped(&report.title);
     let mut body = String::new();
     body += &format!(

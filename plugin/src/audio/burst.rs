@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 
 /// Length in seconds.
 const LENGTH_S: f64 = 1.6;

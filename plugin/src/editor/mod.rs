@@ -60,8 +60,6 @@ use nice_plug_egui::{Frame, NiceEguiApp, RepaintNotifier};
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use pyrophone_settings::{ControllerFile, Id};
 
-use crate::analysis::fidelity::Diagnosis;
-use crate::analysis::range::{BUZZING_DB, mean_gain_db};
 use crate::loader::LoaderHandle;
 use crate::loader::status::View;
 use crate::meters::Meters;
@@ -79,6 +77,8 @@ use monitor::Monitor;
 use param_editor::ParamEditor;
 use play::pad::Pad;
 use plots::spectrum::Advice;
+use pyrophone_analysis::fidelity::Diagnosis;
+use pyrophone_analysis::range::{BUZZING_DB, mean_gain_db};
 use recording::RecordingPanel;
 
 /// Space between parts, in points.

@@ -13,8 +13,8 @@ use super::plots::spectrogram::Spectrogram;
 use super::plots::spectrum::Spectra;
 use super::plots::trace::Outline;
 use super::take::Take;
-use crate::analysis::{Analyser, Character, Fidelity, Figures};
 use crate::probe::{LAYERS, Listen, ProbeOut};
+use pyrophone_analysis::{Analyser, Character, Fidelity, Figures};
 
 /// Windows of the spectra and of the courses, in seconds.
 const SPECTRUM_S: f64 = 0.17;

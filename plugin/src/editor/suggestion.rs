@@ -3,7 +3,7 @@
 use pyrophone_settings::table::DYNAMICS_MODES;
 use pyrophone_settings::{Id, Values};
 
-use crate::analysis::fidelity::Diagnosis;
+use pyrophone_analysis::fidelity::Diagnosis;
 
 /// Value of Scaling alpha after one click: the one used by the paper's authors where matching buzzes.
 const CALM_SCALING: f64 = 0.5;

@@ -8,7 +8,7 @@ use pyrophone_recording::Recording;
 use pyrophone_synthesis::texture::Dictionary;
 use pyrophone_training::DictionaryKey;
 
-use crate::analysis::Portrait;
+use pyrophone_analysis::Portrait;
 
 /// Recording to be fetched.
 pub enum Pending {

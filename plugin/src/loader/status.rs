@@ -6,7 +6,7 @@ use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::session::Cut;
 use pyrophone_synthesis::controls::SLOTS;
 
-use crate::analysis::Portrait;
+use pyrophone_analysis::Portrait;
 
 /// A moment of the loader.
 #[derive(Debug, Clone, PartialEq, Default)]

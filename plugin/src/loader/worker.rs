@@ -29,9 +29,9 @@ use super::slot::{Pending, Slot};
 use super::source::{self, Failure, Found};
 use super::status::Status;
 use super::tape::ClipLoader;
-use crate::analysis::Portrait;
 use crate::parameters::EffectParams;
 use crate::persist;
+use pyrophone_analysis::Portrait;
 
 /// Interval at which the worker polls parameters and rings when there are no orders.
 const TICK: Duration = Duration::from_millis(50);

@@ -2,11 +2,11 @@
 
 use std::sync::{Arc, LazyLock};
 
+use maths::fft::RealTransform;
 use pyrophone_settings::macros::{MACROS, Macro};
 use pyrophone_settings::{Id, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
-use pyrophone_synthesis::fft::RealTransform;
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 const RATE_HZ: f64 = 44_100.0;

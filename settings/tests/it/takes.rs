@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pyrophone_settings::Values;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 
 const RATE_HZ: f64 = 44_100.0;

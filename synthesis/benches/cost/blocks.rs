@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::ExtendControls;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::extend::Extend;
-use pyrophone_synthesis::noise::White;
 use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 use pyrophone_synthesis::{Controls, EngineConfig};

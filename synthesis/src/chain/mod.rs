@@ -7,10 +7,12 @@
 //! before.
 
 mod bus;
-pub(crate) mod delay;
+mod input;
 mod meters;
+mod silence;
 mod telemetry;
 mod voice;
+mod voices;
 mod vortex_layer;
 
 use std::sync::Arc;
@@ -30,57 +32,28 @@ pub use meters::Meters;
 pub use telemetry::Telemetry;
 
 use bus::CHUNK;
-use delay::Delay;
+use input::{Input, clean};
+use silence::Silence;
 use voice::{MAX_CHANNELS, Voice};
+use voices::Voices;
 
 /// Length in seconds of the crossfade after a jump.
 const CROSSFADE_S: f64 = 0.01;
-/// Hosts that derive their position from beats round it; this much is no jump.
-const POSITION_TOLERANCE_SAMPLES: u64 = 1;
 /// Peak of the loudest crackle under a ceiling, -2.5 dBFS: with the bed around it, it stays below the knee, so that no wave is bent.
 const HIGHEST_PEAK: f64 = 0.75;
-/// Input beyond this magnitude (+80 dBFS) is a broken signal and is cut there.
-const LARGEST_INPUT: f32 = 1e4;
-/// Input below this magnitude is silence, which keeps denormals out of every engine.
-const SMALLEST_INPUT: f32 = 1e-15;
-
-/// A jump in progress: the other voice has started and takes over later.
-#[derive(Debug, Clone, Copy)]
-struct Takeover {
-    /// Samples processed since the jump.
-    age: usize,
-}
-
 /// The whole effect.
 pub struct Chain {
     channels: Channels,
     sample_rate_hz: f64,
     shape: PyramidConfig,
     dynamics: MatchingMode,
-    voices: [Voice; 2],
-    /// Index of the audible voice.
-    active: usize,
-    takeover: Option<Takeover>,
-    /// True if a jump came while another was in progress: restart as soon as that is over.
-    restart_pending: bool,
-    /// Position of the next sample, once anchored.
-    position: Option<i64>,
-    crossfade_samples: usize,
-    dry_delays: Vec<Delay<f32>>,
+    voices: Voices,
+    input: Input,
     mix: Mix,
     latency_samples: usize,
     has_dictionary: bool,
-    /// Samples for which input and output have been silent.
-    silent_samples: usize,
-    tail_samples: usize,
-    /// True if it also sounds over silence: a flame burns, or texture's gate is off.
-    endless: bool,
-    /// True if it sounds without any input.
-    burns: bool,
+    silence: Silence,
     meters: Meters,
-    main: Vec<Vec<f64>>,
-    sidechain: Vec<Vec<f64>>,
-    dry: Vec<Vec<f32>>,
     top_magnitudes: Vec<f64>,
     drive: Vec<f32>,
 }
@@ -110,28 +83,17 @@ impl Chain {
         let voice = || Voice::new(sample_rate_hz, channels, structure);
         let voices = [voice()?, voice()?];
         let latency_samples = voices[0].latency_samples();
-        let block = |count: usize| vec![vec![0.0; CHUNK]; count];
+        let crossfade_samples = (CROSSFADE_S * sample_rate_hz).round() as usize;
         Ok(Self {
             shape: PyramidConfig::at_rate(structure, sample_rate_hz),
             dynamics: structure.dynamics,
-            voices,
-            active: 0,
-            takeover: None,
-            restart_pending: false,
-            position: None,
-            crossfade_samples: (CROSSFADE_S * sample_rate_hz).round() as usize,
-            dry_delays: vec![Delay::new(latency_samples); channels.input],
+            voices: Voices::new(voices, crossfade_samples),
+            input: Input::new(channels, latency_samples),
             mix: Mix::new(latency_samples, sample_rate_hz, SpeakerLayout::of_channels(channels.output)?),
             latency_samples,
             has_dictionary: false,
-            silent_samples: 0,
-            tail_samples: 0,
-            endless: false,
-            burns: false,
+            silence: Silence::default(),
             meters: Meters::default(),
-            main: block(channels.input),
-            sidechain: block(channels.sidechain),
-            dry: vec![vec![0.0; CHUNK]; channels.output],
             top_magnitudes: Vec::with_capacity(TOLD_CAPACITY),
             drive: Vec::with_capacity(TOLD_CAPACITY),
             channels,
@@ -146,12 +108,12 @@ impl Chain {
 
     /// Samples that may still sound after the input has fallen silent, with the controls of the last call.
     pub fn tail_samples(&self) -> Option<usize> {
-        (!self.endless).then_some(self.tail_samples)
+        (!self.silence.is_endless).then_some(self.silence.tail_samples)
     }
 
     /// True if input and output have been silent for longer than the tail, and only an input can change that.
     pub fn is_silent(&self) -> bool {
-        !self.burns && self.silent_samples > self.tail_samples
+        self.silence.is_over()
     }
 
     /// Shape of the dictionaries that it accepts.
@@ -166,16 +128,10 @@ impl Chain {
 
     /// Restores the state of a fresh instance, but keeps recording and learned distribution.
     pub fn reset(&mut self) {
-        self.active = 0;
-        self.takeover = None;
-        self.restart_pending = false;
-        self.position = None;
-        self.dry_delays.iter_mut().for_each(Delay::reset);
+        self.voices.reset();
+        self.input.reset();
         self.mix.reset();
-        self.silent_samples = 0;
-        self.tail_samples = 0;
-        self.endless = false;
-        self.burns = false;
+        self.silence = Silence::default();
         self.meters = Meters::default();
         self.top_magnitudes.clear();
         self.drive.clear();
@@ -198,7 +154,7 @@ impl Chain {
         if slot >= SLOTS || dictionary.as_ref().is_some_and(|x| !fits(x)) {
             return dictionary;
         }
-        let [first, second] = &mut self.voices;
+        let [first, second] = self.voices.both();
         // Of the two references to the old one, the second survives, so this one frees nothing.
         drop(first.swap_slot(slot, dictionary.clone()));
         let old = second.swap_slot(slot, dictionary);
@@ -208,7 +164,7 @@ impl Chain {
 
     /// Exchanges the learned distribution of the drive's amplitudes, in the same way.
     pub fn swap_distribution(&mut self, distribution: Option<Arc<Distribution>>) -> Option<Arc<Distribution>> {
-        let [first, second] = &mut self.voices;
+        let [first, second] = self.voices.both();
         drop(first.swap_distribution(distribution.clone()));
         second.swap_distribution(distribution)
     }
@@ -216,7 +172,7 @@ impl Chain {
     /// Exchanges the user's speed field, in the same way. Without one, vortex sound of the flow `field` follows the
     /// scene that burns as the drive, or else the envelope.
     pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
-        let [first, second] = &mut self.voices;
+        let [first, second] = self.voices.both();
         drop(first.vortex_layer().swap_field(field.clone()));
         second.vortex_layer().swap_field(field)
     }
@@ -227,13 +183,13 @@ impl Chain {
     ///
     /// Fails without positions, and if one is not finite or farther than 100 km.
     pub fn set_simulators(&mut self, simulators: [Box<dyn Simulator>; 2], places: &[[f32; 3]]) -> Result<(), Error> {
-        let mut voices = self.voices.iter_mut().zip(simulators);
+        let mut voices = self.voices.both().iter_mut().zip(simulators);
         voices.try_for_each(|(voice, simulator)| voice.vortex_layer().set_simulator(simulator, places))
     }
 
     /// Seconds that a step of these simulations lasts, about 1/60.
     pub fn live_step_s(&mut self) -> f64 {
-        self.voices[0].vortex_layer().live_step_s()
+        self.voices.both()[0].vortex_layer().live_step_s()
     }
 
     /// Processes one block of any length in place. `main` has as many channels as the output; the first
@@ -252,21 +208,23 @@ impl Chain {
         if samples == 0 || main.len() < self.channels.output {
             return;
         }
-        self.tail_samples =
-            self.voices[0].tail_samples(controls) + self.crossfade_samples + self.mix.tail_samples(&controls.mix);
-        self.burns = self.voices[0].is_self_driven(controls);
-        self.endless = self.voices[0].is_endless(controls) || (self.has_dictionary && controls.texture.gate <= 0.0);
+        let voice = self.voices.either();
+        let crossfade_samples = self.voices.crossfade_samples();
+        self.silence.tail_samples =
+            voice.tail_samples(controls) + crossfade_samples + self.mix.tail_samples(&controls.mix);
+        self.silence.burns = voice.is_self_driven(controls);
+        self.silence.is_endless = voice.is_endless(controls) || (self.has_dictionary && controls.texture.gate <= 0.0);
         let controls = &self.levelled(controls);
-        self.follow(transport);
+        self.voices.follow(transport);
         let mut start = 0;
         while start < samples {
             // A takeover ends at its exact sample, however the host divides its blocks.
-            let until_takeover = self.takeover.map_or(CHUNK, |x| self.takeover_samples() - x.age);
+            let until_takeover = self.voices.until_takeover().unwrap_or(CHUNK);
             let end = samples.min(start + CHUNK.min(until_takeover));
             self.take_input(main, sidechain, start, end);
             self.process_voices(controls, end - start);
             self.mix_down(main, controls, start, end);
-            self.finish_takeover();
+            self.voices.finish_takeover();
             start = end;
         }
     }
@@ -277,8 +235,8 @@ impl Chain {
         let mut levelled = *controls;
         let target_lufs = controls.mix.loudness_lufs;
         let fuel_gain = fuel::gain_to(target_lufs);
-        levelled.mix.texture *= self.voices[0].gain_to(target_lufs);
-        levelled.mix.crackle *= self.voices[0].crackle_gain_to(target_lufs);
+        levelled.mix.texture *= self.voices.either().gain_to(target_lufs);
+        levelled.mix.crackle *= self.voices.either().crackle_gain_to(target_lufs);
         levelled.mix.hiss *= fuel_gain;
         levelled.mix.body *= fuel_gain;
         if controls.mix.ceiling {
@@ -287,103 +245,25 @@ impl Chain {
         levelled
     }
 
-    /// Samples from a jump until the voice that it started has taken over.
-    fn takeover_samples(&self) -> usize {
-        self.latency_samples + self.crossfade_samples
-    }
-
-    fn finish_takeover(&mut self) {
-        if self.takeover.is_some_and(|x| x.age >= self.takeover_samples()) {
-            self.active = 1 - self.active;
-            self.takeover = None;
-            if self.restart_pending {
-                self.start_over();
-            }
-        }
-    }
-
-    /// Anchors the counter, or notices a jump.
-    fn follow(&mut self, transport: Transport) {
-        let Some(position) = self.position else {
-            let position = transport.position.unwrap_or(0);
-            self.voices[self.active].reset(position);
-            self.position = Some(position);
-            return;
-        };
-        if let (true, Some(told)) = (transport.playing, transport.position)
-            && told.abs_diff(position) > POSITION_TOLERANCE_SAMPLES
-        {
-            self.position = Some(told);
-            if self.takeover.is_some() {
-                self.restart_pending = true;
-            } else {
-                self.start_over();
-            }
-        }
-    }
-
-    /// Starts the other voice at the present position.
-    fn start_over(&mut self) {
-        self.restart_pending = false;
-        self.voices[1 - self.active].reset(self.position.unwrap_or(0));
-        self.takeover = Some(Takeover { age: 0 });
-    }
-
     fn take_input(&mut self, main: &[&mut [f32]], sidechain: &[&[f32]], start: usize, end: usize) {
-        let samples = end - start;
-        let mut peak = 0.0f32;
-        for (channel, delay) in self.dry_delays.iter_mut().enumerate() {
-            let dry = &mut self.dry[channel][..samples];
-            for ((x, wide), dry) in main[channel][start..end].iter().zip(&mut self.main[channel]).zip(dry.iter_mut()) {
-                let x = clean(*x);
-                peak = peak.max(x.abs());
-                *wide = f64::from(x);
-                *dry = x;
-            }
-            delay.process(dry);
-        }
-        let (inputs, others) = self.dry.split_at_mut(self.channels.input);
-        // A single channel is sent to both sides; the others receive nothing.
-        if let ([only], [right, ..]) = (inputs, others) {
-            right[..samples].copy_from_slice(&only[..samples]);
-        }
-        for (channel, buffer) in self.sidechain.iter_mut().enumerate() {
-            let buffer = &mut buffer[..samples];
-            match sidechain.get(channel).and_then(|x| x.get(start..end)) {
-                Some(input) => buffer.iter_mut().zip(input).for_each(|(out, x)| *out = f64::from(clean(*x))),
-                None => buffer.fill(0.0),
-            }
-            peak = buffer.iter().fold(peak, |peak, x| peak.max(x.abs() as f32));
-        }
+        let peak = self.input.take(main, sidechain, start, end);
         self.meters.input = self.meters.input.max(peak);
-        self.silent_samples = if peak == 0.0 { self.silent_samples } else { 0 };
+        self.silence.hear_input(peak);
     }
 
     fn process_voices(&mut self, controls: &Controls, samples: usize) {
         let mut main: [&[f64]; MAX_CHANNELS] = Default::default();
         let mut sidechain: [&[f64]; MAX_CHANNELS] = Default::default();
-        for (block, channel) in main.iter_mut().zip(&self.main) {
+        for (block, channel) in main.iter_mut().zip(&self.input.main) {
             *block = &channel[..samples];
         }
-        for (block, channel) in sidechain.iter_mut().zip(&self.sidechain) {
+        for (block, channel) in sidechain.iter_mut().zip(&self.input.sidechain) {
             *block = &channel[..samples];
         }
         let main = &main[..self.channels.input];
         let sidechain = &sidechain[..self.channels.sidechain];
 
-        let [first, second] = &mut self.voices;
-        let (heard, next) = if self.active == 0 { (first, second) } else { (second, first) };
-        heard.process(main, sidechain, controls, samples);
-        let newest = if let Some(takeover) = &mut self.takeover {
-            next.process(main, sidechain, controls, samples);
-            let (age, latency, fade) = (takeover.age, self.latency_samples, self.crossfade_samples);
-            let ramp = |i: usize| ((age + i) as f64 - latency as f64 + 1.0) / fade as f64;
-            heard.layers.fade_to(&next.layers, samples, ramp);
-            takeover.age += samples;
-            next
-        } else {
-            heard
-        };
+        let newest = self.voices.process(main, sidechain, controls, samples);
         let drive = newest.drive_block(samples);
         self.meters.drive = drive.iter().fold(self.meters.drive, |peak, x| peak.max(x.abs() as f32));
         self.meters.scaling_alpha = newest.scaling_alpha() as f32;
@@ -395,12 +275,11 @@ impl Chain {
         }
         let room = TOLD_CAPACITY - self.drive.len();
         self.drive.extend(drive.iter().take(room).map(|x| *x as f32));
-        self.position = self.position.map(|position| position.wrapping_add(samples as i64));
     }
 
     fn mix_down(&mut self, main: &mut [&mut [f32]], controls: &Controls, start: usize, end: usize) {
         let samples = end - start;
-        let heard = &self.voices[self.active].layers;
+        let heard = &self.voices.heard().layers;
         let layers = Layers {
             low: &heard.low[..samples],
             extension: &heard.extension,
@@ -409,7 +288,7 @@ impl Chain {
             crackle: &heard.crackle,
             hiss: &heard.hiss,
             body: &heard.body,
-            dry: &self.dry,
+            dry: &self.input.dry,
         };
         let mut outputs: [&mut [f32]; MAX_CHANNELS] = Default::default();
         for (output, channel) in outputs.iter_mut().zip(main.iter_mut()) {
@@ -424,13 +303,13 @@ impl Chain {
         self.meters.hiss = self.meters.hiss.max(peaks.hiss as f32);
         self.meters.body = self.meters.body.max(peaks.body as f32);
         self.meters.output = self.meters.output.max(peaks.output as f32);
-        self.silent_samples = if peaks.output == 0.0 { self.silent_samples.saturating_add(samples) } else { 0 };
+        self.silence.hear_output(peaks.output, samples);
     }
 
     /// Returns the meters since the last call and clears them.
     pub fn take_meters(&mut self) -> Meters {
         let no_recording = !self.has_dictionary;
-        let late_steps = self.voices.iter_mut().map(|voice| voice.vortex_layer().take_late()).sum();
+        let late_steps = self.voices.both().iter_mut().map(|voice| voice.vortex_layer().take_late()).sum();
         Meters { no_recording, late_steps, ..std::mem::take(&mut self.meters) }
     }
 
@@ -442,8 +321,7 @@ impl Chain {
 
     /// Passes on the telemetry of the audible engines since the last call; real-time safe.
     pub fn take_traces(&mut self, with: impl FnMut(Telemetry)) {
-        let [first, second] = &mut self.voices;
-        let (heard, other) = if self.active == 0 { (first, second) } else { (second, first) };
+        let (heard, other) = self.voices.heard_and_other();
         heard.take_traces().for_each(with);
         drop(other.take_traces());
     }
@@ -453,11 +331,6 @@ impl Chain {
     pub fn top_level(&self) -> &[f64] {
         &self.top_magnitudes
     }
-}
-
-/// A sample that no engine can be harmed by.
-fn clean(x: f32) -> f32 {
-    if !x.is_finite() || x.abs() < SMALLEST_INPUT { 0.0 } else { x.clamp(-LARGEST_INPUT, LARGEST_INPUT) }
 }
 
 /// Learns the distribution of the drive's amplitudes from a whole file, as texture synthesis of this file would (with

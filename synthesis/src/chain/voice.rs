@@ -3,16 +3,15 @@
 use std::sync::Arc;
 
 use super::bus::{CHUNK, Channels};
-use super::delay::Delay;
 use super::telemetry::Telemetry;
 use super::vortex_layer::VortexLayer;
 use crate::companding::{Companding, Recorded};
 use crate::controls::{CrackleControls, DriveMode, Fuel, RecordingControls, SLOTS, TextureControls};
 use crate::crackle::{Crackle, Crackles, Sources};
 use crate::drive::Drive;
+use crate::dsp::{Delay, Smoothed};
 use crate::extend::Extend;
 use crate::fuel::{self, FuelNoise, NoiseLevels};
-use crate::smoothed::Smoothed;
 use crate::structure::MatchingMode;
 use crate::texture::{Dictionary, Distribution, PyramidConfig, Texture};
 use crate::{Controls, EngineConfig, Error};

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::delay::Delay;
 use super::telemetry::Telemetry;
 use crate::controls::{DriveMode, Flow, VortexControls};
+use crate::dsp::Delay;
 use crate::vortex::{Bank, Simulator, SpeakerLayout, SpeedField, TEXTURES, Vortex, factory};
 use crate::{Controls, Error};
 

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::fft::Complex64;
+use maths::fft::Complex64;
 
-use crate::extend::spectrum::Transform;
+use crate::dsp::Transform;
 
 /// Length of an analysis window in seconds; rounded down to a power of two.
 const WINDOW_S: f64 = 0.19;
@@ -174,7 +174,7 @@ pub fn distance_db(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::White;
+    use crate::dsp::White;
 
     #[test]
     fn white_noise_is_flat_and_has_its_power() {

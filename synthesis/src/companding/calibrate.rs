@@ -11,10 +11,8 @@ use super::image::{Levels, side_of, side_taps};
 use super::level::NOMINAL;
 use super::{Companding, MATCH_FUTURE_S};
 use crate::Error;
-use crate::channels::mean_of;
 use crate::controls::{CompandingControls, DynamicRange, TextureControls};
-use crate::filter::{Svf, section_gain};
-use crate::noise::White;
+use crate::dsp::{Svf, White, mean_of, section_gain};
 use crate::texture::dictionary::{Dictionary, Progress};
 use crate::texture::engine::Texture;
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::equalizer::Equalizer;
 use super::image::Image;
 use super::recorded::Recorded;
-use crate::noise::White;
+use crate::dsp::White;
 
 /// Factor per sample with which the rest of a removed recording fades out.
 const FADE: f64 = 0.99;
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
     use crate::companding::equalizer::design;
     use crate::companding::profile::Profile;
-    use crate::noise::White;
+    use crate::dsp::White;
 
     const RATE_HZ: f64 = 44_100.0;
 

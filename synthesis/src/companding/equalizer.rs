@@ -7,11 +7,10 @@
 
 use std::ops::Range;
 
-use crate::fft::{self, Complex64};
+use maths::fft::{self, Complex64};
 
 use super::bands::centres_hz;
-use crate::extend::spectrum::Transform;
-use crate::smoothed::Smoothed;
+use crate::dsp::{Smoothed, Transform};
 
 /// Most that a third octave is raised or lowered, in dB.
 pub const LIMIT_DB: f64 = 20.0;
@@ -435,7 +434,7 @@ mod tests {
 
     fn noise(samples: usize) -> Vec<f64> {
         let mut noise = vec![0.0; samples];
-        crate::noise::White::new(3, 4).fill(0, &mut noise);
+        crate::dsp::White::new(3, 4).fill(0, &mut noise);
         noise
     }
 

@@ -97,7 +97,7 @@ impl Image {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::White;
+    use crate::dsp::White;
 
     const RATE_HZ: f64 = 44_100.0;
 

@@ -1,7 +1,7 @@
 //! The drive's own low end, in place of texture's.
 
+use crate::dsp::{Svf, section_gain};
 use crate::error::within;
-use crate::filter::{Svf, section_gain};
 
 /// Duration in seconds of a change of the crossover.
 const GLIDE_S: f64 = 0.03;

@@ -43,14 +43,10 @@ mod recorded;
 
 use std::ops::Range;
 
-use crate::chain::delay::Delay;
 use crate::controls::{CompandingControls, DynamicRange, RecordingControls, SLOTS, TextureControls};
+use crate::dsp::{Delay, Smoothed, Svf, Timeline, White, section_gain};
 use crate::error::within;
-use crate::filter::{Svf, section_gain};
-use crate::noise::White;
-use crate::smoothed::Smoothed;
 use crate::texture::Distribution;
-use crate::timeline::Timeline;
 use deck::Deck;
 use frames::{FrameHistory, Kernel, Places, frame_samples};
 use gain::OutputGain;

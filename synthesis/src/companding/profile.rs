@@ -4,8 +4,7 @@ use super::bands::Power;
 use super::equalizer::design_low_pass;
 use super::frames::frame_samples;
 use crate::bulk::bulk_fields;
-use crate::channels::mean_of;
-use crate::filter::{Svf, section_gain};
+use crate::dsp::{Svf, mean_of, section_gain};
 use bitcode::{Decode, Encode};
 
 /// Exponent with which both loudnesses are removed before matching.
@@ -209,7 +208,7 @@ fn rms_below(signal: &[f64], corner_hz: f64, sample_rate_hz: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::White;
+    use crate::dsp::White;
 
     fn swelling(samples: usize) -> Vec<f64> {
         let mut noise = vec![0.0; samples];

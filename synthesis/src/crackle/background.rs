@@ -1,7 +1,7 @@
 //! The spectrum of the sound between a recording's crackles.
 
 use super::stft::Stft;
-use crate::fft;
+use maths::fft;
 
 /// Time that percentiles span, in seconds, and between two of them, in frames.
 const SPAN_S: f64 = 0.25;

@@ -4,7 +4,7 @@
 //! rises within a few milliseconds, falls again within ten, and covers several octaves: a bird's note or a whistle
 //! covers one, a gust of wind rises slowly, and the median follows it.
 
-use crate::filter::{Svf, section_gain};
+use crate::dsp::{Svf, section_gain};
 
 /// Length of a frame in seconds; levels are means over two of them.
 const FRAME_S: f64 = 0.0005;

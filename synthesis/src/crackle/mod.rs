@@ -45,8 +45,8 @@ pub(crate) use split::is_impulsive;
 pub use split::{Split, split};
 
 use crate::controls::CrackleControls;
+use crate::dsp::Timeline;
 use crate::error::within;
-use crate::timeline::Timeline;
 use grain::{Grain, MOST_CHANNELS, Play, tilt_step, value_of};
 use schedule::{Due, STREAMS, Schedule};
 use source::Source;

@@ -5,7 +5,7 @@
 //! them. Several streams, each with its own order, give a higher density than the recording's.
 
 use super::event::Crackles;
-use crate::noise::White;
+use crate::dsp::White;
 
 /// Number of streams: the largest multiple of a recording's density.
 pub(super) const STREAMS: usize = 16;

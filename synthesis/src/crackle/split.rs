@@ -6,9 +6,8 @@ use super::background::Background;
 use super::detect::{Found, crackles};
 use super::event::Crackles;
 use super::stft::Stft;
-use crate::fft;
-use crate::filter::{Svf, section_gain};
-use crate::noise::White;
+use crate::dsp::{Svf, White, section_gain};
+use maths::fft;
 
 /// Ratio to the background's root mean square above which a magnitude does not belong to the bed; one in fifty
 /// magnitudes of Gaussian noise exceeds it.

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::fft::Complex64;
+use maths::fft::Complex64;
 
-use crate::extend::spectrum::Transform;
+use crate::dsp::Transform;
 
 /// Length of a window in seconds, rounded to the nearest power of two: 256 samples at 44.1 kHz. A crackle is shorter,
 /// and its octaves are resolved.

@@ -1,7 +1,7 @@
 //! The high-pass before both engines.
 
+use crate::dsp::{Svf, section_gain};
 use crate::error::within;
-use crate::filter::{Svf, section_gain};
 
 /// Duration in seconds of a change of the corner.
 const GLIDE_S: f64 = 0.02;

@@ -3,23 +3,20 @@
 //! Main input as pressure or flux, an envelope on a rumble, or a built-in flame; then the high-pass (Chadwick & James
 //! 2011, §6: 30 Hz, before either engine). No latency.
 
-pub(crate) mod envelope;
 mod flame;
 mod high_pass;
-mod kernel;
 mod rumble;
 mod swell;
 
 pub use flame::SCENES;
-pub use kernel::mitchell_netravali;
 
-use envelope::Envelope;
 use flame::Flame;
 use high_pass::HighPass;
 use rumble::Rumble;
 use swell::Swell;
 
 use crate::controls::{DriveControls, DriveMode};
+use crate::dsp::{Envelope, Follow};
 use crate::error::{Error, in_range, within};
 
 /// Frequency in Hz at which differentiating flux leaves the level unchanged.
@@ -131,7 +128,8 @@ impl Drive {
             }
             DriveMode::Envelope | DriveMode::InputEnvelope => {
                 self.previous = None;
-                self.envelope.process(controls, drive);
+                let DriveControls { attack_s, release_s, threshold, .. } = *controls;
+                self.envelope.process(&Follow { attack_s, release_s, threshold }, drive);
                 self.rumble.modulate(controls.seed, self.position, drive);
             }
             DriveMode::Flame => {

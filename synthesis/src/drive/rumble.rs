@@ -1,7 +1,6 @@
 //! The rumble of a flame, as band-limited noise.
 
-use crate::extend::spectrum::Transform;
-use crate::noise::White;
+use crate::dsp::{Transform, White};
 
 /// The band in Hz.
 const BAND_HZ: (f64, f64) = (40.0, 150.0);

@@ -90,7 +90,7 @@ mod tests {
     fn range_db(exponent: f64) -> f64 {
         let rate_hz = 8000.0;
         let mut swell = Swell::new(rate_hz);
-        let noise = crate::noise::White::new(1, 0);
+        let noise = crate::dsp::White::new(1, 0);
         let level = |n: usize| if (n / 8000).is_multiple_of(2) { 0.1 } else { 0.2 };
         let mut drive: Vec<f64> = (0..160_000).map(|n| level(n) * noise.at(n as i64)).collect();
         swell.process(exponent, &mut drive);

@@ -14,7 +14,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::fft::Complex64;
+use maths::fft::Complex64;
 
 use super::band::{Band, triangle_power};
 
@@ -188,8 +188,8 @@ fn transform_at(turn_cos: &[f64; NODES], turn_sin: &[f64; NODES], signal: &[f64]
 mod tests {
     use super::*;
     use crate::controls::ExtendControls;
+    use crate::dsp::White;
     use crate::extend::window::triangle;
-    use crate::noise::White;
 
     #[test]
     fn root_solves_the_quadratic_without_cancelling() {

@@ -10,9 +10,9 @@ use super::band::{Band, complement, normalise};
 use super::beta::{Fit, Fitter};
 use super::layout::ExtensionSizes;
 use super::noise::NoiseSource;
-use super::spectrum::{Transform, quick_len};
-use super::window::{OverlapAdd, RingBuffer, triangle};
+use super::window::triangle;
 use crate::controls::ExtendControls;
+use crate::dsp::{OverlapAdd, RingBuffer, Transform, quick_len};
 use crate::error::within;
 
 /// Steps of designing the filters.

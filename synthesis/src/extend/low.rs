@@ -9,8 +9,7 @@
 
 use super::band::{Band, normalise};
 use super::layout::ExtensionSizes;
-use super::spectrum::Transform;
-use super::window::{OverlapAdd, RingBuffer};
+use crate::dsp::{OverlapAdd, RingBuffer, Transform};
 
 /// Low-passes blocks of one hop.
 #[derive(Debug)]
@@ -22,7 +21,7 @@ pub(crate) struct Low {
     filters: [Filter; 3],
     /// The filter being designed, and its finished parts.
     design: Option<(Band, usize)>,
-    input: Vec<crate::fft::Complex64>,
+    input: Vec<maths::fft::Complex64>,
     taps: Vec<f64>,
     block: Vec<f64>,
     half: Option<Half>,

@@ -15,13 +15,11 @@
 
 pub mod band;
 pub mod beta;
-mod chirp_z;
 mod high;
 mod layout;
 mod low;
 pub mod noise;
 pub mod reference;
-pub(crate) mod spectrum;
 pub mod window;
 
 use band::Band;
@@ -30,12 +28,12 @@ use high::{High, Surroundings};
 use layout::ExtensionSizes;
 use low::{DESIGN_PARTS, Half, Low};
 use noise::{NoiseSource, PowerLaw};
-use window::{OverlapAdd, RingBuffer, into_hop};
+use window::into_hop;
 
 use crate::controls::ExtendControls;
+use crate::dsp::{OverlapAdd, RingBuffer, Timeline};
 use crate::error::{Error, in_range};
 use crate::structure::EngineConfig;
-use crate::timeline::Timeline;
 
 /// Largest number of channels.
 const MAX_CHANNELS: usize = 10;

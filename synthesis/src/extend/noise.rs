@@ -5,10 +5,9 @@ use std::ops::Range;
 
 use super::band::Band;
 use super::layout::ExtensionSizes;
-use super::spectrum::Transform;
 use crate::controls::ExtendControls;
+use crate::dsp::{Transform, White};
 use crate::error::within;
-use crate::noise::White;
 
 /// Source of the extension's noise.
 pub trait NoiseSource {

@@ -8,10 +8,10 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use crate::fft::{self, Complex64, ComplexTransform};
+use maths::fft::{self, Complex64, ComplexTransform};
 
 use super::beta::positive_root;
-use super::chirp_z::ChirpZ;
+use crate::dsp::ChirpZ;
 use crate::error::{Error, in_range};
 
 /// Inputs of the published program.

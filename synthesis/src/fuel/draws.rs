@@ -1,6 +1,6 @@
 //! Sequential random numbers for material that is made in advance.
 
-use crate::noise::White;
+use crate::dsp::White;
 
 /// A sequence of random numbers.
 #[derive(Debug)]

@@ -3,9 +3,8 @@
 use super::octave::Octave;
 use super::recipe::NoiseKind;
 use crate::controls::FuelControls;
+use crate::dsp::{Smoothed, Timeline};
 use crate::error::within;
-use crate::smoothed::Smoothed;
-use crate::timeline::Timeline;
 
 /// Largest number of channels of any bus.
 const MOST_CHANNELS: usize = 10;

@@ -10,7 +10,7 @@
 use super::layer::{Layer, Run};
 use super::recipe::NoiseKind;
 use crate::controls::FuelControls;
-use crate::timeline::Timeline;
+use crate::dsp::Timeline;
 
 /// Mixing factors of the layers; a layer that is off is not computed.
 #[derive(Debug, Clone, Copy, PartialEq)]

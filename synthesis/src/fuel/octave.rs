@@ -1,6 +1,6 @@
 //! An octave of noise, as a function of seed and position only.
 
-use crate::noise::White;
+use crate::dsp::White;
 
 /// Centre frequency of the octave per node: the maximum of the spectrum sin(pi f)^2 sinc(f)^8.
 const MIDDLE: f64 = 0.24;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::draws::Draws;
 use super::kind::Rupture;
-use crate::filter::{Svf, section_gain};
+use crate::dsp::{Svf, section_gain};
 
 /// Modes of a free bar, relative to the lowest (Euler and Bernoulli; Fletcher & Rossing, "The Physics of Musical
 /// Instruments", §2.16), and the deviation of those of a broken piece.

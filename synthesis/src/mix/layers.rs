@@ -1,6 +1,6 @@
 //! What is mixed, at which levels, and how loud it is.
 
-use crate::ceiling;
+use crate::dsp::ceiling;
 
 /// The layers of one block, all delayed by the effect's latency.
 #[derive(Debug, Clone, Copy)]

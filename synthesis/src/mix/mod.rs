@@ -5,10 +5,8 @@ pub use layers::{Layers, Peaks};
 use layers::{Levels, held_effect, louder};
 use settled::Settled;
 
-use crate::ceiling;
 use crate::controls::MixControls;
-use crate::smoothed::Smoothed;
-use crate::timeline::Timeline;
+use crate::dsp::{Smoothed, Timeline, ceiling};
 use crate::tone::Tone;
 use crate::vortex::SpeakerLayout;
 

@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use super::layers::{Layers, Levels, Peaks, held_effect, louder};
-use crate::ceiling;
+use crate::dsp::ceiling;
 
 /// Samples mixed at a time: the sums of ten channels stay in the first-level cache.
 pub(super) const PART: usize = 64;

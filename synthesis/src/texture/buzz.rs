@@ -6,7 +6,7 @@
 //! between them (Wiener-Khinchin), for all lines at once and without a transform; the same at lags beside the hops
 //! measures the tones and colours that the sound has anyway. The difference is the buzz.
 
-use crate::filter::{Svf, section_gain};
+use crate::dsp::{Svf, section_gain};
 
 /// Longest repeat in hops: torch on its own recording repeats after six.
 const HOPS: usize = 16;
@@ -153,7 +153,7 @@ impl Buzz {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::White;
+    use crate::dsp::White;
 
     const RATE_HZ: f64 = 44_100.0;
     const HOP: usize = 64;

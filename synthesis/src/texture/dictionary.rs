@@ -12,9 +12,9 @@ use super::search::Index;
 use super::shape::{Padding, PyramidConfig};
 use crate::Error;
 use crate::bulk::{Bulk, bulk_fields, read_array, write_array};
-use crate::channels::mean_of;
 use crate::companding::Profile;
 use crate::crackle::Crackles;
+use crate::dsp::mean_of;
 
 /// Progress callback: receives the finished share, 0-1, and returns whether to continue.
 pub type Progress<'a> = &'a (dyn Fn(f32) -> bool + Sync);

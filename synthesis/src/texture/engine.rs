@@ -14,7 +14,6 @@ use super::feature::{Excerpt, Place, halfway};
 use super::gate::Gate;
 use super::output::Outputs;
 use super::pyramid::PyramidStream;
-use super::ring::Ring;
 use super::schedule::Schedule;
 use super::search::{Budget, Searcher};
 use super::shape::PyramidConfig;
@@ -23,10 +22,8 @@ use crate::Error;
 use crate::companding::Profile;
 use crate::controls::{DynamicRange, Quality, SLOTS, TextureControls};
 use crate::crackle::Crackles;
+use crate::dsp::{Ring, Smoothed, Timeline, White};
 use crate::error::within;
-use crate::noise::White;
-use crate::smoothed::Smoothed;
-use crate::timeline::Timeline;
 
 /// Texture synthesis: a drive in, the sound of the recording that follows it out.
 #[derive(Debug)]

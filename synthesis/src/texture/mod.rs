@@ -27,7 +27,6 @@ pub mod gate;
 pub mod offline;
 mod output;
 pub mod pyramid;
-mod ring;
 pub mod schedule;
 pub mod search;
 pub mod shape;

@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use super::ring::Ring;
 use crate::controls::SLOTS;
+use crate::dsp::Ring;
 
 /// Level 0 of every output channel, by slot.
 #[derive(Debug)]

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use crate::controls::{RecordingControls, SLOTS};
-use crate::noise::White;
+use crate::dsp::White;
 
 /// Seconds over which one recording gives way to another, window by window.
 pub const CROSSFADE_S: f64 = 0.05;

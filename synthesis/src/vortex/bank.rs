@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use super::level::Levels;
 use super::texture::{COMPONENTS, Row, VortexTexture, directivity};
 use super::upsampler::top_hz;
+use crate::dsp::Transform;
 use crate::error::{Error, in_range};
-use crate::extend::spectrum::Transform;
 
 /// Number of directions in a bank.
 pub const DIRECTIONS: usize = 6;

@@ -3,40 +3,25 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError, Weak};
 
+use pyrophone_assets::{SCENES, VORTEX_TEXTURES};
+
 use super::bank::Bank;
 use super::field::SpeedField;
 use super::texture::VortexTexture;
-use crate::drive::SCENES;
 use crate::error::Error;
 
 /// Names of the shipped textures.
-pub const TEXTURES: &[&str] = &["fire", "jet"];
+pub const TEXTURES: [&str; 2] = [VORTEX_TEXTURES[0].name, VORTEX_TEXTURES[1].name];
 
 /// Output per Pa at which gas flowing at 8 m/s, with the other controls at their defaults, gives an rms of about 0.1
 /// (-20 dBFS).
 pub const OUTPUT_PER_PA: [f64; TEXTURES.len()] = [132.0, 89.0];
 
-/// Files in the order of [`TEXTURES`].
-const FILES: [&[u8]; TEXTURES.len()] =
-    [include_bytes!("../../../presets/vortex/fire.vtx"), include_bytes!("../../../presets/vortex/jet.vtx")];
-
-/// Speed fields in the order of [`SCENES`], of the very flames whose pressure the drive has; written by
-/// `cargo xtask drives`.
-const FIELDS: [&[u8]; SCENES.len()] = [
-    include_bytes!("../../../presets/fields/candle.field"),
-    include_bytes!("../../../presets/fields/torch.field"),
-    include_bytes!("../../../presets/fields/flame_jet.field"),
-    include_bytes!("../../../presets/fields/burning_brick.field"),
-    include_bytes!("../../../presets/fields/dragon.field"),
-    include_bytes!("../../../presets/fields/campfire.field"),
-    include_bytes!("../../../presets/fields/flamethrower.field"),
-    include_bytes!("../../../presets/fields/explosion.field"),
-];
-
 static READ_FIELDS: LazyLock<Result<Vec<Arc<SpeedField>>, Error>> =
-    LazyLock::new(|| FIELDS.into_iter().map(|file| SpeedField::from_bytes(file).map(Arc::new)).collect());
+    LazyLock::new(|| SCENES.iter().map(|scene| SpeedField::from_bytes(scene.field).map(Arc::new)).collect());
 
-/// Speed fields of all scenes, in the order of [`SCENES`]; read at the first call.
+/// Speed fields of all scenes, of the very flames whose pressure the drive has, in the order of
+/// [`drive::SCENES`](crate::drive::SCENES); read at the first call.
 pub fn fields() -> Result<&'static [Arc<SpeedField>], Error> {
     READ_FIELDS.as_deref().map_err(Error::clone)
 }
@@ -76,8 +61,8 @@ impl Made {
 
 fn made(sample_rate_hz: f64) -> Result<Banks, Error> {
     let make = |file| Bank::new(&VortexTexture::from_bytes(file)?, sample_rate_hz).map(Arc::new);
-    let [fire, jet] = FILES;
-    Ok([make(fire)?, make(jet)?])
+    let [fire, jet] = VORTEX_TEXTURES;
+    Ok([make(fire.file)?, make(jet.file)?])
 }
 
 /// The built-in textures, prepared for output at `sample_rate_hz` (8,000-384,000); banks in use, and those of the most
@@ -115,7 +100,7 @@ mod tests {
 
     #[test]
     fn every_scene_has_a_field_that_repeats() {
-        for (scene, field) in SCENES.iter().zip(fields().unwrap()) {
+        for (scene, field) in SCENES.map(|scene| scene.name).iter().zip(fields().unwrap()) {
             assert_eq!(field.end(), crate::vortex::End::Periodic, "{scene}");
             assert!((4..=160).contains(&field.sources()), "{scene}: {} sources", field.sources());
             let seconds = field.steps() as f64 / field.rate_hz();

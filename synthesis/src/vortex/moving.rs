@@ -2,8 +2,8 @@
 
 use super::acoustics::NEAR_M;
 use crate::controls::VortexControls;
+use crate::dsp::Smoothed;
 use crate::error::within;
-use crate::smoothed::Smoothed;
 
 /// Time constant in seconds with which a value follows its control, applied twice: not even its speed jumps, which for
 /// a distance is the pitch.

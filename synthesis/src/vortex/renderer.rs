@@ -11,8 +11,8 @@ use super::moving::ControlSnapshot;
 use super::read::Reader;
 use super::source::Source;
 use super::upsampler::{self, Upsampler};
-use crate::controls::{DriveControls, Flow, VortexControls};
-use crate::drive::envelope::Envelope;
+use crate::controls::{Flow, VortexControls};
+use crate::dsp::{Envelope, Follow};
 use crate::error::{Error, in_range, within};
 
 /// Most sources of a renderer.
@@ -210,12 +210,8 @@ impl Vortex {
     /// only the length of `drive` matters.
     pub fn process(&mut self, drive: &[f64], controls: &VortexControls, outputs: &mut [&mut [f64]]) {
         let count = outputs.iter().map(|channel| channel.len()).fold(drive.len(), usize::min);
-        let follow = DriveControls {
-            attack_s: controls.attack_s,
-            release_s: controls.release_s,
-            threshold: controls.threshold,
-            ..DriveControls::default()
-        };
+        let follow =
+            Follow { attack_s: controls.attack_s, release_s: controls.release_s, threshold: controls.threshold };
         let mut done = 0;
         while done < count {
             let into = self.position.rem_euclid(self.hop as i64) as usize;

@@ -4,7 +4,7 @@ use super::bank::DIRECTIONS;
 use super::layout::MOST_CHANNELS;
 use super::level::Blend;
 use crate::controls::Flow;
-use crate::noise::White;
+use crate::dsp::White;
 
 /// Number of hops in which a source fades out or in.
 const FADE_HOPS: f32 = 4.0;

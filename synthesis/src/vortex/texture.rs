@@ -169,7 +169,7 @@ impl Row {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::White;
+    use crate::dsp::White;
 
     fn texture(rows: usize, steps: usize) -> VortexTexture {
         let row = |index: usize| Row {

@@ -3,13 +3,13 @@
 
 use std::f64::consts::{PI, TAU};
 
+use maths::fft::{Complex64, ComplexTransform};
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::{DriveControls, DriveMode, ExtendControls};
 use pyrophone_synthesis::drive::Drive;
 use pyrophone_synthesis::extend::Extend;
 use pyrophone_synthesis::extend::beta::Fit;
 use pyrophone_synthesis::extend::noise::NoiseSource;
-use pyrophone_synthesis::fft::{Complex64, ComplexTransform};
 
 /// Outputs with the latency trimmed, and the fits of the first channel, window 0 first.
 pub struct Run {

@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use maths::fft::{Complex64, ComplexTransform};
 use pyrophone_synthesis::controls::VortexControls;
-use pyrophone_synthesis::fft::{Complex64, ComplexTransform};
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::vortex::texture::Row;
 use pyrophone_synthesis::vortex::{Bank, End, SpeakerLayout, SpeedField, Vortex, VortexTexture};
 

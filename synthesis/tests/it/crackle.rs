@@ -7,7 +7,7 @@ use crate::effect::{Event, STEREO, channels, play};
 use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, CrackleControls, Fuel, MixControls};
 use pyrophone_synthesis::crackle::{Crackle, Crackles, Sources, split};
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 use pyrophone_synthesis::{EngineConfig, Error};

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use pyrophone_synthesis::controls::{DriveControls, DriveMode, FlameControls};
 use pyrophone_synthesis::drive::{Drive, SCENES};
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 
 const RATES_HZ: [f64; 3] = [44_100.0, 48_000.0, 96_000.0];
 

@@ -2,12 +2,12 @@
 
 use crate::common::{read_f64, read_wav, reference_dir};
 use crate::extend::*;
+use maths::fft::ComplexTransform;
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::extend::Extend;
 use pyrophone_synthesis::extend::noise::NoiseSource;
 use pyrophone_synthesis::extend::reference;
-use pyrophone_synthesis::fft::ComplexTransform;
 
 const GOLDENS: [(&str, &str); 5] =
     [("burning_brick", "2.5"), ("burning_brick", "3.0"), ("burning_brick", "3.5"), ("dragon", "2.5"), ("torch", "3.0")];

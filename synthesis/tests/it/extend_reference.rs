@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use crate::common::{read_f64, read_wav, reference_dir};
+use maths::fft::{Complex64, ComplexTransform};
 use pyrophone_synthesis::Error;
 use pyrophone_synthesis::extend::reference::*;
-use pyrophone_synthesis::fft::{Complex64, ComplexTransform};
 
 const RATE_HZ: f64 = 44_100.0;
 

@@ -4,8 +4,8 @@ use crate::extend::*;
 use proptest::prelude::*;
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::ExtendControls;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::extend::Extend;
-use pyrophone_synthesis::noise::White;
 
 const RATES_HZ: [f64; 3] = [44_100.0, 48_000.0, 96_000.0];
 

@@ -7,7 +7,7 @@ use crate::effect::{Event, play};
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, MixControls};
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 

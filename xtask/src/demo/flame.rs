@@ -25,8 +25,8 @@ fn simulate_at(resolution: usize, sample_rate_hz: u32, seconds: f64) -> Result<V
 
 #[cfg(test)]
 mod tests {
-    use super::super::analysis::Spectrum;
     use super::*;
+    use pyrophone_analysis::Spectrum;
 
     #[test]
     fn the_flame_is_low_and_bursty() {

@@ -1,6 +1,5 @@
 //! `cargo xtask demo`: fire from every engine, on a page with players and pictures.
 
-mod analysis;
 pub mod comparisons;
 mod fire;
 mod flame;

@@ -9,7 +9,8 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, register_font};
 
-use super::analysis::{BAND_HZ, Spectrogram, Spectrum};
+use pyrophone_analysis::spectrogram::BAND_HZ;
+use pyrophone_analysis::{Spectrogram, Spectrum};
 
 /// Size of a spectrogram in pixels of the picture.
 const SPECTROGRAM: (u32, u32) = (1360, 440);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 
 /// Sample rate in Hz.
 pub const RATE_HZ: u32 = 48_000;
@@ -154,8 +154,8 @@ impl Draw {
 
 #[cfg(test)]
 mod tests {
-    use super::super::analysis::Spectrum;
     use super::*;
+    use pyrophone_analysis::Spectrum;
 
     #[test]
     fn the_fire_has_all_bands_and_crackles() {

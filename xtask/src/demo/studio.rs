@@ -11,11 +11,11 @@ use pyrophone_host::bounce::BlockSize;
 use pyrophone_recording::{Recording, write_wav_f32};
 use pyrophone_settings::{Automation, Id, Values};
 
-use super::analysis::Spectrum;
 use super::loudness::{Listening, matched};
 use super::page::{Pair, Row, Side};
 use super::plots::{ASH, Curve, EMBER, FLAME_BLUE, spectrogram, spectrum};
 use crate::bounce::{Request, learned, play, reference};
+use pyrophone_analysis::Spectrum;
 
 /// Rights in a result.
 const RIGHTS_OF_RESULT: &str = "those in the sounds it was made from";
@@ -48,7 +48,7 @@ impl Sound {
             sample_format: hound::SampleFormat::Int,
         };
         let gain = 10f64.powf(gain_db / 20.0) * f64::from(i16::MAX);
-        let dither = pyrophone_synthesis::noise::White::new(0, 0);
+        let dither = pyrophone_synthesis::dsp::White::new(0, 0);
         let dither = |n: i64| dither.at(n) * 0.5 / 3f64.sqrt();
         let mut file = std::io::Cursor::new(vec![]);
         let mut writer = hound::WavWriter::new(&mut file, spec)?;

@@ -192,7 +192,7 @@ fn is_current(program: &Path) -> Result<bool> {
     let Ok(about) = std::fs::metadata(program) else { return Ok(false) };
     let built = about.modified()?;
     let mut folders: Vec<PathBuf> =
-        ["maths", "synthesis", "flame", "settings", "recording", "training", "cli", "presets"]
+        ["maths", "assets", "synthesis", "flame", "settings", "recording", "training", "analysis", "cli", "presets"]
             .map(|name| project::root().join(name))
             .to_vec();
     while let Some(folder) = folders.pop() {

@@ -1,6 +1,6 @@
 //! Random draws from the seed.
 
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 
 /// A sequence of draws.
 #[derive(Debug)]

@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 use pyrophone_host::Format;
 use pyrophone_host::bounce::BlockSize;
 use pyrophone_settings::Automation;
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 
 use crate::bounce::{Request, load, play, preset, reference};
 use crate::score::sounds as sounds_of;

@@ -1,6 +1,7 @@
 //! The character of a low-frequency flame signal in a few figures: levels, burstiness, slope.
 
-use pyrophone_synthesis::fft::RealTransform;
+use maths::fft::RealTransform;
+use pyrophone_analysis::Spectrum;
 
 /// Bands with reported levels, in Hz: below the paper's high-pass, and the lower and upper part of the range above it.
 pub const BANDS_HZ: [(f64, f64); 3] = [(10.0, 30.0), (30.0, 80.0), (80.0, 175.0)];
@@ -43,7 +44,9 @@ impl Character {
         if rate_hz < 2.0 * SLOPE_HZ.1 || (signal.len() as f64) < 0.5 * rate_hz || !(power > 0.0 && power.is_finite()) {
             return None;
         }
-        let (density, bin_hz) = density(signal, rate_hz);
+        let window = ((WINDOW_S * rate_hz).round() as usize).max(2);
+        let spectrum = Spectrum::of_frames(&[signal], rate_hz, window);
+        let (density, bin_hz) = (spectrum.density(), spectrum.bin_hz());
         let heard = band_passed(signal, rate_hz);
         let envelope = envelope(&heard, rate_hz);
         let mean = mean_of(&envelope, |x| x);
@@ -56,31 +59,14 @@ impl Character {
             envelope_cv: deviation / mean,
             kurtosis: mean_of(&heard, |x| x.powi(4)) / mean_of(&heard, |x| x * x).powi(2),
             bursts_hz: bursts(&envelope, mean, rate_hz) as f64 * rate_hz / signal.len() as f64,
-            slope_db: slope(&density, bin_hz),
+            // An exponent of 1 is 10 dB per decade.
+            slope_db: 10.0 * spectrum.slope(SLOPE_HZ.0, SLOPE_HZ.1)?,
         })
     }
 }
 
 fn mean_of(values: &[f64], of: impl Fn(f64) -> f64) -> f64 {
     values.iter().map(|x| of(*x)).sum::<f64>() / values.len() as f64
-}
-
-/// Power spectral density per Hz (Welch 1967; Hann windows that overlap by half), and the bins' distance in Hz.
-fn density(signal: &[f64], rate_hz: f64) -> (Vec<f64>, f64) {
-    let size = ((WINDOW_S * rate_hz).round() as usize).max(2);
-    let window: Vec<f64> =
-        (0..size).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / size as f64).cos()).collect();
-    let transform = RealTransform::new(size);
-    let mut input = vec![0.0; size];
-    let mut sum = vec![0.0; transform.bins()];
-    let mut count = 0.0;
-    for part in signal.windows(size).step_by(size / 2) {
-        input.iter_mut().zip(part).zip(&window).for_each(|((x, value), weight)| *x = value * weight);
-        sum.iter_mut().zip(&transform.spectrum(&input)).for_each(|(sum, bin)| *sum += bin.norm_sqr());
-        count += 1.0;
-    }
-    let scale = 2.0 / (rate_hz * count * window.iter().map(|w| w * w).sum::<f64>());
-    (sum.into_iter().map(|power| scale * power).collect(), rate_hz / size as f64)
 }
 
 /// The signal in [`HEARD_HZ`], without delay.
@@ -123,17 +109,6 @@ fn bursts(envelope: &[f64], mean: f64, rate_hz: f64) -> usize {
         }
     }
     kept.len()
-}
-
-/// Slope of a line through the density in dB over the logarithm of the frequency, per decade.
-fn slope(density: &[f64], bin_hz: f64) -> f64 {
-    let bins = (SLOPE_HZ.0 / bin_hz).ceil() as usize..=(SLOPE_HZ.1 / bin_hz) as usize;
-    let points: Vec<(f64, f64)> =
-        bins.map(|bin| ((bin as f64 * bin_hz).log10(), 10.0 * density[bin].max(1e-30).log10())).collect();
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-    let product: f64 = points.iter().map(|point| (point.0 - x) * (point.1 - y)).sum();
-    product / points.iter().map(|point| (point.0 - x).powi(2)).sum::<f64>()
 }
 
 #[cfg(test)]

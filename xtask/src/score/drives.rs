@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use pyrophone_recording::{Recording, write_wav_f32};
-use pyrophone_synthesis::noise::White;
+use pyrophone_synthesis::dsp::White;
 
 use super::sounds;
 use crate::bounce::load;

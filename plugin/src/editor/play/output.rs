@@ -12,8 +12,8 @@ use super::super::suggestion::Suggestion;
 use super::super::widgets::section::{filled, within};
 use super::super::{map, theme};
 use super::Parts;
-use crate::analysis::bands::place;
-use crate::analysis::fidelity::Diagnosis;
+use pyrophone_analysis::bands::place;
+use pyrophone_analysis::fidelity::Diagnosis;
 
 /// Height of the strip in points.
 const STRIP: f32 = 22.0;

@@ -7,7 +7,7 @@ use pyrophone_synthesis::texture::Match;
 
 use super::super::theme;
 use super::spectrogram::label;
-use crate::analysis::range::Amplitudes;
+use pyrophone_analysis::range::Amplitudes;
 
 /// Number of windows in the drive's recent distribution: some eight seconds.
 const WINDOWS: usize = 5600;

@@ -3,7 +3,7 @@
 use egui::{Mesh, Pos2, Rect, Shape, Ui};
 
 use super::super::theme;
-use crate::analysis::Portrait;
+use pyrophone_analysis::Portrait;
 
 /// Draws least and largest samples as a band.
 pub fn show(ui: &Ui, rect: Rect, portrait: &Portrait) {

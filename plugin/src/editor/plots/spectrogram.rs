@@ -5,9 +5,9 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, Ui, Vec2};
 
 use super::super::theme;
-use crate::analysis::bands::{BANDS, decibels};
-use crate::analysis::recording_overview::COLUMNS as PORTRAIT_COLUMNS;
-use crate::analysis::{FLOOR_DB, Portrait};
+use pyrophone_analysis::bands::{BANDS, decibels};
+use pyrophone_analysis::recording_overview::COLUMNS as PORTRAIT_COLUMNS;
+use pyrophone_analysis::{FLOOR_DB, Portrait};
 
 /// Number of columns stored: eight seconds.
 const COLUMNS: usize = 480;

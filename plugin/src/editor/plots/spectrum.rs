@@ -7,9 +7,9 @@ use super::super::param_editor::ParamEditor;
 use super::super::suggestion::Suggestion;
 use super::super::widgets::notches;
 use super::super::{map, theme};
-use crate::analysis::bands::{BANDS, decibels, frequency_hz, place};
-use crate::analysis::fidelity::Diagnosis;
-use crate::analysis::{FLOOR_DB, Figures, Portrait};
+use pyrophone_analysis::bands::{BANDS, decibels, frequency_hz, place};
+use pyrophone_analysis::fidelity::Diagnosis;
+use pyrophone_analysis::{FLOOR_DB, Figures, Portrait};
 
 /// Time constant in seconds of the curves, and fall rate of their peaks.
 const SMOOTHING_S: f32 = 0.5;

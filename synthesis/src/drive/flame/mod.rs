@@ -6,8 +6,8 @@ pub use table::SCENES;
 use table::{PLAIN, Table, WAYS, WINDY, tables};
 
 use crate::controls::FlameControls;
+use crate::dsp::Smoothed;
 use crate::error::{Error, within};
-use crate::smoothed::Smoothed;
 
 /// Time constant in seconds of intensity and wind.
 const SMOOTHING_S: f64 = 0.02;

@@ -3,12 +3,21 @@
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-use super::super::kernel::mitchell_netravali;
+use crate::dsp::mitchell_netravali;
 use crate::error::Error;
 
-/// The scenes. Indices are a promise: names may only be appended.
-pub const SCENES: &[&str] =
-    &["candle", "torch", "flame_jet", "burning_brick", "dragon", "campfire", "flamethrower", "explosion"];
+/// The scenes' names. Indices are a promise: names may only be appended.
+pub const SCENES: &[&str] = &names();
+
+const fn names() -> [&'static str; pyrophone_assets::SCENES.len()] {
+    let mut names = [""; pyrophone_assets::SCENES.len()];
+    let mut scene = 0;
+    while scene < names.len() {
+        names[scene] = pyrophone_assets::SCENES[scene].name;
+        scene += 1;
+    }
+    names
+}
 
 /// Variants in which each scene was simulated.
 pub const WAYS: usize = 2;
@@ -23,21 +32,8 @@ const RMS: f64 = 0.08;
 /// Largest pressure of a plain scene, if that requires a lower level.
 const PEAK: f64 = 0.7;
 
-/// One file per scene, in the order of [`SCENES`]: a WAV whose sample rate is the step rate and whose channels are the
-/// ways, written by `cargo xtask drives`.
-const FILES: [&[u8]; SCENES.len()] = [
-    include_bytes!("../../../../presets/drives/candle.wav"),
-    include_bytes!("../../../../presets/drives/torch.wav"),
-    include_bytes!("../../../../presets/drives/flame_jet.wav"),
-    include_bytes!("../../../../presets/drives/burning_brick.wav"),
-    include_bytes!("../../../../presets/drives/dragon.wav"),
-    include_bytes!("../../../../presets/drives/campfire.wav"),
-    include_bytes!("../../../../presets/drives/flamethrower.wav"),
-    include_bytes!("../../../../presets/drives/explosion.wav"),
-];
-
 static TABLES: LazyLock<Result<Vec<Table>, Error>> =
-    LazyLock::new(|| SCENES.iter().zip(FILES).map(|(scene, file)| Table::read(scene, file)).collect());
+    LazyLock::new(|| pyrophone_assets::SCENES.iter().map(|scene| Table::read(scene.name, scene.drive)).collect());
 
 /// Tables of all scenes, in the order of [`SCENES`]; read at the first call.
 pub fn tables() -> Result<&'static [Table], Error> {

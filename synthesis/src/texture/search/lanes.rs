@@ -531,7 +531,7 @@ pub trait Work {
 mod tests {
     use super::super::codes::Scale;
     use super::*;
-    use crate::noise::White;
+    use crate::dsp::White;
 
     /// A query taken into a frame, and the weighted squares of eight numbers.
     struct Taken<'a> {

@@ -511,7 +511,7 @@ fn node(tree: &mut Tree, axes: usize, children: &[(Child, Bounds)]) -> (Child, B
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::White;
+    use crate::dsp::White;
     use crate::texture::{Dictionary, PyramidConfig};
 
     #[test]

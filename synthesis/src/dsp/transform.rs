@@ -1,6 +1,6 @@
 //! Filtering by real Fourier transforms of one fixed length.
 
-use crate::fft::{Complex64, RealTransform};
+use maths::fft::{Complex64, RealTransform};
 
 /// Forward and inverse transforms of one length, and zero-phase filters for them. Nothing
 /// allocates after `new`.

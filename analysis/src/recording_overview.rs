@@ -2,9 +2,9 @@
 
 use pyrophone_recording::{Cut, Recording};
 
-use super::analyser::Analyser;
-use super::bands::{BANDS, FLOOR_DB, decibels};
-use super::fidelity::Character;
+use crate::analyser::Analyser;
+use crate::bands::{BANDS, FLOOR_DB, decibels};
+use crate::fidelity::Character;
 
 /// Columns of outline and course.
 pub const COLUMNS: usize = 512;
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn outline_and_course_follow_the_recording() {
-        let noise = pyrophone_synthesis::noise::White::new(1, 0);
+        let noise = pyrophone_synthesis::dsp::White::new(1, 0);
         // Silence, then noise.
         let channel = |sign: f32| -> Vec<f32> {
             (0..88_200).map(|n| if n < 44_100 { 0.0 } else { sign * 0.1 * noise.at(n) as f32 }).collect()
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn the_part_that_is_learnt_from_is_judged_at_its_level() {
-        let noise = pyrophone_synthesis::noise::White::new(1, 0);
+        let noise = pyrophone_synthesis::dsp::White::new(1, 0);
         let loudness = |n: i64| if n < 44_100 { 0.1 } else { 0.001 };
         let recording = recording(vec![(0..88_200).map(|n| (loudness(n) * noise.at(n)) as f32).collect()]);
         let whole = Portrait::of(&recording, &Cut::default());

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use crate::fft::{self, Complex64, ComplexTransform};
+use maths::fft::{self, Complex64, ComplexTransform};
 
 /// The chirp transform (Bluestein 1970): bins of a transform of `bins` samples, at the cost of transforms as long as
 /// signal and wanted bins together. Exact apart from rounding.
-pub(super) struct ChirpZ {
+pub(crate) struct ChirpZ {
     fourier: ComplexTransform,
     /// Factors on the input.
     before: Vec<Complex64>,
@@ -57,7 +57,7 @@ impl ChirpZ {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::White;
+    use crate::dsp::White;
 
     #[test]
     fn equals_the_long_transform() {

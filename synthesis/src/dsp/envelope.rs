@@ -1,10 +1,20 @@
 //! Envelope follower.
 
-use crate::controls::DriveControls;
 use crate::error::within;
 
 /// Level at which a falling envelope ends: -240 dBFS.
 const SILENCE: f64 = 1e-12;
+
+/// How an [`Envelope`] follows.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Follow {
+    /// Time constant of its rise in seconds, limited to 0.1 ms to 1 s.
+    pub attack_s: f64,
+    /// Time constant of its fall in seconds, limited to 1 ms to 5 s.
+    pub release_s: f64,
+    /// Magnitude that is subtracted, 0-1.
+    pub threshold: f64,
+}
 
 /// Follows a signal's magnitude, rising with the attack and falling with the release.
 #[derive(Debug)]
@@ -24,10 +34,10 @@ impl Envelope {
 
     /// Replaces the signal by its envelope less the threshold, and not below 0, so that crossing
     /// the threshold does not click.
-    pub fn process(&mut self, controls: &DriveControls, signal: &mut [f64]) {
-        let attack = self.step(controls.attack_s, 1e-4, 1.0);
-        let release = self.step(controls.release_s, 1e-3, 5.0);
-        let threshold = within(controls.threshold, 0.0, 1.0);
+    pub fn process(&mut self, follow: &Follow, signal: &mut [f64]) {
+        let attack = self.step(follow.attack_s, 1e-4, 1.0);
+        let release = self.step(follow.release_s, 1e-3, 5.0);
+        let threshold = within(follow.threshold, 0.0, 1.0);
         for sample in signal {
             let magnitude = sample.abs();
             let step = if magnitude > self.state { attack } else { release };
@@ -51,26 +61,26 @@ mod tests {
 
     #[test]
     fn rises_and_falls_by_its_time_constants() {
-        let controls = DriveControls { attack_s: 0.01, release_s: 0.1, threshold: 0.0, ..DriveControls::default() };
+        let follow = Follow { attack_s: 0.01, release_s: 0.1, threshold: 0.0 };
         let mut envelope = Envelope::new(48_000.0);
         let mut signal = vec![0.5; 480];
-        envelope.process(&controls, &mut signal);
+        envelope.process(&follow, &mut signal);
         let one = 1.0 - (-1.0f64).exp();
         assert!((signal[479] - 0.5 * one).abs() < 1e-12);
         let mut silence = vec![0.0; 4800];
-        envelope.process(&controls, &mut silence);
+        envelope.process(&follow, &mut silence);
         assert!((silence[4799] - 0.5 * one * (-1.0f64).exp()).abs() < 1e-12);
     }
 
     #[test]
     fn below_the_threshold_and_after_silence_it_is_exactly_zero() {
-        let controls = DriveControls { threshold: 0.1, ..DriveControls::default() };
+        let follow = Follow { attack_s: 0.005, release_s: 0.08, threshold: 0.1 };
         let mut envelope = Envelope::new(44_100.0);
         let mut quiet = vec![0.09; 10_000];
-        envelope.process(&controls, &mut quiet);
+        envelope.process(&follow, &mut quiet);
         assert!(quiet.iter().all(|value| *value == 0.0));
         let mut silence = vec![0.0; 200_000];
-        envelope.process(&DriveControls { threshold: 0.0, ..controls }, &mut silence);
+        envelope.process(&Follow { threshold: 0.0, ..follow }, &mut silence);
         assert_eq!(silence[199_999], 0.0);
     }
 }

@@ -1,24 +1,17 @@
 //! A running spectrum.
 
-use pyrophone_synthesis::fft::{Complex64, RealTransform};
-
-use super::bands::{BANDS, Bands};
+use crate::bands::{BANDS, Bands};
+use crate::welch::Welch;
 
 /// Power density by band, over a window that moves along a signal in steps.
 pub struct Analyser {
-    transform: RealTransform,
-    room: Vec<f64>,
-    window: Vec<f32>,
-    /// Factor from squared magnitude to density.
-    scale: f32,
+    welch: Welch,
     bands: Bands,
     /// The last samples, oldest first from `next` on.
     past: Vec<f32>,
     next: usize,
     until_step: usize,
     step: usize,
-    time: Vec<f64>,
-    spectrum: Vec<Complex64>,
     power: Vec<f32>,
     density: [f32; BANDS],
 }
@@ -27,27 +20,17 @@ impl Analyser {
     /// An analyser with windows of about `window_s`, one every `step_s`.
     pub fn new(sample_rate_hz: f64, window_s: f64, step_s: f64) -> Self {
         let length = ((window_s * sample_rate_hz) as usize).next_power_of_two().clamp(64, 1 << 16);
-        let window: Vec<f32> = (0..length)
-            .map(|n| (0.5 - 0.5 * (std::f64::consts::TAU * n as f64 / length as f64).cos()) as f32)
-            .collect();
-        let energy: f32 = window.iter().map(|w| w * w).sum();
-        let transform = RealTransform::new(length);
         let bins = length / 2 + 1;
         let step = ((step_s * sample_rate_hz).round() as usize).clamp(1, length);
         Self {
-            scale: 2.0 / (energy * sample_rate_hz as f32),
+            welch: Welch::new(length, sample_rate_hz),
             bands: Bands::new(sample_rate_hz, bins),
             past: vec![0.0; length],
             next: 0,
             until_step: step,
             step,
-            time: vec![0.0; length],
-            spectrum: vec![Complex64::default(); transform.bins()],
-            room: vec![0.0; transform.room()],
             power: vec![0.0; bins],
             density: [0.0; BANDS],
-            window,
-            transform,
         }
     }
 
@@ -68,13 +51,9 @@ impl Analyser {
         }
         self.until_step = self.step;
         let (newer, older) = self.past.split_at(self.next);
-        for ((out, sample), weight) in self.time.iter_mut().zip(older.iter().chain(newer)).zip(&self.window) {
-            *out = f64::from(sample * weight);
-        }
-        self.transform.forward(&self.time, &mut self.spectrum, &mut self.room);
-        for (power, bin) in self.power.iter_mut().zip(&self.spectrum) {
-            *power = bin.norm_sqr() as f32 * self.scale;
-        }
+        self.welch.reset();
+        self.welch.add(older.iter().chain(newer).map(|sample| f64::from(*sample)));
+        self.power.iter_mut().zip(self.welch.density()).for_each(|(power, density)| *power = density as f32);
         self.bands.gather(&self.power, &mut self.density);
         Some(&self.density)
     }
@@ -82,13 +61,13 @@ impl Analyser {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bands::place;
     use super::*;
+    use crate::bands::place;
 
     #[test]
     fn noise_has_its_density_and_a_tone_its_place() {
         let rate_hz = 48_000.0;
-        let noise = pyrophone_synthesis::noise::White::new(1, 0);
+        let noise = pyrophone_synthesis::dsp::White::new(1, 0);
         let mut analyser = Analyser::new(rate_hz, 0.18, 0.02);
         let (mut mean, mut count) = ([0.0f32; BANDS], 0.0);
         for n in 0..480_000 {
