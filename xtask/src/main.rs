@@ -67,7 +67,11 @@ enum Command {
     /// Run everything that must pass
     Test,
     /// Run the long tests
-    Soak,
+    Soak {
+        /// Only those of another system or processor
+        #[arg(long, value_enum, value_name = "ELSEWHERE")]
+        only: Option<elsewhere::Elsewhere>,
+    },
     /// Run third-party validators over the bundles, as `test` does: those that are in PATH
     Validate {
         /// Build optimised, as for use in a host
@@ -125,7 +129,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Score(forwarded) => with_bundles("score", &forwarded),
         Command::Vortex(forwarded) => cargo::sound("vortex", &forwarded.arguments),
         Command::Test => test::run(),
-        Command::Soak => test::soak(),
+        Command::Soak { only } => test::soak(only),
         Command::Validate { release } => {
             bundle::bundle(profile(release))?;
             let mut tally = tally::Tally::default();
