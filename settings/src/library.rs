@@ -297,7 +297,7 @@ mod tests {
         let three = library.rename(&one, "three").expect("renamed");
         assert!(!one.exists());
         assert_eq!(Preset::load(&three).expect("read"), preset("three", 2.0));
-        // What is spelt another way may be the same file.
+        // A name that is spelt differently may be the same file.
         assert_eq!(library.rename(&three, "three ").expect("renamed"), three);
         assert!(three.exists());
     }

@@ -1,5 +1,5 @@
-//! Likeness of the output to the recording, and how well it follows the drive: running forms of the figures by which
-//! results are scored, each over the last seconds.
+//! Running scores of the output: its similarity to the recording, and its correlation with the drive. They are the
+//! figures by which whole results are scored, each over the last seconds.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -27,7 +27,7 @@ impl Poles {
     fn low(&mut self, value: f64) -> f64 {
         self.state[0] += self.part * (value - self.state[0]);
         self.state[1] += self.part * (self.state[0] - self.state[1]);
-        // Far below anything that counts, and no denormals.
+                // Values this small matter to no figure, and denormals are slow.
         self.state.iter_mut().filter(|state| state.abs() < 1e-30).for_each(|state| *state = 0.0);
         self.state[1]
     }

@@ -101,6 +101,7 @@ impl Deck {
             return;
         }
         let left_out = std::mem::take(&mut self.left_out);
+        // The filters count skipped samples too, so that their blocks stay where they would be without a pause.
         if left_out > 0 {
             self.band_limit.skip(left_out);
             self.equalizer.skip(left_out);

@@ -5,7 +5,7 @@ use crate::filter::{Svf, section_gain};
 
 /// Duration in seconds of a change of the crossover.
 const GLIDE_S: f64 = 0.03;
-/// The lowest and the highest crossover in Hz.
+/// The lowest and the highest crossover in Hz; the parameter `low_end` goes up to the highest.
 pub const LOWEST_HZ: f64 = 20.0;
 /// See [`LOWEST_HZ`].
 pub const HIGHEST_HZ: f64 = 400.0;
@@ -80,6 +80,7 @@ impl LowEnd {
         }
         self.wet = approach(self.wet, self.target_wet, self.wet_step);
         self.gain = approach(self.gain, self.target_gain, self.gain_step);
+        // The corner glides as the filters' coefficient, which takes no tangent for each sample.
         let [first, second] = &mut self.drive;
         let low = second.process(self.gain, first.process(self.gain, drive).low).low;
         for (channel, [first, second]) in channels.iter_mut().zip(&mut self.texture) {

@@ -7,13 +7,14 @@
 use super::event::Crackles;
 use crate::noise::White;
 
-/// Number of streams: the largest multiple of a recording's density.
+/// Number of streams: the largest multiple of a recording's density. The control goes up to 4, and the macro multiplies
+/// it by up to 4.
 pub(super) const STREAMS: usize = 16;
 /// First of the white-noise streams that no other stage uses; three for each stream.
 const FIRST: u32 = 0x4352_4100;
-/// Most draws for one event.
+/// Random numbers for each event. Not all are in use.
 const DRAWS: i64 = 8;
-/// Most events that draw in one run.
+/// Events of one run that draw numbers of their own; any further ones share the last event's.
 const DRAWING: i64 = 1 << 16;
 
 /// A crackle that is due.

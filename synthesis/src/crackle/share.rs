@@ -8,14 +8,14 @@ use super::event::{Crackles, loud};
 use super::source::Sources;
 use crate::controls::CrackleControls;
 
-/// Number of trials that determine the audible crackles, and the smallest share of them that may be played.
+/// Number of trials, each with its own order of crackles, over which loud ones are counted; and the smallest share of
+/// them that may be played.
 const TRIALS: u32 = 6;
 const LEAST_SHARE: f64 = 0.5;
 
 impl Crackles {
-    /// Finds the share of the crackles with which there are as many loud ones over `bed`, the texture of the
-    /// recording's bed at a steady level, as in the recording: an even bed hides fewer than the recording's own, and
-    /// adds some.
+    /// Finds the share of the crackles that gives as many loud ones as in the recording. They are counted over `bed`, the
+    /// texture of the recording's bed at a steady level: an even bed hides fewer than the recording's own, and adds some.
     pub(crate) fn calibrate(&mut self, bed: &[f64], sample_rate_hz: f64) {
         let seconds = TRIALS as f64 * bed.len() as f64 / sample_rate_hz;
         let all = &*self;

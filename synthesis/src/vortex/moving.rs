@@ -100,6 +100,7 @@ impl Place {
     pub fn stand(&self) -> Pose {
         let [sin, cos] = self.azimuth;
         let norm = maths::hypot(sin, cos);
+        // Half-way between opposite azimuths both are 0, and any direction will do.
         let (sin, cos) = if norm > 1e-6 { (sin / norm, cos / norm) } else { (0.0, 1.0) };
         let (rise, flat) = maths::sin_cos(self.elevation);
         Pose {

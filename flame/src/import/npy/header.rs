@@ -233,6 +233,7 @@ pub(in crate::import) fn fault_of(error: &std::io::Error) -> FormatFault {
 /// multiple of 64 bytes.
 pub(in crate::import) fn header_bytes(descr: &str, shape: &[usize]) -> Vec<u8> {
     const ALIGNMENT: usize = 64;
+    // Signature, version and the length of the text.
     const PREFIX: usize = 10;
     let lengths: String = shape.iter().map(|length| format!("{length}, ")).collect();
     let lengths = if shape.len() > 1 { lengths.trim_end_matches(", ") } else { lengths.trim_end() };

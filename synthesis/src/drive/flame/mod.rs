@@ -72,6 +72,7 @@ impl Flame {
         for (offset, sample) in out.iter_mut().enumerate() {
             let before = (self.intensity.value, self.wind.value);
             let now = (self.intensity.next(intensity), self.wind.next(wind));
+            // Their roots are computed only while a control moves.
             if now != before {
                 self.weights = weights(now.0, now.1);
             }
