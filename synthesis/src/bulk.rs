@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arrays_come_back() {
+    fn arrays_read_back_as_written() {
         let (mut numbers, mut lanes) = (vec![1.5f64, -0.0, f64::NAN], vec![[3u8; 16]; 2]);
         let mut file = Vec::new();
         for bytes in [numbers.bytes(), lanes.bytes(), &[]] {

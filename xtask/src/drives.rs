@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_the_slope_of_what_burnt() {
+    fn written_drive_is_centred_and_scaled_to_full_range() {
         let folder = std::env::temp_dir().join(format!("pyrophone-drives-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
         let path = folder.join("test.wav");

@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_shipped_is_not_known() {
+    fn unknown_texture_name_is_refused() {
         assert!(named("fire").is_ok() && named("jet").is_ok());
         assert!(named("water").is_err());
     }

@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wanted_is_heard_alone_after_a_fade() {
+    fn monitored_sound_is_alone_after_a_fade() {
         for block in [1, 64, 3000] {
             assert_eq!(heard(Listen::Output, block, None), [vec![-1.0; 3000], vec![-1.0; 3000]]);
             let [left, right] = heard(Listen::Drive, block, None);

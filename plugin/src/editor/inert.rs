@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_effect_says_why() {
+    fn inert_parameters_state_the_reason() {
         assert_eq!(why("alpha", &[], true), Some(EXTENSION_OFF));
         assert_eq!(why("alpha", &[], false), None, "extension stands in for texture");
         assert_eq!(why("alpha", &[("extension_level", "-20")], true), None);

@@ -375,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn has_the_gains_asked_for() {
+    fn filter_has_the_designed_gains() {
         let centres = centres_hz(RATE_HZ);
         let gains: Vec<f64> = centres.iter().map(|hz| 6.0 * (hz / 1000.0).log2().sin()).collect();
         let taps = design(&gains, RATE_HZ);
@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn a_low_pass_leaves_what_is_below_and_takes_what_is_above() {
+    fn low_pass_is_flat_below_its_corner_and_attenuates_above() {
         let taps = design_low_pass(11_000.0, RATE_HZ);
         for hz in [100.0, 1000.0, 8000.0, 10_500.0] {
             assert!(gain_db(&taps, hz).abs() < 1.0, "{hz} Hz: {} dB", gain_db(&taps, hz));
@@ -482,7 +482,7 @@ mod tests {
     }
 
     #[test]
-    fn comes_on_as_if_it_had_always_run() {
+    fn equalizer_turned_on_late_equals_one_always_on() {
         let taps = design(&(0..23).map(|i| f64::from(i) - 11.0).collect::<Vec<f64>>(), RATE_HZ);
         let run = |first: f64| {
             let mut equalizer = Equalizer::new(RATE_HZ, 1);

@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn forgets() {
+    fn running_level_forgets_a_loud_past() {
         let mut running = RunningLevel::new(1000.0);
         (0..60_000).for_each(|_| running.push(1.0));
         (0..120_000).for_each(|_| running.push(0.01));

@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_out_can_be_put_back() {
+    fn own_dynamics_restores_the_removed_loudness() {
         let recording = swelling(200_000);
         let mut flat = [recording.clone()];
         let profile = Profile::compress(&mut flat, 44_100.0);

@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_what_numpy_writes() {
+    fn written_header_equals_numpys() {
         let bytes = header_bytes("<f4", &[2, 3]);
         let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }";
         let expected = [b"\x93NUMPY\x01\x00v\x00", text.as_bytes(), &[b' '; 58], b"\n"].concat();
@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_plain_array_is_refused() {
+    fn unsupported_arrays_are_refused() {
         for text in [
             "{'descr': '|O', 'fortran_order': False, 'shape': (1,), }",
             "{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (1,), }",

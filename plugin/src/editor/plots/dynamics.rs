@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_drive_s_distribution_is_that_of_late() {
+    fn drive_distribution_follows_recent_amplitudes() {
         let mut dynamics = DynamicsPlot::default();
         for n in 0..3 * WINDOWS {
             dynamics.take(Match { place_s: 0.0, magnitude: if n < WINDOWS { 1.0 } else { 0.1 }, factor: 2.0 });

@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_simulated_is_heard_as_it_was() {
+    fn wind_0_and_1_play_the_simulated_ways_unmixed() {
         for (wind, way) in [(0.0, PLAIN), (1.0, WINDY)] {
             let mut expected = [0.0; WAYS];
             expected[way] = 1.0;
