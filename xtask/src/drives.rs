@@ -33,9 +33,9 @@ const WAYS: [(&str, Way); 2] =
 /// Options of `cargo xtask drives`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scenes to simulate, by name [default: all, which needs some 40 minutes on two cores]
+    /// Scenes to simulate, by name [default: all, which takes about 40 minutes on two cores]
     scenes: Vec<String>,
-    /// Folder that `drives` and `fields` are written in [default: presets]
+    /// Folder for the folders `drives` and `fields` [default: presets]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Write only the speed fields, for which each scene is simulated only once
