@@ -5,7 +5,7 @@ use pyrophone_synthesis::Controls;
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow, Fuel, SLOTS};
 use pyrophone_synthesis::structure::MatchingMode;
 
-/// State that decides this, beside the parameters.
+/// State that decides this, besides the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Circumstances {
     /// True if a recording is loaded in the active slot.

@@ -79,7 +79,7 @@ impl Space {
             painter.text(
                 at,
                 Align2::CENTER_BOTTOM,
-                format!("{reason}: nothing is heard of it"),
+                format!("{reason}, so there is no vortex sound"),
                 theme::small(),
                 theme::ALARM,
             );
