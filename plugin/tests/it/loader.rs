@@ -250,7 +250,7 @@ fn a_new_structure_is_prepared_before_the_restart() {
 }
 
 #[test]
-fn a_session_comes_back() {
+fn session_is_restored_with_its_recording() {
     let sounds = Sounds::new();
     let path = sounds.wav("session.wav", 0.5, 21);
     let first = Instance::running();
@@ -584,7 +584,7 @@ fn a_drive_is_learned_from_a_file() {
 }
 
 #[test]
-fn what_is_under_way_can_be_cancelled_and_the_old_sound_plays_on() {
+fn cancelled_work_leaves_the_previous_sound() {
     let sounds = Sounds::new();
     let mut instance = Instance::running();
     instance.load_and_wait(&sounds.wav("short.wav", 0.5, 81));

@@ -5,7 +5,7 @@ use crate::error::within;
 
 /// Duration in seconds of a change of the crossover.
 const GLIDE_S: f64 = 0.03;
-/// The lowest and the highest crossover in Hz.
+/// The lowest and the highest crossover in Hz; the parameter `low_end` goes up to the highest.
 pub const LOWEST_HZ: f64 = 20.0;
 /// See [`LOWEST_HZ`].
 pub const HIGHEST_HZ: f64 = 400.0;
@@ -88,6 +88,7 @@ impl LowEnd {
         }
         self.wet = approach(self.wet, self.target_wet, self.wet_step);
         self.gain = approach(self.gain, self.target_gain, self.gain_step);
+        // The corner glides as the filters' coefficient, which takes no tangent for each sample.
         let gain = self.gain;
         let sections = self.drive.iter_mut().zip(DAMPINGS);
         let low = sections.fold(drive, |low, (section, damping)| section.process_damped(gain, damping, low).low);

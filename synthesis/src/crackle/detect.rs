@@ -1,12 +1,12 @@
 //! Detection of the crackles of a recording: sudden, short and broadband sounds.
 //!
 //! The level above 2 kHz in frames of half a millisecond is compared with its running median. A crackle exceeds it,
-//! rises within a few milliseconds, falls again within ten, and covers several octaves: a bird's note or a whistle
-//! covers one, a gust of wind rises slowly, and the median follows it.
+//! rises within a few milliseconds, falls again within ten, and covers several octaves. A bird's note or a whistle
+//! covers only one; a gust of wind rises slowly, and the median follows it.
 
 use crate::dsp::{Svf, section_gain};
 
-/// Length of a frame in seconds; levels are means over two of them.
+/// Length of a frame in seconds; levels are means over two of them, as long as a crackle takes to rise.
 const FRAME_S: f64 = 0.0005;
 /// Lowest corner in Hz, and the corners that bound the octaves.
 const LOWEST_HZ: f64 = 1000.0;
@@ -87,6 +87,7 @@ impl Frames {
     /// Frames of the crackles' peaks, the highest first.
     fn peaks(&self) -> Vec<usize> {
         let mut candidates: Vec<usize> = (0..self.ratio.len()).filter(|at| self.is_crackle(*at)).collect();
+        // The highest first, so that a crackle claims its echoes and not the other way round.
         candidates.sort_by(|a, b| self.ratio[*b].total_cmp(&self.ratio[*a]).then(a.cmp(b)));
         let apart = self.frames(APART_S);
         let mut taken = vec![false; self.ratio.len()];

@@ -7,13 +7,14 @@
 use super::event::Crackles;
 use crate::dsp::White;
 
-/// Number of streams: the largest multiple of a recording's density.
+/// Number of streams: the largest multiple of a recording's density. The control goes up to 4, and the macro multiplies
+/// it by up to 4.
 pub(super) const STREAMS: usize = 16;
 /// First of the white-noise streams that no other stage uses; two for each stream.
 const FIRST: u32 = 0x4352_4100;
-/// Draws for one event; the last is that of its threshold.
+/// Random numbers for each event; the last decides at which density it is audible.
 const DRAWS: i64 = 6;
-/// Most events that draw in one run.
+/// Events of one run that draw numbers of their own; any further ones share the last event's.
 const DRAWING: i64 = 1 << 16;
 
 /// A crackle that is due.

@@ -8,14 +8,15 @@ use super::event::{Crackles, loud};
 use super::source::Sources;
 use crate::controls::CrackleControls;
 
-/// Number of trials at each of two shares, and the smallest share that may be played.
+/// Number of trials at each of two shares, each trial with its own order of crackles; and the smallest share that may be
+/// played.
 const TRIALS: u32 = 4;
 const TRIED: [f64; 2] = [1.0, 0.5];
 const LEAST_SHARE: f64 = 0.3;
 
 impl Crackles {
-    /// Finds the share of the borderline crackles with which there are as many loud ones over `bed`, the texture of the
-    /// recording's bed at a steady level, as in the recording: an even bed hides fewer than the recording's own, and
+    /// Finds the share of the borderline crackles that gives as many loud ones as in the recording. They are counted over
+    /// `bed`, the texture of the recording's bed at a steady level: an even bed hides fewer than the recording's own, and
     /// adds some.
     pub(crate) fn calibrate(&mut self, bed: &[f64], sample_rate_hz: f64) {
         let counts = TRIED.map(|share| {

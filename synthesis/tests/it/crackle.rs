@@ -365,7 +365,7 @@ fn the_effect_plays_crackles_the_same_however_it_is_cut_and_after_a_jump() {
 }
 
 #[test]
-fn ceiling_holds_whatever_comes() {
+fn ceiling_holds_for_any_input() {
     let mut chain = chain_with(&[clicks(300_000).0], MONO).unwrap();
     let mut controls = Controls {
         mix: MixControls {
@@ -390,7 +390,7 @@ fn ceiling_holds_whatever_comes() {
 }
 
 #[test]
-fn recordings_come_out_as_loud_whatever_their_own_level() {
+fn recordings_of_any_level_give_equal_loudness() {
     let recording = clicks(300_000).0;
     let drive = channels(22, 1, 200_000).remove(0);
     let level = |gain: f64| {
