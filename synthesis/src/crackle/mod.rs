@@ -276,7 +276,7 @@ impl Crackle {
         }
         let Some(grain) = self.grains.iter_mut().find(|grain| !grain.is_on()) else { return };
         let (event, variation) = (&crackles.events()[due.event], crackles.variation());
-        let [late, rate, level, tilt, balance] = due.draws;
+        let [late, rate, level, tilt, balance, ..] = due.draws;
         let sharpness = within(controls.sharpness, -1.0, 1.0);
         let spread = maths::pow(event.peak / crackles.median_peak(), within(controls.spread, 0.0, 2.0) - 1.0);
         let followed = maths::pow(mean, MEAN_EXPONENT * follow) * maths::pow(loudness, LEVEL_EXPONENT * follow);

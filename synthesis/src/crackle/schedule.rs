@@ -10,10 +10,10 @@ use crate::dsp::White;
 /// Number of streams: the largest multiple of a recording's density. The control goes up to 4, and the macro multiplies
 /// it by up to 4.
 pub(super) const STREAMS: usize = 16;
-/// First of the white-noise streams that no other stage uses; two for each stream.
+/// First of the white-noise streams that no other stage uses; three for each stream, one of them unused.
 const FIRST: u32 = 0x4352_4100;
-/// Random numbers for each event; the last decides at which density it is audible.
-const DRAWS: i64 = 6;
+/// Random numbers for each event, not all in use; the last decides at which density it is audible.
+const DRAWS: i64 = 8;
 /// Events of one run that draw numbers of their own; any further ones share the last event's.
 const DRAWING: i64 = 1 << 16;
 
@@ -72,13 +72,13 @@ impl Schedule {
 
 impl Stream {
     fn new(number: usize, seed: u32, crackles: &Crackles, position: i64) -> Self {
-        let noise = |kind: u32| White::new(seed, FIRST + 2 * number as u32 + kind);
+        let noise = |kind: u32| White::new(seed, FIRST + 3 * number as u32 + kind);
         let (runs, run_samples) = crackles.runs();
         let orders = noise(0);
         let period = (runs * run_samples) as u64;
         let shift = (orders.bits(-1) % period) as i64;
         let run = position.wrapping_add(shift).div_euclid(run_samples as i64);
-        let mut stream = Self { number, orders, draws: noise(1), shift, run, place: 0, next: 0, end: 0, due: 0 };
+        let mut stream = Self { number, orders, draws: noise(2), shift, run, place: 0, next: 0, end: 0, due: 0 };
         stream.enter(run, crackles);
         let begin = stream.begin(run_samples);
         let passed = |at: &usize| {
