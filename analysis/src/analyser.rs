@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_silence() {
+    fn nan_input_produces_silence() {
         let mut analyser = Analyser::new(44_100.0, 0.05, 0.01);
         for _ in 0..10_000 {
             if let Some(density) = analyser.push(f32::NAN) {

@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn single_samples_and_hours_are_no_trouble() {
+    fn any_length_fills_all_columns_with_finite_values() {
         for samples in [1, 2, 511, 513, 3_000_000] {
             let portrait = Portrait::of(&recording(vec![vec![0.5; samples]]), &Cut::default());
             assert_eq!(portrait.outline.len(), COLUMNS);

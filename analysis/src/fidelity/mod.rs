@@ -1,5 +1,5 @@
-//! Likeness of the output to the recording, and how well it follows the drive: running forms of the figures by which
-//! results are scored, each over the last seconds.
+//! Running scores of the output: its similarity to the recording, and its correlation with the drive. They are the
+//! figures by which whole results are scored, each over the last seconds.
 //!
 //! | module | content |
 //! |---|---|

@@ -19,7 +19,7 @@ impl Poles {
     pub fn low(&mut self, value: f64) -> f64 {
         self.state[0] += self.part * (value - self.state[0]);
         self.state[1] += self.part * (self.state[0] - self.state[1]);
-        // Far below anything that counts, and no denormals.
+        // Values this small matter to no figure, and denormals are slow.
         self.state.iter_mut().filter(|state| state.abs() < 1e-30).for_each(|state| *state = 0.0);
         self.state[1]
     }

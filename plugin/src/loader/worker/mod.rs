@@ -144,7 +144,7 @@ impl Worker {
         Cut { region_s, gain_db, normalise }
     }
 
-    /// Work beside the engines' data: a file to learn from, a recording to monitor.
+    /// Work besides the engines' data: a file to learn from, a recording to monitor.
     fn attend(&mut self, job: &Job) -> Result<(), Failure> {
         let Some(engine) = self.engine else { return Ok(()) };
         let values = self.params.values();

@@ -62,7 +62,7 @@ fn dropping_calls_off_the_work() {
 }
 
 #[test]
-fn what_is_under_way_can_be_cancelled_and_the_old_sound_plays_on() {
+fn cancelled_work_leaves_the_previous_sound() {
     let sounds = Sounds::new();
     let mut instance = Instance::running();
     instance.load_and_wait(&sounds.wav("short.wav", 0.5, 81));

@@ -9,7 +9,7 @@ use pyrophone_settings::{Recent, Session, session};
 use super::{Instance, RATE_HZ, Sounds};
 
 #[test]
-fn a_session_comes_back() {
+fn session_is_restored_with_its_recording() {
     let sounds = Sounds::new();
     let path = sounds.wav("session.wav", 0.5, 21);
     let first = Instance::running();
