@@ -130,7 +130,7 @@ pub struct TextureArgs {
 /// Options of `pyrophone extend`.
 #[derive(Debug, Args)]
 pub struct ExtendArgs {
-    /// Flame signal; its channels are averaged, and the output has as many
+    /// Flame signal; its channels are averaged, and the output has the same number
     #[arg(long, value_name = "IN.wav")]
     pub input: PathBuf,
     /// File to write
@@ -304,7 +304,7 @@ pub struct FluxArgs {
     /// Write the frames' flux to a part file for flux-merge
     #[arg(long, value_name = "FILE.csv")]
     pub partial: Option<PathBuf>,
-    /// Further data for flux-merge, beyond what sound needs; stored in FILE.csv.extra
+    /// Additional data to measure for flux-merge, stored in FILE.csv.extra
     #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', requires = "partial")]
     pub partial_with: Vec<PartialWith>,
     /// Frames of all parts together, for --partial-with [default: all frames]
@@ -322,7 +322,7 @@ pub struct FluxArgs {
     /// Format of the flame-front files
     #[arg(long, value_enum, value_name = "KIND", default_value_t = MeshKind::Ply, requires = "mesh")]
     pub mesh_kind: MeshKind,
-    /// Also write a speed field for vortex sound: how fast the gas flows, and where
+    /// Also write a speed field for vortex sound: the speeds of the gas by place and time
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
     /// Axis of the simulation that points up, for the speed field
@@ -448,7 +448,7 @@ pub enum FarmFormat {
 /// Options of `pyrophone flux-merge`.
 #[derive(Debug, Args)]
 pub struct FluxMergeArgs {
-    /// Parts written by flux --partial, in any order, or folders of them
+    /// Parts written by flux --partial, in any order, or folders that hold them
     #[arg(value_name = "SHARD", required = true)]
     pub shards: Vec<PathBuf>,
     /// Also write a speed field, from parts measured with --partial-with speed-field
@@ -500,9 +500,9 @@ pub struct SoundArgs {
 /// Values of `--placement`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Placement {
-    /// At the centre, whatever the files say
+    /// At the centre, regardless of the files
     Collocated,
-    /// On the lower faces, whatever the files say
+    /// On the lower faces, regardless of the files
     Staggered,
     /// As the files say
     File,
@@ -604,7 +604,7 @@ pub struct SimulateArgs {
     /// Strength of the turbulence, 0-4
     #[arg(long, value_name = "X", default_value_t = 1.0, allow_negative_numbers = true)]
     pub turbulence: f64,
-    /// Seconds simulated before the signal starts, 0-60 [default: 0.5; 0 for flame_jet and explosion]
+    /// Seconds to simulate before the signal starts, 0-60 [default: 0.5; 0 for flame_jet and explosion]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub pre_roll: Option<f64>,
     /// Subdivisions of each voxel edge for finding the front, 1-16
@@ -613,7 +613,7 @@ pub struct SimulateArgs {
     /// Also write every frame, for `pyrophone flux` and other programs: DIR/SCENE_NUMBER.npz
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// Also write a speed field for vortex sound: how fast the gas flows, and where
+    /// Also write a speed field for vortex sound: the speeds of the gas by place and time
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
     /// Conversion of the flux to sound.

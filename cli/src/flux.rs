@@ -149,7 +149,7 @@ fn check_place(args: &FluxArgs, plan: &Plan, rate_hz: Option<f64>) -> Result<(),
     sound::time_reference(&args.sound, &signal.on_timeline(&args.timeline).retimed()?).map(|_| ())
 }
 
-/// True if parts should hold `what` beside their table.
+/// True if parts should hold `what` in addition to their table.
 fn holds(args: &FluxArgs, what: PartialWith) -> bool {
     args.partial_with.contains(&what)
 }

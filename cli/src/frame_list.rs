@@ -52,7 +52,7 @@ fn range(text: &str) -> Result<Range, String> {
         None => (text, Some(1)),
     };
     let every = every.ok_or_else(|| format!("'{text}x...' needs a whole number above 0 after the x, as in 1-8x2"))?;
-    // The first minus parts the numbers unless it stands before the first one.
+    // The first minus sign separates the two numbers, unless it begins the first one.
     let parting = text.trim().char_indices().skip(1).find(|(_, c)| *c == '-');
     let text = text.trim();
     let (first, last) = parting.map_or((text, text), |(at, _)| (&text[..at], &text[at + 1..]));

@@ -153,7 +153,7 @@ fn values(args: &RenderArgs) -> Result<Values, Error> {
 }
 
 fn output_channels(args: &RenderArgs, main: &Recording) -> Result<usize, Error> {
-    // What comes from no file has as many as are asked for.
+    // Without an input file, any number of channels is possible.
     let least = if args.input.is_some() { main.channels.len() } else { 1 };
     let found = args.channels.unwrap_or(main.channels.len());
     if (least..=MAX_CHANNELS).contains(&found) {

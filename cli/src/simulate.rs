@@ -233,7 +233,7 @@ impl Plan {
         if let Some(path) = self.cache_path(number) {
             self.write_cache(&path, number, simulation)?;
         }
-        // How gas moves far from the front is of account only in the speed field's steps.
+        // Only the speed field's steps need the gas far from the front.
         let frame = if self.is_in_field(number) { simulation.frame()? } else { simulation.front_frame()? };
         Ok(Some(Frame { number: i64::try_from(number).unwrap_or(i64::MAX), ..frame }))
     }

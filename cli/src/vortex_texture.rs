@@ -117,7 +117,7 @@ impl Plan {
         let mut before = 0.0;
         let row = self.recipe.record(speed_m_s, |progress| {
             let now = match progress {
-                // How long that takes is not known; it comes nearer and nearer.
+                // The time that settling takes is unknown, so each report covers half of the rest of its share.
                 Progress::Settling => before + 0.5 * (SETTLING - before) / steps.max(1.0),
                 Progress::Recording(share) => f64::max(before, SETTLING + (1.0 - SETTLING) * share),
             };

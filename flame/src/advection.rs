@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn the_right_rate_fits_and_a_wrong_one_is_told() {
+    fn right_rate_fits_and_a_wrong_one_is_reported() {
         // 0.3 of the world in a tenth of a second.
         let pairs = [pair(3.0)];
         let right = fit(&pairs, 0.1).unwrap();
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_move_tells_nothing() {
+    fn smoke_at_rest_gives_no_rate() {
         assert_eq!(fit(&[pair(0.0)], 0.1), None);
         assert_eq!(fit(&[], 0.1), None);
         let (before, after, _) = pair(3.0);

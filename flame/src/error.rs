@@ -8,7 +8,7 @@
 pub enum Error {
     /// A grid's transform has no inverse or no sensible voxel size.
     #[error(
-        "the grid's transform {rows:?} + {translation:?} is unusable; voxels need a volume, and edges between 1e-9 and 1e9"
+        "the grid's transform {rows:?} + {translation:?} is unusable; every voxel must have a volume, and edges between 1e-9 and 1e9"
     )]
     Transform {
         /// The matrix, row after row.

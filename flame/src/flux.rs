@@ -7,7 +7,8 @@ use crate::error::{Error, in_range};
 use crate::front::Measure;
 use crate::import::Numbering;
 
-/// Most frames between the first and the last of a table.
+/// Most frames between the first and the last of a table: a single stray number must not fill memory with interpolated
+/// steps.
 pub const MAX_FRAMES: u64 = 10_000_000;
 
 /// Start of a partial table's first line; its settings follow.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use crate::error::Error;
 
-/// Voxels along an edge of a block.
+/// Voxels along an edge of a block: as many as in a leaf of OpenVDB, so that leaves are copied whole.
 pub const BLOCK: i32 = 8;
 
 /// Voxels of a block.
@@ -38,6 +38,7 @@ impl Transform {
         }
         let volume = dot(rows[0], cross(rows[1], rows[2]));
         let edges: f64 = rows.iter().map(|row| length(*row)).product();
+        // Edges that lie almost in one plane: an inverse would be nothing but rounding errors.
         if volume.abs() < 1e-9 * edges {
             return Err(Error::Transform { rows, translation });
         }

@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_up_is_up() {
+    fn chosen_axis_points_up_in_the_field() {
         let speed = |[_, y, _]: [usize; 3]| if y >= 12 { 3.0 } else { 0.0 };
         let regions = Regions::new([0.0; 3], [1.6; 3], 0.1);
         let steps = [regions.mean_speeds(&flow([16, 16, 16], speed))];

@@ -1,7 +1,8 @@
 //! Assignment of MIDI controllers to parameters, and MIDI learn.
 //!
-//! Everything is atomic: the audio thread looks controllers up and learns them, the window assigns and shows them. A
-//! controller counts on every MIDI channel; it may move several parameters, a parameter follows one controller.
+//! Everything is atomic: the audio thread looks controllers up and learns them, the window assigns and shows them. Accesses
+//! are relaxed, because each assignment is a single number. A controller counts on every MIDI channel and may move several
+//! parameters; a parameter follows one controller.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};

@@ -202,7 +202,7 @@ impl Plugin for Pyrophone {
     const EMAIL: &'static str = "support@pyrophone.org";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
 
-    // Of the layouts beyond stereo these are the two that VST3 can describe correctly: seven channels and more would be
+    // Of the layouts beyond stereo these are the two that VST3 can describe correctly. Seven channels and more would be
     // named as cinema layouts, with loudspeakers in front of the listener where the engine has them behind. CLAP gets
     // the number alone. VST3 hosts can have a sidechain of as many channels as the main input only: nice-plug 0.4.2
     // compares it with that.

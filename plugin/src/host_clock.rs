@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_host_knows_better_is_left_alone() {
+    fn reported_position_is_kept_if_the_host_states_one() {
         for reported in [
             at(PluginApi::Vst3, true, 7, false),
             at(PluginApi::Clap, true, 7, true),

@@ -9,7 +9,7 @@
 //! | [`audio`] | the engines, and their ends of the rings | the audio thread |
 //! | [`channels`] | channel counts of the buses | any thread |
 //! | [`loader`] | recordings, dictionaries, learning | a separate thread, one per instance |
-//! | [`persist`] | session data beside the parameters | any thread |
+//! | [`persist`] | session data besides the parameters | any thread |
 //! | [`controllers`] | MIDI controllers that move parameters | any thread |
 //! | [`host_menu`] | the host's own entries in the menus of parameters | the host's main thread, the window's |
 //! | [`takes`] | the takes that were tried | any thread |

@@ -1,4 +1,5 @@
-//! Levels for the editor: written by the audio thread, read and cleared by the window.
+//! Levels for the editor: written by the audio thread, read and cleared by the window. Every access is relaxed, because no
+//! level says anything about another.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 

@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_loaded_is_saved_until_the_loader_knows_better() {
+    fn loaded_field_is_saved_unchanged_until_the_loader_replaces_it() {
         let store = SessionStore::new(|| {});
         assert_eq!(decode(&store.field()).unwrap(), Session::default());
         store.arrive("garbage".into());

@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_heard_is_the_window_s_choice_while_it_is_there() {
+    fn monitoring_follows_the_window_and_ends_with_it() {
         let (audio, window) = pair();
         window.watch(true);
         for listen in [Listen::Drive, Listen::Recording, Listen::Output, Listen::Recording] {
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn loads_are_smoothed_and_the_worst_is_told_once() {
+    fn loads_are_smoothed_and_the_worst_is_reported_once() {
         let (sent, seen) = pair();
         for load in [0.5, f32::NAN, 0.25, f32::INFINITY, -1.0] {
             sent.tell_load(load);

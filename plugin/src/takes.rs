@@ -66,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn takes_are_new_ones_kept_and_garbage_is_not() {
+    fn takes_survive_json_and_malformed_json_is_ignored() {
         let takes = Takes::default();
         let added: Vec<u16> = (0..3).map(|_| takes.add()).collect();
         assert!(added.iter().all(|take| *take != 0) && added[0] != added[1] && added[1] != added[2]);

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beyond_the_ends_is_left_out_and_nonsense_refused() {
+    fn region_is_clipped_to_the_recording_and_empty_ones_refused() {
         let whole = tone();
         let span = |start_s, end_s| Cut { region_s: Some([start_s, end_s]), ..Cut::default() }.span(&whole);
         assert_eq!(span(-5.0, 0.5).unwrap(), 0..4000);

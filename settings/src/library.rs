@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_saved_is_listed_and_found_again() {
+    fn saved_preset_is_listed_and_found() {
         let (_folder, library) = library();
         assert_eq!(library.list().0, []);
         for (name, alpha) in [("Zündholz", 3.0), ("  a/b:c*?.toml  ", 2.0), ("nul", 4.0)] {
@@ -297,13 +297,13 @@ mod tests {
         let three = library.rename(&one, "three").expect("renamed");
         assert!(!one.exists());
         assert_eq!(Preset::load(&three).expect("read"), preset("three", 2.0));
-        // What is spelt another way may be the same file.
+        // A name that is spelt differently may be the same file.
         assert_eq!(library.rename(&three, "three ").expect("renamed"), three);
         assert!(three.exists());
     }
 
     #[test]
-    fn what_is_broken_is_told_and_the_rest_is_listed() {
+    fn broken_presets_are_reported_and_the_rest_listed() {
         let (_folder, library) = library();
         library.save(&preset("good", 2.0), false).expect("saved");
         for (name, text) in [("empty", String::new()), ("huge", "#".repeat(2 << 20)), ("other", "version = 99".into())]

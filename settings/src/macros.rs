@@ -2,7 +2,7 @@
 //!
 //! A macro moves several engine controls at once, as an offset: the parameters behind them keep the values set by user
 //! and host. At 0 % it changes nothing, bit for bit. An effect is a straight line, in its own unit, from nothing at 0 %
-//! to the limits that the table states for -100 % and 100 %; effects of several macros on one control add up, within
+//! to the limits that the table states for -100 % and 100 %. Effects of several macros on one control add up, within
 //! the control's range.
 
 mod target;

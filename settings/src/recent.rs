@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn garbage_is_no_trouble() {
+    fn unreadable_list_of_recent_files_is_ignored() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let recent = Recent::new(folder.path());
         fs::write(folder.path().join(NAME), [0xff, 0xfe, 0x00]).expect("written");

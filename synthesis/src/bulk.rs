@@ -38,7 +38,7 @@ impl<T: Pod> Array for Vec<T> {
 /// result: systems that do not support this advice reject it.
 #[cfg(target_os = "linux")]
 fn provide(bytes: &mut [u8]) {
-    /// Below this there is nothing to win.
+    /// A smaller array has too few pages for this to save time.
     const LEAST_BYTES: usize = 1 << 20;
     const PAGE_BYTES: usize = 4096;
     if bytes.len() < LEAST_BYTES {
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arrays_come_back() {
+    fn arrays_read_back_as_written() {
         let (mut numbers, mut lanes) = (vec![1.5f64, -0.0, f64::NAN], vec![[3u8; 16]; 2]);
         let mut file = Vec::new();
         for bytes in [numbers.bytes(), lanes.bytes(), &[]] {

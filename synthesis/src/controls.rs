@@ -290,7 +290,7 @@ pub struct VortexControls {
     pub seed: u32,
     /// Distance in m from the listener to the middle of the sources, or to a field's origin; 0-1000.
     pub distance_m: f64,
-    /// Radius in m of the ball that the sources are spread in, 0-100; of no account with a field.
+    /// Radius in m of the ball that the sources are spread in, 0-100; ignored with a field.
     pub spread_m: f64,
     /// Azimuth of the centre in degrees, positive to the right; any.
     pub azimuth_deg: f64,

@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_what_was_made() {
+    fn stored_dictionary_equals_the_one_made() {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::new(folder.path().join("not yet there"), MOST_BYTES);
         let made = dictionary(1);

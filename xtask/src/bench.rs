@@ -26,7 +26,7 @@ const WINDOW_END: &str = "<!-- end of window -->\n";
 /// Options of `cargo xtask bench`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Only this one; `all`, `search` and `window` also write their tables into docs/performance.md
+    /// Benchmark to run [default: each except all, instructions and scenes]; `all`, `search` and `window` also write their tables into docs/performance.md
     bench: Option<Bench>,
     /// Options of `scenes`; see `bench scenes --help`
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
@@ -45,13 +45,13 @@ enum Bench {
     Flame,
     /// Accuracy of the steps between a simulation's frames (PYROPHONE_REFERENCE names the folder of the reference cache)
     Upsample,
-    /// The editor's window: frame by frame, and on a screen (Xvfb) as the process pays for it
+    /// The editor's window: time per frame, and processor time of the whole process on a screen (Xvfb)
     Window,
     /// Loading a recording, for the first time and in a session that is opened again
     Reload,
     /// Instructions of one second of each engine, saved for comparison by `cargo xtask soak`
     Instructions,
-    /// Sound of the scenes at several resolutions; needs minutes, so it only runs when named
+    /// Sound of the scenes at several resolutions; takes minutes, so it runs only when named
     Scenes,
 }
 

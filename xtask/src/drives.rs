@@ -33,9 +33,9 @@ const WAYS: [(&str, Way); 2] =
 /// Options of `cargo xtask drives`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scenes to simulate, by name [default: all, which needs some 40 minutes on two cores]
+    /// Scenes to simulate, by name [default: all, which takes about 40 minutes on two cores]
     scenes: Vec<String>,
-    /// Folder that `drives` and `fields` are written in [default: presets]
+    /// Folder for the folders `drives` and `fields` [default: presets]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Write only the speed fields, for which each scene is simulated only once
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_the_slope_of_what_burnt() {
+    fn written_drive_is_centred_and_scaled_to_full_range() {
         let folder = std::env::temp_dir().join(format!("pyrophone-drives-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
         let path = folder.join("test.wav");

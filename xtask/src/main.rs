@@ -24,7 +24,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-/// Pyrophone's chores.
+/// Pyrophone's maintenance commands.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask")]
 struct Cli {
@@ -61,20 +61,24 @@ enum Command {
     /// Score results against their recordings and write docs/sound.md; see `score --help`
     #[command(disable_help_flag = true)]
     Score(Forwarded),
-    /// Record the shipped vortex-sound textures again; see `vortex --help`
+    /// Record the built-in vortex-sound textures again; see `vortex --help`
     #[command(disable_help_flag = true)]
     Vortex(Forwarded),
-    /// Run everything that must pass
+    /// Run every test that must pass before a change is merged
     Test,
-    /// Run the long tests
-    Soak,
-    /// Run third-party validators over the bundles, as `test` does: those that are in PATH
+    /// Run the long tests, on other processors and systems too, as far as this machine can
+    Soak {
+        /// Only those of another system or processor
+        #[arg(long, value_enum, value_name = "ELSEWHERE")]
+        only: Option<elsewhere::Elsewhere>,
+    },
+    /// Run the third-party validators that are in PATH over the bundles, as `test` does
     Validate {
         /// Build optimised, as for use in a host
         #[arg(long)]
         release: bool,
     },
-    /// Print real-time factors and worst blocks as tables
+    /// Measure costs and print them as tables
     Bench(bench::Args),
 }
 
@@ -125,7 +129,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Score(forwarded) => with_bundles("score", &forwarded),
         Command::Vortex(forwarded) => cargo::sound("vortex", &forwarded.arguments),
         Command::Test => test::run(),
-        Command::Soak => test::soak(),
+        Command::Soak { only } => test::soak(only),
         Command::Validate { release } => {
             bundle::bundle(profile(release))?;
             let mut tally = tally::Tally::default();

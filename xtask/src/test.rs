@@ -3,10 +3,12 @@
 use std::process::{ExitCode, Stdio};
 
 use anyhow::{Result, ensure};
+use clap::ValueEnum as _;
 
 use crate::bundle::{self, Profile};
+use crate::elsewhere::{self, Elsewhere};
 use crate::tally::Tally;
-use crate::{cargo, elsewhere, instructions, openjd, project, setup, validators};
+use crate::{cargo, instructions, openjd, project, setup, validators};
 
 /// Package of end-to-end tests: real bundles in real hosts.
 const END_TO_END: &str = "pyrophone-tests";
@@ -53,10 +55,22 @@ pub fn run() -> Result<ExitCode> {
     Ok(tally.conclude())
 }
 
-/// Runs the long tests.
-pub fn soak() -> Result<ExitCode> {
+/// Runs the long tests, or only those of another system or processor.
+pub fn soak(only: Option<Elsewhere>) -> Result<ExitCode> {
     setup::ensure(&setup::TEST)?;
     let mut tally = Tally::default();
+    let places = only.as_ref().map_or(Elsewhere::value_variants(), std::slice::from_ref);
+    if only.is_none() {
+        soak_here(&mut tally)?;
+    }
+    for place in places {
+        elsewhere::soak(&mut tally, *place)?;
+    }
+    Ok(tally.conclude())
+}
+
+/// Runs the long tests of this system and processor.
+fn soak_here(tally: &mut Tally) -> Result<()> {
     if tally.step("bundles and command line", build_release) {
         tally.cargo_test("end to end, as it is used", &[SOAK, (BUILD, "release")], &["--package", END_TO_END])?;
     }
@@ -82,9 +96,7 @@ pub fn soak() -> Result<ExitCode> {
         }
         Some(why) => tally.skip("instruction counts", why),
     }
-    sanitized(&mut tally, "realtime", PLUGIN, "realtime")?;
-    elsewhere::soak(&mut tally)?;
-    Ok(tally.conclude())
+    sanitized(tally, "realtime", PLUGIN, "realtime")
 }
 
 /// Builds all tests, and the plugin and command line used by the end-to-end ones.

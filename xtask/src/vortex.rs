@@ -15,7 +15,7 @@ use crate::project;
 /// Options of `cargo xtask vortex`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Textures to record, by name [default: all, which needs some 10 minutes on two cores]
+    /// Textures to record, by name [default: all, which takes about 10 minutes on two cores]
     textures: Vec<String>,
     /// Folder to write to [default: presets/vortex]
     #[arg(long, value_name = "DIR")]
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_shipped_is_not_known() {
+    fn unknown_texture_name_is_refused() {
         assert!(named("fire").is_ok() && named("jet").is_ok());
         assert!(named("water").is_err());
     }

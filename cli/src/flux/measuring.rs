@@ -194,7 +194,7 @@ impl Plan {
         }
         let total = self.indices.len().max(1) as f32;
         let finished = std::sync::atomic::AtomicUsize::new(done.len());
-        // What comes from where in the frames that more than one change needs.
+        // Sources of the frames that more than one change needs.
         let mut sources: BTreeMap<usize, Source> = BTreeMap::new();
         // In portions, so that what is done is kept and the first bad frame is always the same one.
         for portion in left.chunks(PORTION * rayon::current_num_threads()) {
@@ -321,7 +321,7 @@ impl Plan {
         let asked =
             if self.indices.len() > 1 { self.indices.clone() } else { self.indices.iter().flat_map(near).collect() };
         let told = self.sequence.rate_hz(&asked);
-        // What the user calls a frame may be several steps, or a part of one.
+        // A frame in the user's sense may be several steps, or a part of one.
         let given_hz = given_hz.map(|frames_hz| frames_hz * self.sequence.numbering().steps_per_frame());
         match (given_hz, told) {
             (Some(given_hz), Ok(Some(told_hz))) if (given_hz / told_hz - 1.0).abs() > SAME_RATE => {
@@ -464,7 +464,7 @@ fn note_names(sequence: &Sequence) {
     if !numbering.is_plain() {
         let per_frame = numbering.steps_per_frame();
         note(&format!(
-            "the files' numbers make {numbering}: steps come {per_frame:.3} times as often as --rate says, and hold frequencies up to {:.3} times it",
+            "the files' numbers make {numbering}: there are {per_frame:.3} steps per frame of --rate, so frequencies up to {:.3} times --rate are valid",
             0.5 * per_frame
         ));
     }

@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn long_work_is_told_each_minute() {
+    fn long_work_is_reported_each_minute() {
         assert!((95..=100).contains(&told(6000).len()), "one percent a minute");
         assert!((45..=100).contains(&told(12_000).len()));
     }

@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_stands_alone() {
+    fn page_embeds_its_pictures_and_links_nowhere() {
         let page = render(&report(&[0.0, 1.0], &[0.0, 0.5, 0.0])).unwrap();
         let sources = page.matches("src='").count();
         assert!(sources >= 4 && page.matches("src='data:image/png;base64,").count() == sources);

@@ -328,7 +328,7 @@ fn a_series_goes_straight_to_pressure() {
 }
 
 #[test]
-fn low_rates_are_said_to_be_envelopes() {
+fn low_frame_rate_notes_that_only_an_envelope_is_reliable() {
     let folder = folder();
     let at = folder.path();
     let said = notes(at, "flux --input flame --output p.wav --rate 24 --upsample off");

@@ -126,7 +126,7 @@ fn the_twins_sound_equally_loud() {
 }
 
 #[test]
-fn silence_and_channels_that_cancel_are_said_of_a_recording() {
+fn silent_recording_and_cancelling_channels_are_noted() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     write(at, "in.wav", &[rumble(48_000, 48_000)], 48_000);
@@ -210,7 +210,7 @@ fn a_body_in_an_even_wind_is_silent() {
 }
 
 #[test]
-fn the_rate_is_told_by_someone_or_asked_for() {
+fn rate_comes_from_frame_times_or_is_required() {
     let timed = cache(1..=8, false, Some(50.0));
     succeeds(timed.path(), "flux --input flame --output out.wav");
     assert_eq!(read(&timed.path().join("out.wav")).len_samples(), 8 * 882);

@@ -111,7 +111,7 @@ fn drives_of_flames_add_up_to_the_whole_and_know_their_places() {
 }
 
 #[test]
-fn what_has_no_flames_to_tell_apart_is_refused() {
+fn per_cluster_with_conflicting_options_is_refused() {
     let folder: TempDir = tempfile::tempdir().unwrap();
     let at = folder.path();
     cache(at);

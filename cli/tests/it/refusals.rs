@@ -165,7 +165,7 @@ fn bad_automation() {
 }
 
 #[test]
-fn misunderstood() {
+fn invalid_command_lines_exit_with_2() {
     let folder = folder();
     for (arguments, says) in [
         ("", "subcommand"),

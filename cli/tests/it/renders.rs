@@ -55,7 +55,7 @@ fn a_part_of_the_recording_is_learnt_from_at_its_level() {
 const WHOOSH: &str = "--set texture_level=off --set vortex_level=0 --set threshold=off";
 
 #[test]
-fn vortex_sound_stands_where_it_is_put_in_every_layout() {
+fn vortex_sound_has_its_direction_in_every_layout() {
     let folder = folder();
     // Channels in the order of the layout, those that face an azimuth, and those that stay silent.
     for (number, (channels, azimuth, louder, silent)) in [
@@ -265,7 +265,7 @@ fn betas_without_reference() {
 }
 
 #[test]
-fn sounds_that_the_drive_ignores_are_said() {
+fn ignored_inputs_are_noted() {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), "in.wav", &[rumble(4_800, 48_000)], 48_000);
     let notes = |options: &str| {

@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_there_is_told() {
+    fn error_lists_the_grids_that_exist() {
         let there = grids(&[("density", 1), ("v\u{1b}[2Jel", 3)]);
         let message = select(&there, &Selection::default()).unwrap_err().to_string();
         assert!(message.contains("\"flame\"") && message.contains("density (float), v?[2Jel (vec3s)"), "{message}");

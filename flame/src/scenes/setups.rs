@@ -1,6 +1,6 @@
 //! Set-up of each scene: box, gas, emitters, and their motion.
 //!
-//! Lengths are those of the papers where stated (a dragon 1.2 m high, a box 1.5 m wide); the others were chosen so that
+//! Lengths are those of the papers where stated (a dragon 1.2 m high, a box 1.5 m wide). The others were chosen so that
 //! the pressure resembles fire's: bursts, with energy from 30 to 180 Hz.
 
 use std::f64::consts::TAU;

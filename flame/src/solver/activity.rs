@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_hot_is_busy_and_what_is_near_it() {
+    fn hot_cells_and_their_surroundings_are_active() {
         let found = found([[Side::Open; 2]; 3], [5, 0, 20], 2);
         let expected: Vec<[usize; 3]> =
             (3..=7).flat_map(|i| (0..=2).flat_map(move |j| (1..=2).map(move |k| [i, j, k]))).collect();

@@ -248,7 +248,8 @@ impl Solver {
         result
     }
 
-    /// Takes a substep and returns the largest remaining divergence, in 1/s.
+    /// Takes a substep and returns the largest remaining divergence, in 1/s. The projection comes last, so that frames, and
+    /// the next advection, see a flow whose only divergence is that of burning.
     fn substep(&mut self, dt_s: f64, surroundings: &Forcing) -> f64 {
         self.emit(dt_s, surroundings);
         self.advect(dt_s);
@@ -374,6 +375,7 @@ impl Solver {
         let spread = self.parameters.viscosity_m2_s * dt_s / (h * h);
         let parts = (spread / 0.1).ceil().clamp(0.0, 32.0);
         for _ in 0..parts as usize {
+            // An explicit step in three dimensions is unstable beyond a sixth.
             let share = ((spread / parts).min(0.15)) as f32;
             for axis in 0..3 {
                 let lattice = Lattice::faces(&self.domain, axis);

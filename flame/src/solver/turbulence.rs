@@ -11,7 +11,7 @@ const SIZE: usize = 32;
 /// Number of waves in the tile.
 const WAVES: usize = 64;
 
-/// Highest wave number, in waves per tile.
+/// Highest wave number, in waves per tile: more than four samples of the tile for each wave.
 const HIGHEST: i32 = 7;
 
 /// Drift of the two copies of the tile per turnover of the largest eddies, in tiles.

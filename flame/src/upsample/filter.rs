@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_high_passes_in_place_and_what_is_low_does_not() {
+    fn high_pass_keeps_phase_and_removes_low_frequencies() {
         let wave =
             |cycles: f64| (0..2000).map(|n| (std::f64::consts::TAU * cycles * f64::from(n)).sin()).collect::<Vec<_>>();
         let far =

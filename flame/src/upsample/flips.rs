@@ -3,7 +3,7 @@
 //! Between two frames, every voxel of the flame keeps its old value up to its own random moment, and has its new value
 //! from then on. Its neighbours change at nearly the same moment, so that the parts that change together are about as
 //! large as a flame's smallest parts. The mean over all such moments is the straight line from one frame to the next,
-//! which is subtracted: the remainder is zero at the frames, and its loudness depends on how many parts changed.
+//! which is subtracted. The remainder is zero at the frames, and its loudness depends on how many parts changed.
 
 use super::source::{Source, unpacked};
 use super::{Upsampler, filter};

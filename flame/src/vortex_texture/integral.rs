@@ -1,6 +1,6 @@
 //! The source of vortex sound: T = ∫ y (y × w) dy (Dobashi et al. 2004, eq. 1-2, after Powell and Howe).
 //!
-//! A listener in direction x hears x·T‴x, so only T's symmetric part counts; and y·(y × w) = 0, so it has no trace:
+//! A listener in direction x hears x·T‴x, so only T's symmetric part counts. Because y·(y × w) = 0, it has no trace:
 //! five numbers are enough.
 
 use super::series::COMPONENTS;

@@ -216,7 +216,7 @@ fn archives_that_contradict_themselves() {
 }
 
 #[test]
-fn a_bomb_of_zeros_takes_no_memory() {
+fn archive_bomb_of_zeros_uses_no_memory() {
     // 134 million voxels in half a megabyte.
     let shape = [512, 512, 512];
     let header = npy(1, "|u1", false, &shape, &[]);

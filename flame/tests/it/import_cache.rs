@@ -95,7 +95,7 @@ fn every_frame_is_read() {
 }
 
 #[test]
-fn what_a_frame_holds() {
+fn grids_of_a_cached_frame_are_listed_and_read() {
     let Some(folder) = flame_cache() else { return };
     let cache = Sequence::open(&folder.join("fluid_data_0001.vdb")).unwrap();
     assert_eq!((cache.len(), cache.numbers().next()), (1, Some(1)));

@@ -223,7 +223,7 @@ fn in_folder(name: &str, bytes: &[u8]) -> (tempfile::TempDir, Sequence) {
 }
 
 #[test]
-fn classes_are_told_and_heeded() {
+fn grid_classes_are_read_and_used() {
     let mut random = Random::new(9);
     let form = Form { version: 224, compression: BLOSC, half: false, offsets: true };
     let plans = [
@@ -282,7 +282,7 @@ fn split_velocities() {
 }
 
 #[test]
-fn what_is_not_finite_is_refused_where_it_is_used() {
+fn non_finite_grid_is_refused_only_when_read() {
     let leaf = |value: f32| {
         let mask = [0xFFu8; 64];
         let branch = |bytes: usize, slots: usize| {

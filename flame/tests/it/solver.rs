@@ -135,7 +135,7 @@ fn pressure_converges_with_second_order() {
 /// Two-dimensional Taylor-Green vortices in a periodic box keep their shape and decay as exp(-2 nu k² t). What the method
 /// itself takes of their energy is little, and halves with the grid and the step: advection and projection are split.
 #[test]
-fn taylor_green_vortices_decay_as_they_must() {
+fn taylor_green_vortices_decay_at_the_analytic_rate() {
     let energy = |solver: &Solver| -> f64 {
         solver.face_velocities()[..2].iter().flat_map(|v| v.iter()).map(|v| f64::from(*v).powi(2)).sum()
     };

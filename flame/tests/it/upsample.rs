@@ -133,7 +133,7 @@ fn shards_tell_what_one_run_tells() {
 }
 
 #[test]
-fn an_upsampler_is_told_from_the_settings_of_a_part() {
+fn upsampler_is_parsed_from_a_parts_settings() {
     for method in [Method::Flips, Method::Release, Method::Noise, Method::Cubic] {
         let upsampler = Upsampler::new(method, 15, u64::MAX).unwrap();
         assert_eq!(Upsampler::of_settings(&format!("iso 0.5, refine 3, upsample {upsampler}")), Some(upsampler));

@@ -111,7 +111,7 @@ impl Audition {
 mod tests {
     use super::*;
 
-    /// What is heard of 3,000 samples in blocks of `block`: the drive counts, the output is -1, the tape 0.25 and 0.5.
+    /// The result for 3,000 samples in blocks of `block`. The drive counts up, the output is -1, the tape 0.25 and 0.5.
     fn heard(listen: Listen, block: usize, effects: Option<usize>) -> [Vec<f32>; 2] {
         let mut audition = Audition::new(1000.0, 100, effects);
         audition.swap_tape(Some(Arc::new(vec![vec![0.25; 700], vec![0.5; 700]])));
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wanted_is_heard_alone_after_a_fade() {
+    fn monitored_sound_is_alone_after_a_fade() {
         for block in [1, 64, 3000] {
             assert_eq!(heard(Listen::Output, block, None), [vec![-1.0; 3000], vec![-1.0; 3000]]);
             let [left, right] = heard(Listen::Drive, block, None);

@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lights_are_found_in_time_and_too_many_are_no_trouble() {
+    fn bursts_are_ordered_by_sample_and_surplus_ones_dropped() {
         let mut lights = Lights::default();
         assert_eq!((lights.at(0), lights.next(0)), (None, None));
         for (sample, level) in [(7, 0.5), (0, 0.25), (7, 0.75)] {

@@ -40,9 +40,9 @@ impl Page {
     /// The page's content, in a few words.
     pub fn hint(self) -> &'static str {
         match self {
-            Self::Play => "Performing: flame, layers, macros, takes",
-            Self::Engines => "What each engine is doing, and all its parameters",
-            Self::Space => "The whoosh of moving gas, and where it comes from",
+            Self::Play => "Perform: flame, layers, macros, takes",
+            Self::Engines => "Displays and all parameters of each engine",
+            Self::Space => "The whoosh of moving gas, and its position",
             Self::Setup => "Engine sizes, which decide the latency; MIDI controllers",
         }
     }
@@ -53,7 +53,7 @@ impl Page {
         static ENGINES: LazyLock<[Group; 7]> = LazyLock::new(|| {
             [
                 Group::new("Drive", "the input"),
-                Group::new("Levels", "what is heard"),
+                Group::new("Levels", "the mix"),
                 Group::new("Extension", "noise above the cutoff"),
                 Group::new("Flame", "the built-in flame (drive flame)"),
                 Group::new("Texture", "fire from the recording"),
@@ -65,7 +65,7 @@ impl Page {
             [
                 Group::new("Vortex", "the whoosh of turbulent gas"),
                 Group::new("Flame", "the built-in flame (drive flame), which moves the flow of fields"),
-                Group::new("Levels", "what is heard"),
+                Group::new("Levels", "the mix"),
             ]
         });
         static SETUP: LazyLock<[Group; 1]> = LazyLock::new(|| {

@@ -1,6 +1,6 @@
 //! The system's file dialog, on a separate thread so that neither window nor sound waits for it.
 //!
-//! Where the environment variable `PYROPHONE_DIALOG` names a path, that is chosen at once and no dialog is shown: for
+//! If the environment variable `PYROPHONE_DIALOG` names a path, that is chosen at once and no dialog is shown: for
 //! tests, and for systems without a dialog.
 
 use std::future::Future;
@@ -36,7 +36,7 @@ pub enum Ask {
     Save(String),
 }
 
-/// An open dialog; dropping it calls it off.
+/// An open dialog; dropping it cancels it.
 pub struct Dialog {
     chosen: Mutex<Receiver<Option<PathBuf>>>,
     called_off: Arc<AtomicBool>,

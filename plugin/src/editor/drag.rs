@@ -43,6 +43,7 @@ x11rb::atom_manager! {
     }
 }
 
+/// Version of XDND.
 const VERSION: u32 = 5;
 /// Interval at which pointer and target are polled.
 const PERIOD: Duration = Duration::from_millis(10);

@@ -38,6 +38,7 @@ x11rb::atom_manager! {
     }
 }
 
+/// Version of XDND.
 const VERSION: u32 = 5;
 /// Longest list of files that is read, in units of four bytes.
 const LONGEST: u32 = 1 << 18;

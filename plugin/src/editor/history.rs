@@ -7,7 +7,7 @@ use pyrophone_settings::{COUNT, Preset, Values};
 
 use std::path::PathBuf;
 
-/// Steps that can be undone.
+/// Steps that can be undone; the manual states this number.
 const STEPS: usize = 200;
 
 /// A preset that can be chosen.

@@ -5,7 +5,7 @@ use pyrophone_synthesis::Controls;
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow, Fuel, SLOTS};
 use pyrophone_synthesis::structure::MatchingMode;
 
-/// State that decides this, beside the parameters.
+/// State that decides this, besides the parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Circumstances {
     /// True if a recording is loaded in the active slot.
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_effect_says_why() {
+    fn inert_parameters_state_the_reason() {
         assert_eq!(why("alpha", &[], true), Some(EXTENSION_OFF));
         assert_eq!(why("alpha", &[], false), None, "extension stands in for texture");
         assert_eq!(why("alpha", &[("extension_level", "-20")], true), None);

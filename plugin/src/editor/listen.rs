@@ -126,7 +126,7 @@ impl ListenPanel {
         ui.spacing_mut().item_spacing = Vec2::new(4.0, 3.0);
         ui.spacing_mut().button_padding = Vec2::new(5.0, 2.0);
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Hear").font(theme::small()).color(theme::WEAK));
+            ui.label(RichText::new("Monitor").font(theme::small()).color(theme::WEAK));
             monitoring(ui, monitor, loader, view);
         });
         ui.horizontal(|ui| {
@@ -142,7 +142,7 @@ impl ListenPanel {
         let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
         let burst = ui.add_enabled(!burns && self.rate_hz.is_some(), Button::new("Burst"));
         map::note(ui, "button.Burst", burst.rect);
-        let hint = "Adds a burst of flame to the input, to try settings with. Has no effect on a built-in flame.";
+        let hint = "Adds a burst of flame to the input, for trying out settings. Has no effect on a built-in flame.";
         if burst.on_hover_text(hint).clicked() {
             monitor.burst();
         }
@@ -186,8 +186,8 @@ impl ListenPanel {
         let handle = Button::new("Drag out").sense(egui::Sense::drag());
         let button = ui.add_enabled(is_there && !drag.is_busy(), handle);
         map::note(ui, "button.Drag out", button.rect);
-        let hint = "Drag this onto another program's timeline, or into a folder: the output that was recorded, as WAV. \
-                    It is kept in Pyrophone's folder of takes.";
+        let hint = "Drags the recorded output, as WAV, onto another program's timeline or into a folder. \
+                    The file is kept in Pyrophone's folder of takes.";
         let button = button.on_hover_text(hint).on_disabled_hover_text("Record something first");
         if !button.drag_started() {
             return;

@@ -16,7 +16,8 @@ use super::take::Take;
 use crate::probe::{LAYERS, Listen, ProbeOut};
 use pyrophone_analysis::{Analyser, Character, Fidelity, Figures};
 
-/// Windows of the spectra and of the courses, in seconds.
+/// Windows in seconds: long for the spectra, which must resolve frequencies, short for the spectrograms, which must show
+/// the times of sounds.
 const SPECTRUM_S: f64 = 0.17;
 const COURSE_S: f64 = 0.04;
 /// Steps of both, in seconds.
@@ -205,7 +206,7 @@ impl Monitor {
         self.probe.burst();
     }
 
-    /// Likeness of the output to a recording, and how well it follows the drive.
+    /// Scores: the output's similarity to a recording, and its correlation with the drive.
     pub fn figures(&self, recording: Option<&Character>) -> Figures {
         self.sides.as_ref().map(|sides| sides.fidelity.figures(recording)).unwrap_or_default()
     }

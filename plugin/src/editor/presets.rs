@@ -98,7 +98,7 @@ impl Presets {
         let width = width.clamp(NAME_WIDTH.0, NAME_WIDTH.1);
         let button =
             ui.add(Button::new(shown).min_size(Vec2::new(width, 0.0)).truncate().selected(self.list.is_open()));
-        let button = button.on_hover_text("Presets. A star marks changes since it was chosen");
+        let button = button.on_hover_text("Presets. A star marks changes since the preset was loaded");
         map::note(ui, "button.Presets", button.rect);
         let is_forth = step(ui, "›", "Next preset", "Next preset");
         if is_back || is_forth {

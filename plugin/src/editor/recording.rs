@@ -145,7 +145,7 @@ impl RecordingPanel {
         let (words, hint) = if is_missing {
             (
                 RichText::new("Locate…").color(theme::ALARM),
-                "Find the file where it is now; its selected part and level stay",
+                "Choose the file at its new place; its selected part and level are kept",
             )
         } else {
             let hint =
@@ -220,7 +220,7 @@ impl RecordingPanel {
                 seconds(&mut start_s, "from ").range(0.0..=duration_s),
                 "Start of the part to learn from",
             );
-            number(ui, "End", seconds(&mut end_s, "to ").range(0.0..=duration_s), "Where it ends");
+            number(ui, "End", seconds(&mut end_s, "to ").range(0.0..=duration_s), "End of the part to learn from");
             let gain = DragValue::new(&mut gain_db).prefix("gain ").suffix(" dB").fixed_decimals(1).speed(0.1);
             number(ui, "Gain", gain.range(-MAX_CUT_GAIN_DB..=MAX_CUT_GAIN_DB), "Gain of the recording");
         });

@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn every_cure_is_a_change_within_range_and_comes_to_an_end() {
+    fn suggestions_stay_within_range_and_run_out() {
         let mut paper = Values::default();
         paper.set_text("dynamics_mode", "paper").expect("known");
         paper.set_text("scaling_alpha", "1").expect("known");

@@ -1,9 +1,8 @@
 //! Exchange of objects between the loader and the audio thread.
 //!
-//! What is new travels one way, what it replaces the other way: the audio thread takes something
-//! only when there is room to give back what it may replace, so it never frees anything and never
-//! waits. Written over any pair of rings, so that every interleaving of the two threads can be
-//! checked (`tests/it/exchange.rs`).
+//! New objects travel one way, and the objects that they replace travel back. The audio thread takes an object only when
+//! there is room to return the one that it may replace, so it never frees anything and never waits. Written over any
+//! pair of rings, so that every interleaving of the two threads can be checked (`tests/it/exchange.rs`).
 
 /// The writing end of a ring.
 pub trait Push<T> {

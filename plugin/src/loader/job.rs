@@ -45,6 +45,7 @@ impl Job {
 
     /// Shows progress (0-1); returns false if the work should stop.
     pub fn goes_on(&self, what: &str, done: f32) -> bool {
+        // 0 is kept for no progress shown yet.
         let percent = (done * 100.0) as u32 + 1;
         if self.shown.swap(percent, Ordering::Relaxed) != percent {
             self.status.update(|view| view.progress = Some((what.to_owned(), done)));

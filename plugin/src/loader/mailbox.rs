@@ -88,6 +88,7 @@ impl Mailbox {
         let mut inner = self.lock();
         let calls_off = match &order {
             Order::Load(_) | Order::Unload | Order::ReadSession | Order::Cut(_) | Order::Cancel => true,
+            // Hosts activate repeatedly with the same settings; work for these must not start again.
             Order::Engine(engine) => inner.engine.replace(*engine) != Some(*engine),
             Order::Embed(_)
             | Order::LearnFrom(_)

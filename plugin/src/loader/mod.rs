@@ -80,7 +80,7 @@ impl Loader {
         let thread = std::thread::Builder::new().name("pyrophone-loader".to_owned()).spawn(move || worker.run());
         if let Err(error) = &thread {
             status.fail(format!(
-                "no recordings can be loaded, because the system refuses a thread ({error}); close other programs"
+                "no recordings can be loaded, because the system cannot start a thread ({error}); close other programs"
             ));
         }
         (Self { handle, thread: thread.ok() }, params, audio_link)

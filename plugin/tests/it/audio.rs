@@ -120,7 +120,7 @@ fn a_restart_is_asked_for_once_and_when_all_is_ready() {
 }
 
 #[test]
-fn a_burst_drives_whatever_the_drive_is_taken_from() {
+fn burst_drives_input_and_sidechain_modes() {
     // The input itself, and a sidechain that is not the input.
     for (mode, sidechain) in [("pressure", 0), ("envelope", 2), ("envelope", 0)] {
         let mut values = Preset::find("extend").unwrap().values;

@@ -70,7 +70,7 @@ fn offline_waits_and_is_what_simulating_in_line_gives() {
 }
 
 #[test]
-fn nobody_waits_for_a_thread_that_is_gone_and_late_steps_are_counted() {
+fn ended_gas_thread_is_not_awaited_and_late_steps_are_counted() {
     for waits in [true, false] {
         let mut chain = chain();
         drop(Gas::start(&mut chain, waits).unwrap());

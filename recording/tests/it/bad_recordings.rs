@@ -30,7 +30,7 @@ macro_rules! kind {
 }
 
 #[test]
-fn missing() {
+fn missing_file_is_refused() {
     let path = Path::new("no/such/folder/fire.wav");
     refused(decode(path, &no_progress), kind!(Error::Missing { .. }), &["no/such/folder/fire.wav", "no such file"]);
 }
@@ -58,7 +58,7 @@ fn no_permission() {
 }
 
 #[test]
-fn empty() {
+fn empty_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("fire.wav");
     std::fs::write(&path, b"").unwrap();
@@ -98,20 +98,20 @@ fn truncated_caf() {
 }
 
 #[test]
-fn text() {
+fn text_file_is_refused_as_no_audio() {
     let lines = "time,beta\n0.0,1.5\n".repeat(40);
     refused(decoded(lines.as_bytes()), kind!(Error::NotAudio { .. }), &["fire.wav", "text", "FLAC"]);
 }
 
 #[test]
-fn a_picture() {
+fn picture_is_refused_as_no_audio() {
     let mut file = b"\x89PNG\r\n\x1a\n".to_vec();
     file.extend([0; 300]);
     refused(decoded(&file), kind!(Error::NotAudio { .. }), &["PNG picture", "use WAV"]);
 }
 
 #[test]
-fn zeros() {
+fn file_of_zeros_is_refused_as_no_audio() {
     refused(decoded(&[0; 4000]), kind!(Error::NotAudio { .. }), &["4000 bytes", "use WAV"]);
 }
 
@@ -150,7 +150,7 @@ fn infinite_in_the_second_channel() {
 }
 
 #[test]
-fn channels() {
+fn none_and_too_many_channels_are_refused() {
     let none = wav(&wav_format(INTEGER, 0, 44_100, 16), &[0; 64]);
     refused(decoded(&none), kind!(Error::NoChannels { .. }), &["0 channels", "1 to 10"]);
     let many = wav(&wav_format(INTEGER, 11, 44_100, 16), &[0; 22 * 8]);
@@ -236,7 +236,7 @@ fn flac_whole() {
 }
 
 #[test]
-fn cancelled() {
+fn cancelled_decoding_is_an_error() {
     let file = wav_f32(&[0.5; 100_000], 44_100);
     assert_eq!(decode_bytes(&file, "fire.wav", &|_| false), Err(Error::Cancelled));
 }

@@ -87,7 +87,7 @@ fn fields_stand_where_the_standard_has_them() {
 }
 
 #[test]
-fn what_cannot_be_written_is_refused() {
+fn missing_and_unequal_channels_are_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.wav");
     let write = |channels: &[Vec<f32>]| write_broadcast_wav_f32(&path, channels, 48_000, &Broadcast::default());

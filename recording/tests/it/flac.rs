@@ -84,7 +84,7 @@ fn the_place_on_the_timeline_comes_back_from_the_comments() {
 }
 
 #[test]
-fn what_flac_cannot_hold_is_refused() {
+fn channels_and_rates_beyond_flac_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.flac");
     for (channels, rate_hz) in [(9, 48_000), (1, 192_000)] {

@@ -41,7 +41,7 @@ fn sines_keep_amplitude_and_phase() {
 }
 
 #[test]
-fn what_lies_above_the_new_nyquist_frequency_is_gone() {
+fn frequencies_above_the_new_nyquist_are_removed() {
     let out = resample(&recording(vec![sine(30_000.0, 96_000, 96_000)], 96_000), 44_100, &no_progress).unwrap();
     let peak = out.channels[0][5000..39_000].iter().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
     assert!(peak < 1e-7, "an alias of peak {peak:e}");

@@ -283,7 +283,7 @@ fn values_are_read_as_people_write_them() {
 }
 
 #[test]
-fn what_is_too_large_or_too_small_becomes_the_nearest() {
+fn value_out_of_range_becomes_the_nearest_limit() {
     let nearest = |id: &str, text: &str| PARAMETERS[index_of(id).unwrap()].parse_nearest(text).ok();
     assert_eq!(nearest("cutoff", "5 kHz"), Some((1000.0, true)));
     assert_eq!(nearest("cutoff", "-1"), Some((40.0, true)));

@@ -1,6 +1,7 @@
 //! Inputs of one call of the effect: channels, and the host's timeline.
 
-/// Samples processed at a time.
+/// Samples processed at a time. Hosts may send blocks of any length; buffers between the stages have this one, so that
+/// they are allocated once.
 pub(super) const CHUNK: usize = 256;
 
 /// Channels of the effect's buses.

@@ -456,7 +456,7 @@ fn crackle(
     });
 }
 
-/// Largest number of channels of any bus.
+/// Largest number of channels of any bus: those of 7.1.2.
 pub(super) const MAX_CHANNELS: usize = 10;
 
 /// Calls `process` with the first `samples` of every channel, without allocating.

@@ -8,10 +8,10 @@ use crate::dsp::Delay;
 use crate::vortex::{Bank, Simulator, SpeakerLayout, SpeedField, TEXTURES, Vortex, factory};
 use crate::{Controls, Error};
 
-/// Most sources that an envelope drives.
+/// Most sources that an envelope drives: the upper end of the parameter `vortex_sources`.
 const SOURCES: usize = 500;
 
-/// Speed of the eddies in live gas, as a multiple of the mean over a sub-volume.
+/// Speed of the eddies in live gas, as a multiple of the mean over a sub-volume, which includes still air.
 const LIVE_SPEED: f64 = 2.5;
 
 /// Seconds, in addition to twice the latency, after which a layer that is off has fallen silent.
@@ -199,7 +199,6 @@ impl VortexLayer {
         if controls.mix.vortex == 0.0 {
             (effective.flow, effective.count) = (Flow::Envelope, 0);
         } else if effective.flow == Flow::Live {
-            // The simulated gas is fast enough already, but means over sub-volumes include still air.
             effective.field_speed = LIVE_SPEED;
             if !self.is_live {
                 effective.flow = Flow::Envelope;

@@ -16,10 +16,12 @@ use crate::dsp::{Svf, White, mean_of, section_gain};
 use crate::texture::dictionary::{Dictionary, Progress};
 use crate::texture::engine::Texture;
 
-/// Length of a trial in seconds. The first finds the equaliser, the second verifies that it helps.
+/// Length of a trial in seconds; with shorter ones, levels differed by up to 1.7 dB (docs/performance.md). The first
+/// trial finds the equaliser. The second verifies that it helps, over different noise, to which it was not fitted.
 const TRIAL_S: f64 = 6.0;
 const SEEDS: [u32; 2] = [17, 18];
-/// Rates of the trial flame's swells per second, and their extent in nepers.
+/// Rates of the trial flame's swells per second, which repeat together after 10 s only, later than a trial ends; and
+/// their extent in nepers.
 const SWELLS_HZ: [f64; 4] = [0.7, 1.9, 3.1, 5.3];
 const SWELL_NEPERS: f64 = 0.5;
 /// Above this frequency, in Hz, a flame's pressure falls by 12 dB an octave.
@@ -29,7 +31,7 @@ const STREAM: u32 = 0x464C_414D;
 /// Samples processed at a time.
 const BLOCK: usize = 1024;
 
-/// What a trial is to come near to: a recording's bed in figures, so that the bed itself need not be held while it is indexed.
+/// Target of the trials: figures of a recording's bed, so that the bed itself need not be held while it is indexed.
 pub struct Goal {
     is_crackling: bool,
     is_silent: bool,
@@ -40,7 +42,7 @@ pub struct Goal {
 }
 
 impl Goal {
-    /// That of a recording's `bed`, from which crackles were split off or not. `power` is that of its mean.
+    /// The target for a recording's `bed`; `is_crackling` if crackles were split off. `power` is that of its mean.
     pub fn of(bed: &[Vec<f64>], power: &Power, sample_rate_hz: f64, is_crackling: bool) -> Self {
         let mean = mean_of(bed);
         let mean_db = match is_crackling {
@@ -57,8 +59,8 @@ impl Goal {
     }
 }
 
-/// Third octaves of a signal in dB. What is left of crackles, and of takes that differ, would raise a mean: the bed of a
-/// crackling recording is as it mostly is.
+/// Third octaves of a signal in dB. For the bed of a crackling recording they are medians: remains of crackles, and
+/// passages of different level, would raise a mean.
 fn levels_db(signal: &[f64], sample_rate_hz: f64, is_crackling: bool) -> Vec<f64> {
     match is_crackling {
         true => typical_third_octaves_db(signal, sample_rate_hz),
@@ -71,7 +73,7 @@ fn side_levels(channels: &[Vec<f64>], mean_db: &[f64], sample_rate_hz: f64, is_c
     Some(Levels { mean_db: mean_db.to_vec(), side_db: levels_db(&side, sample_rate_hz, is_crackling) })
 }
 
-/// Completes a companded `dictionary`, so that it comes near to `goal`. Fails only when `progress` calls it off.
+/// Completes a companded `dictionary`, so that its texture comes near to `goal`. Fails only if `progress` cancels it.
 pub fn calibrate(mut dictionary: Dictionary, goal: &Goal, progress: Progress<'_>) -> Result<Dictionary, Error> {
     let rate_hz = dictionary.sample_rate_hz();
     let levels_db = |signal: &[f64]| levels_db(signal, rate_hz, goal.is_crackling);
@@ -121,7 +123,7 @@ pub fn calibrate(mut dictionary: Dictionary, goal: &Goal, progress: Progress<'_>
     Ok(dictionary)
 }
 
-/// The factor that makes what was `heard` in a trial as loud, mostly and at a steady drive, as the recording mostly is.
+/// The factor that brings the median level `heard` in a trial, at a steady drive, to the recording's median level.
 fn typical_level(goal_db: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> f64 {
     let heard_db = typical_third_octaves_db(heard, rate_hz);
     let mean_db = goal_db.iter().zip(&heard_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len().max(1) as f64;

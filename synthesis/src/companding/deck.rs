@@ -101,6 +101,7 @@ impl Deck {
             return;
         }
         let left_out = std::mem::take(&mut self.left_out);
+        // The filters count skipped samples too, so that their blocks stay where they would be without a pause.
         if left_out > 0 {
             self.band_limit.skip(left_out);
             self.equalizer.skip(left_out);
@@ -184,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_out_in_silence_changes_nothing() {
+    fn skipping_silence_does_not_change_the_output() {
         let whole = run(1000, false);
         assert!([1, 7, 333].iter().all(|cut| run(*cut, false) == whole), "however it is cut");
         assert!(whole[7_500..18_000].iter().all(|x| *x == 0.0));

@@ -21,20 +21,21 @@ const SLOPE_DB: f64 = 180.0;
 const TAPS: f64 = 512.0;
 /// Length of the transform for designing, in taps; long, so that the cepstrum does not wrap.
 const DESIGN_FACTOR: usize = 16;
-/// Samples of a block, and taps that are applied directly.
+/// Samples of a block, and taps that are applied directly: the results of a transform are due one block later, so the
+/// direct taps must cover one block.
 const BLOCK: usize = 64;
 /// Time constant in seconds with which the amount follows its control.
 const SMOOTHING_S: f64 = 0.02;
 
-/// Taps of the minimum-phase filter whose gains in dB at [`centres_hz`] are `gains_db`; beyond the
-/// outermost they stay.
+/// Taps of the minimum-phase filter whose gains in dB at [`centres_hz`] are `gains_db`, and constant beyond the
+/// outermost.
 pub fn design(gains_db: &[f64], sample_rate_hz: f64) -> Vec<f64> {
     let centres: Vec<f64> = centres_hz(sample_rate_hz).iter().map(|hz| maths::ln(*hz)).collect();
     let gain_db = |hz: f64| interpolate(&centres, gains_db, maths::ln(hz.max(1.0))).clamp(-LIMIT_DB, LIMIT_DB);
     minimum_phase(gain_db, sample_rate_hz)
 }
 
-/// Taps of a low-pass that stays as it is up to a frequency in Hz, and falls by 80 dB within half an octave.
+/// Taps of a low-pass that is flat up to a frequency in Hz, and falls by 80 dB within half an octave.
 pub fn design_low_pass(corner_hz: f64, sample_rate_hz: f64) -> Vec<f64> {
     minimum_phase(|hz| -(SLOPE_DB * maths::log2(hz.max(1.0) / corner_hz)).clamp(0.0, STOP_DB), sample_rate_hz)
 }
@@ -80,7 +81,7 @@ fn interpolate(places: &[f64], values: &[f64], at: f64) -> f64 {
 /// The number of taps is a multiple of this.
 const STRIDE: usize = 8;
 
-/// Samples to which the first taps are applied at a time.
+/// Samples to which the first taps are applied at a time: few enough that their sums stay in registers.
 const AT_ONCE: usize = 16;
 
 /// Bins of a block's spectrum, rounded up for vectors.
@@ -373,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn has_the_gains_asked_for() {
+    fn filter_has_the_designed_gains() {
         let centres = centres_hz(RATE_HZ);
         let gains: Vec<f64> = centres.iter().map(|hz| 6.0 * (hz / 1000.0).log2().sin()).collect();
         let taps = design(&gains, RATE_HZ);
@@ -384,7 +385,7 @@ mod tests {
     }
 
     #[test]
-    fn a_low_pass_leaves_what_is_below_and_takes_what_is_above() {
+    fn low_pass_is_flat_below_its_corner_and_attenuates_above() {
         let taps = design_low_pass(11_000.0, RATE_HZ);
         for hz in [100.0, 1000.0, 8000.0, 10_500.0] {
             assert!(gain_db(&taps, hz).abs() < 1.0, "{hz} Hz: {} dB", gain_db(&taps, hz));
@@ -480,7 +481,7 @@ mod tests {
     }
 
     #[test]
-    fn comes_on_as_if_it_had_always_run() {
+    fn equalizer_turned_on_late_equals_one_always_on() {
         let taps = design(&(0..23).map(|i| f64::from(i) - 11.0).collect::<Vec<f64>>(), RATE_HZ);
         let run = |first: f64| {
             let mut equalizer = Equalizer::new(RATE_HZ, 1);
@@ -490,7 +491,7 @@ mod tests {
             signal
         };
         let (always, later) = (run(1.0), run(0.0));
-        // A quarter of a second later the amount has arrived, to the last bit but for the way its rounding went.
+        // A quarter of a second later the amount has arrived, apart from rounding.
         let error = always[15_000..].iter().zip(&later[15_000..]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(error < 1e-9, "{error}");
     }

@@ -92,6 +92,7 @@ impl FrameHistory {
 
     /// The frames' centres between which `sample` and the following samples lie; sample 0 is the first of frame 0.
     pub fn places(&self, sample: i64) -> Places {
+        // In half samples, since the centre of a frame may lie between two samples.
         let place = 2 * sample - (self.frame_samples - 1);
         let span = 2 * self.frame_samples;
         Places { frame: place.div_euclid(span), into: place.rem_euclid(span), span }

@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_asked_once_and_read_between() {
+    fn each_frame_is_computed_once_and_interpolated() {
         let (mut gain, mut asked) = (OutputGain::default(), Vec::new());
         let mut go_to = |gain: &mut OutputGain, frame: i64| {
             gain.go_to(frame, |frame| {

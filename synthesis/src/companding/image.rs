@@ -1,15 +1,15 @@
 //! The stereo image: as much difference between two channels, in every third octave, as the recording has.
 //!
-//! Windows are matched by the mean of the channels, so they join seamlessly only in the mean: the difference between
-//! the channels is cut into pieces a few samples long, and its low part, which is large, spreads to frequencies where
-//! the recording's channels are alike. The difference is therefore brought to the level relative to the mean that it
-//! has in the recording.
+//! Windows are matched by the mean of the channels, so they join seamlessly only in the mean. The difference between the
+//! channels is cut into pieces a few samples long, and its low part, which is large, spreads to frequencies where the
+//! recording's channels are alike. Therefore the difference is brought to the same level, relative to the mean, as in
+//! the recording.
 
 use std::ops::Range;
 
 use super::equalizer::{Equalizer, LIMIT_DB, design};
 
-/// Level in dB of silence.
+/// Level in dB of silence: just above the -300 dB that stand for no power at all.
 const SILENT_DB: f64 = -290.0;
 
 /// Levels of the mean and of the difference of two channels in third octaves, in dB.

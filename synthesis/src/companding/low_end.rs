@@ -5,21 +5,29 @@ use crate::error::within;
 
 /// Duration in seconds of a change of the crossover.
 const GLIDE_S: f64 = 0.03;
-/// The lowest and the highest crossover in Hz.
+/// The lowest and the highest crossover in Hz; the parameter `low_end` goes up to the highest.
 pub const LOWEST_HZ: f64 = 20.0;
 /// See [`LOWEST_HZ`].
 pub const HIGHEST_HZ: f64 = 400.0;
 
-/// A crossover of Linkwitz and Riley, order 4: its two bands are in phase with one another, so that
-/// they add up without a dip. Glides to a new corner; switched off it passes texture as it is.
+/// Dampings of a Butterworth filter of order 4, twice, in sections of order 2.
+const DAMPINGS: [f64; 4] =
+    [1.847_759_065_022_573_5, 0.765_366_864_730_179_6, 1.847_759_065_022_573_5, 0.765_366_864_730_179_6];
+
+/// A filter of order 8.
+type Half = [Svf; DAMPINGS.len()];
+
+/// A crossover of Linkwitz and Riley, order 8: its two bands are in phase with one another, so that they add up without a
+/// dip. Of a lower order, texture would disturb the drive far below the crossover: with order 4 and 150 Hz, the output's
+/// coherence with the drive was 0.87 at 120 Hz. Glides to a new corner; switched off it passes texture as it is.
 #[derive(Debug)]
 pub struct LowEnd {
     sample_rate_hz: f64,
     /// Most that the wet share, and the gain, change in a sample.
     wet_step: f64,
     gain_step: f64,
-    drive: [Svf; 2],
-    texture: Vec<[Svf; 2]>,
+    drive: Half,
+    texture: Vec<Half>,
     gain: f64,
     /// Share of the crossover in the result, 0-1.
     wet: f64,
@@ -80,11 +88,15 @@ impl LowEnd {
         }
         self.wet = approach(self.wet, self.target_wet, self.wet_step);
         self.gain = approach(self.gain, self.target_gain, self.gain_step);
-        let [first, second] = &mut self.drive;
-        let low = second.process(self.gain, first.process(self.gain, drive).low).low;
-        for (channel, [first, second]) in channels.iter_mut().zip(&mut self.texture) {
+        // The corner glides as the filters' coefficient, which takes no tangent for each sample.
+        let gain = self.gain;
+        let sections = self.drive.iter_mut().zip(DAMPINGS);
+        let low = sections.fold(drive, |low, (section, damping)| section.process_damped(gain, damping, low).low);
+        for (channel, sections) in channels.iter_mut().zip(&mut self.texture) {
             let texture = channel[at];
-            let high = second.process(self.gain, first.process(self.gain, texture).high).high;
+            let sections = sections.iter_mut().zip(DAMPINGS);
+            let high =
+                sections.fold(texture, |high, (section, damping)| section.process_damped(gain, damping, high).high);
             channel[at] = texture + self.wet * (low + high - texture);
         }
     }
@@ -142,6 +154,13 @@ mod tests {
                 if drive_is_heard { (levels_db[0], levels_db[1]) } else { (levels_db[1], levels_db[0]) };
             assert!(heard_db > -0.3 && other_db < -35.0, "{frequency_hz} Hz: {levels_db:?}");
         }
+    }
+
+    #[test]
+    fn texture_hardly_disturbs_the_drive_an_octave_below() {
+        let (silence, signal) = (vec![0.0; 48_000], sine(75.0));
+        let level_db = 20.0 * (rms(&run(&silence, &signal, |_| 150.0)[24_000..]) / rms(&signal[24_000..])).log10();
+        assert!((-50.0..-45.0).contains(&level_db), "{level_db} dB");
     }
 
     #[test]

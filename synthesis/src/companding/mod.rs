@@ -61,7 +61,8 @@ pub use recorded::Recorded;
 /// Factor by which the drive is matched louder than the recording's mean: quiet windows are many, but fire is made of
 /// loud ones.
 const MATCH_FACTOR: f64 = 2.83;
-/// Time constants of the loudness's power, in seconds: 8 Hz.
+/// Time constant of the loudness's power, in seconds: 8 Hz. 20 Hz was better on one flame and worse on another
+/// (docs/sound.md).
 const PAST_S: f64 = 0.02;
 /// Look-ahead time constant of matching.
 const MATCH_FUTURE_S: f64 = 0.02;
@@ -69,8 +70,8 @@ const MATCH_FUTURE_S: f64 = 0.02;
 const OUTPUT_FUTURE_S: f64 = 0.06;
 /// Loudness relative to the drive's level below which matching no longer follows it: -40 dB.
 const FLOOR: f64 = 0.01;
-/// Level of an added noise, relative to the matched signal: when a drive pauses while its loudness still falls, the
-/// match is then fire, not the same quiet window over and over.
+/// Level of an added noise, relative to the matched signal: -10 dB. When a drive pauses while its loudness still falls,
+/// the match is then fire, not the same quiet window over and over.
 const UNDERTONE: f64 = 0.32;
 /// White-noise stream of that noise, which no other stage uses.
 const UNDERTONE_SEED: u32 = 0x4649_5245;
@@ -137,7 +138,8 @@ pub struct Companding {
     relative_block: Vec<f64>,
 }
 
-/// Largest number of loudnesses that one call leaves in `told`.
+/// Largest number of loudnesses that one call leaves in `told`: more than arise in the longest piece that the plug-in
+/// passes on, 8192 samples.
 const TOLD_CAPACITY: usize = 8192;
 
 impl Companding {
@@ -424,6 +426,7 @@ impl Companding {
             track.push(kernel.loudness(&self.powers[last - kernel.span()..last]));
         }
         let told = self.loudness[0].newest();
+        // Powers within the wait belong to sound that has yet to reach texture: its gate must open before they do.
         self.heard = told.max(peak);
         if self.told.len() < TOLD_CAPACITY {
             self.told.push(told);
@@ -533,7 +536,7 @@ mod tests {
     const RATE_HZ: f64 = 44_100.0;
     const BLOCK: usize = 500;
 
-    /// What is matched, and the factor on texture, while the controls go back and forth.
+    /// The matched signal, and the factor on texture, while the controls go back and forth.
     fn run(calm: &TextureControls, moved: &TextureControls) -> [Vec<f64>; 2] {
         let mut noise = vec![0.0; 30_000];
         White::new(1, 2).fill(0, &mut noise);

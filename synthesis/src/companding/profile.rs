@@ -7,7 +7,8 @@ use crate::bulk::bulk_fields;
 use crate::dsp::{Svf, mean_of, section_gain};
 use bitcode::{Decode, Encode};
 
-/// Exponent with which both loudnesses are removed before matching.
+/// Exponent with which both loudnesses are removed before matching. Removing all of it (1) was tried, and doubled the
+/// texture distance of the torch (docs/sound.md).
 pub const MATCH_EXPONENT: f64 = 0.6;
 /// Approximate upper frequency in Hz of texture's top level, whose loudness counts.
 pub(super) const MATCHED_HZ: f64 = 600.0;
@@ -25,7 +26,7 @@ const FLOOR: f64 = 3.162e-3;
 const INFRASOUND_HZ: f64 = 25.0;
 /// Largest change of a recording's level towards a loudness, in dB: anything softer is noise.
 const MOST_GAIN_DB: f64 = 40.0;
-/// Spacing in Hz of the crossovers for which the level below is known.
+/// Spacing in Hz of the crossovers for which the level below is known, and their number: up to the highest crossover.
 const LOW_STEP_HZ: f64 = 20.0;
 const LOW_STEPS: usize = 20;
 
@@ -155,7 +156,7 @@ impl Profile {
     }
 }
 
-/// A filter for a signal as loudness hears it: a shelf of first order, a zero at the first corner and a pole at the second.
+/// The weighting filter of loudness: a shelf of first order, with a zero at the first corner and a pole at the second.
 fn highs_raised(sample_rate_hz: f64) -> impl FnMut(f64) -> f64 {
     let [zero, pole] = RISE_HZ.map(|hz| 1.0 / section_gain(hz.min(HIGHEST * sample_rate_hz), sample_rate_hz));
     let (mut before, mut out) = (0.0, 0.0);
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_taken_out_can_be_put_back() {
+    fn own_dynamics_restores_the_removed_loudness() {
         let recording = swelling(200_000);
         let mut flat = [recording.clone()];
         let profile = Profile::compress(&mut flat, 44_100.0);

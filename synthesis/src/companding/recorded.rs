@@ -12,7 +12,7 @@ pub struct Recorded<'a> {
 }
 
 impl Recorded<'_> {
-    /// Whether it has a noise floor above its band limit.
+    /// True if it has a noise floor above its band limit.
     pub fn has_floor(&self) -> bool {
         self.profile.is_some_and(|profile| profile.floor > 0.0)
     }

@@ -3,7 +3,8 @@
 use super::stft::Stft;
 use maths::fft;
 
-/// Time that percentiles span, in seconds, and between two of them, in frames.
+/// Time that a percentile spans, in seconds: several of the longest crackles, so that crackles are a minority in it. And
+/// the frames from one to the next; between them the background, which changes slowly, is interpolated.
 const SPAN_S: f64 = 0.25;
 const STEP: usize = 16;
 /// Stride between the frames that count: frames overlap by three quarters.

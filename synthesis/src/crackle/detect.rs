@@ -1,12 +1,12 @@
 //! Detection of the crackles of a recording: sudden, short and broadband sounds.
 //!
 //! The level above 2 kHz in frames of half a millisecond is compared with its running median. A crackle exceeds it,
-//! rises within a few milliseconds, falls again within ten, and covers several octaves: a bird's note or a whistle
-//! covers one, a gust of wind rises slowly, and the median follows it.
+//! rises within a few milliseconds, falls again within ten, and covers several octaves. A bird's note or a whistle
+//! covers only one; a gust of wind rises slowly, and the median follows it.
 
 use crate::dsp::{Svf, section_gain};
 
-/// Length of a frame in seconds; levels are means over two of them.
+/// Length of a frame in seconds; levels are means over two of them, as long as a crackle takes to rise.
 const FRAME_S: f64 = 0.0005;
 /// Lowest corner in Hz, and the corners that bound the octaves.
 const LOWEST_HZ: f64 = 1000.0;
@@ -42,6 +42,8 @@ pub(super) struct Found {
     pub end: usize,
     /// Height of its peak above the bed at 2 kHz and more, in dB.
     pub over_bed_db: f64,
+    /// Level of the bed around it, relative to the recording's usual one, in dB.
+    pub bed_db: f64,
 }
 
 /// All crackles of `channels`, equally long, in order; none overlap.
@@ -58,6 +60,9 @@ struct Frames {
     /// Levels by octave, and of all octaves, relative to the running medians.
     bands: Vec<Vec<f64>>,
     ratio: Vec<f64>,
+    /// The running medians of all octaves together, and the median of these.
+    beds: Vec<f64>,
+    usual_bed: f64,
 }
 
 impl Frames {
@@ -67,8 +72,12 @@ impl Frames {
         let count = bands.first().map_or(0, Vec::len);
         let mut ratio: Vec<f64> = (0..count).map(|i| bands.iter().map(|band| band[i]).sum()).collect();
         let span = (MEDIAN_S / FRAME_S) as usize / 2;
-        bands.iter_mut().chain([&mut ratio]).for_each(|powers| relate_to_median(powers, span));
-        Self { frame_samples, bands, ratio }
+        bands.iter_mut().for_each(|powers| drop(relate_to_median(powers, span)));
+        let beds = relate_to_median(&mut ratio, span);
+        let mut sorted = beds.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let usual_bed = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        Self { frame_samples, bands, ratio, beds, usual_bed }
     }
 
     fn frames(&self, time_s: f64) -> usize {
@@ -78,6 +87,7 @@ impl Frames {
     /// Frames of the crackles' peaks, the highest first.
     fn peaks(&self) -> Vec<usize> {
         let mut candidates: Vec<usize> = (0..self.ratio.len()).filter(|at| self.is_crackle(*at)).collect();
+        // The highest first, so that a crackle claims its echoes and not the other way round.
         candidates.sort_by(|a, b| self.ratio[*b].total_cmp(&self.ratio[*a]).then(a.cmp(b)));
         let apart = self.frames(APART_S);
         let mut taken = vec![false; self.ratio.len()];
@@ -122,11 +132,11 @@ impl Frames {
                 end += 1;
             }
             free = end;
-            let over_bed_db = 10.0 * maths::log10(self.ratio[*peak]);
             found.push(Found {
                 start: start * self.frame_samples,
                 end: (end * self.frame_samples).min(samples),
-                over_bed_db,
+                over_bed_db: 10.0 * maths::log10(self.ratio[*peak]),
+                bed_db: 10.0 * maths::log10(self.beds[*peak] / self.usual_bed),
             });
         }
         found
@@ -164,13 +174,14 @@ fn band_powers(channels: &[Vec<f64>], frame_samples: usize, sample_rate_hz: f64)
     powers
 }
 
-/// Divides every power by the median of those around it, `span` to each side.
-fn relate_to_median(powers: &mut [f64], span: usize) {
+/// Divides every power by the median of those around it, `span` to each side; returns these medians, which are positive.
+fn relate_to_median(powers: &mut [f64], span: usize) -> Vec<f64> {
     let mean = powers.iter().sum::<f64>() / powers.len().max(1) as f64;
     let floor = (SILENCE * mean).max(f64::MIN_POSITIVE);
     let mut sorted: Vec<f64> = Vec::with_capacity(2 * span + 1);
     let place = |sorted: &[f64], value: f64| sorted.partition_point(|x| *x < value);
     let original = powers.to_vec();
+    let mut medians = Vec::with_capacity(powers.len());
     for value in original.iter().take(span) {
         let at = place(&sorted, *value);
         sorted.insert(at, *value);
@@ -184,6 +195,9 @@ fn relate_to_median(powers: &mut [f64], span: usize) {
             let at = place(&sorted, *leaving);
             sorted.remove(at);
         }
-        *power /= sorted[sorted.len() / 2].max(floor);
+        let median = sorted[sorted.len() / 2].max(floor);
+        *power /= median;
+        medians.push(median);
     }
+    medians
 }

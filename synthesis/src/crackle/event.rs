@@ -10,10 +10,16 @@ use crate::bulk::bulk_fields;
 const LOUD_DB: f64 = 20.0;
 const LEAST_LOUD_PER_S: f64 = 1.0;
 const LEAST: usize = 4;
+/// Heights above the bed in dB between which crackles are left out if too many are loud: those just below become loud over
+/// an even bed. The loudest carry the recording's contrast, and the softer ones its rate.
+const BORDERLINE_DB: [f64; 2] = [17.0, 26.0];
 /// Average number of crackles in a run, within which order and gaps are preserved; and the limits of a run's length in
 /// seconds.
 const RUN_CRACKLES: f64 = 6.0;
 const RUN_S: [f64; 2] = [0.1, 1.0];
+/// Most by which a soft crackle from a quiet passage is raised, in dB. Its own bed was softer than the usual one, which
+/// covers it: played as it was recorded, it would leave a gap.
+const MOST_RAISED_DB: f64 = 6.0;
 /// Fade at the ends of a wave, in seconds.
 const FADE_S: f64 = 0.0005;
 /// Fall of the level at which a crackle has decayed: 10 dB, as an amplitude.
@@ -101,7 +107,7 @@ pub struct Crackles {
     median_peak: f64,
     /// Loud crackles a second in the recording.
     loud_per_s: f64,
-    /// Share of the runs that are played at density 1.
+    /// Share of the borderline crackles that is played at density 1.
     share: f64,
     variation: Variation,
     summary: Summary,
@@ -168,14 +174,15 @@ impl Crackles {
         self.loud_per_s
     }
 
-    /// Sets the share of the runs, 0-1, that is played at density 1.
+    /// Sets the share of the borderline crackles, 0-1, that is played at density 1.
     pub(super) fn set_share(&mut self, share: f64) {
         self.share = share;
     }
 
-    /// Share of the runs that are played at density 1.
-    pub(super) fn share(&self) -> f64 {
-        self.share
+    /// Share of the crackles of this event's height that is played at density 1.
+    pub(super) fn share(&self, event: &Event) -> f64 {
+        let [least, most] = BORDERLINE_DB;
+        if (least..most).contains(&event.over_bed_db) { self.share } else { 1.0 }
     }
 
     /// Greatest deviation of a crackle each time that it is played.
@@ -186,7 +193,8 @@ impl Crackles {
     fn cut(&mut self, crackle: &Found, waves: &[Vec<f64>], sample_rate_hz: f64) {
         let fade = (FADE_S * sample_rate_hz).max(1.0);
         let len = crackle.end - crackle.start;
-        let weight = |i: usize| ((i as f64 + 0.5) / fade).min((len as f64 - i as f64 - 0.5) / fade).min(1.0);
+        let raised = maths::pow(10.0, raised_db(crackle) / 20.0);
+        let weight = |i: usize| raised * ((i as f64 + 0.5) / fade).min((len as f64 - i as f64 - 0.5) / fade).min(1.0);
         let parts: Vec<Vec<f64>> = waves
             .iter()
             .map(|wave| wave[crackle.start..crackle.end].iter().enumerate().map(|(i, x)| weight(i) * x).collect())
@@ -280,6 +288,11 @@ impl Crackles {
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.waves) + size_of_val(&*self.events) + size_of_val(&*self.runs)
     }
+}
+
+/// Gain in dB with which a crackle is as far above the usual bed as it was above its own, unless that made it loud.
+fn raised_db(crackle: &Found) -> f64 {
+    (-crackle.bed_db).min(LOUD_DB - crackle.over_bed_db).clamp(0.0, MOST_RAISED_DB)
 }
 
 /// Number of loud crackles.

@@ -9,9 +9,9 @@
 //! drive's loudness ──────────────── rate, level
 //! ```
 //!
-//! The recording's density is 1. The drive's loudness raises or lowers it, relative to its mean so far, so that a
-//! steady drive gives the recording's density at once, whatever its level; that mean also makes crackles louder or
-//! softer by the same amount as texture:
+//! The recording's density is 1. The drive's loudness, relative to its mean so far, raises or lowers it, so that a
+//! steady drive of any level gives the recording's density at once. That mean also makes crackles louder or softer by
+//! the same amount as texture:
 //!
 //! ```text
 //! density = density control * (loudness / mean)^a                 a = 1.0 * follow
@@ -51,7 +51,8 @@ use grain::{Grain, MOST_CHANNELS, Play, tilt_step, value_of};
 use schedule::{Due, STREAMS, Schedule};
 use source::Source;
 
-/// Exponents of the drive's loudness in the density and in the level of crackles, if they follow it fully.
+/// Exponents of the drive's loudness in the density and in the level of crackles, if they follow it fully. Twice as much
+/// left dB sync unchanged and took the texture farther from the recording (docs/sound.md).
 const DENSITY_EXPONENT: f64 = 1.0;
 const LEVEL_EXPONENT: f64 = 0.5;
 /// The same for that loudness's mean: texture's default, so that the two remain in proportion.
@@ -64,7 +65,7 @@ const SHARP_DECAY: f64 = 1.0;
 /// Seconds after which the drive's loudness counts 1/e in its mean, and the weight in seconds of a prior mean of 1.
 const MEMORY_S: f64 = 30.0;
 const PRIOR_S: f64 = 0.5;
-/// The loudest relative loudness, and the softest mean.
+/// The loudest relative loudness, and the softest mean: after near silence any sound is relatively loud.
 const LOUDEST: f64 = 30.0;
 const LEAST_MEAN: f64 = 1e-3;
 
@@ -267,7 +268,7 @@ impl Crackle {
         let mean = (sum / count).max(LEAST_MEAN);
         let loudness = within(loudness, 0.0, LOUDEST) / mean;
         let follow = within(controls.follow, 0.0, 2.0);
-        let density = crackles.share()
+        let density = crackles.share(&crackles.events()[due.event])
             * within(controls.density, 0.0, STREAMS as f64)
             * maths::pow(loudness, DENSITY_EXPONENT * follow);
         if loudness <= 0.0 || due.threshold >= density {
@@ -275,7 +276,7 @@ impl Crackle {
         }
         let Some(grain) = self.grains.iter_mut().find(|grain| !grain.is_on()) else { return };
         let (event, variation) = (&crackles.events()[due.event], crackles.variation());
-        let [late, rate, level, tilt, balance, ..] = due.draws;
+        let [late, rate, level, tilt, balance] = due.draws;
         let sharpness = within(controls.sharpness, -1.0, 1.0);
         let spread = maths::pow(event.peak / crackles.median_peak(), within(controls.spread, 0.0, 2.0) - 1.0);
         let followed = maths::pow(mean, MEAN_EXPONENT * follow) * maths::pow(loudness, LEVEL_EXPONENT * follow);

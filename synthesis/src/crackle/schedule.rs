@@ -7,13 +7,14 @@
 use super::event::Crackles;
 use crate::dsp::White;
 
-/// Number of streams: the largest multiple of a recording's density.
+/// Number of streams: the largest multiple of a recording's density. The control goes up to 4, and the macro multiplies
+/// it by up to 4.
 pub(super) const STREAMS: usize = 16;
-/// First of the white-noise streams that no other stage uses; three for each stream.
+/// First of the white-noise streams that no other stage uses; two for each stream.
 const FIRST: u32 = 0x4352_4100;
-/// Most draws for one event.
-const DRAWS: i64 = 8;
-/// Most events that draw in one run.
+/// Random numbers for each event; the last decides at which density it is audible.
+const DRAWS: i64 = 6;
+/// Events of one run that draw numbers of their own; any further ones share the last event's.
 const DRAWING: i64 = 1 << 16;
 
 /// A crackle that is due.
@@ -21,17 +22,18 @@ const DRAWING: i64 = 1 << 16;
 pub(super) struct Due {
     /// Index among the recording's events.
     pub event: usize,
-    /// Share, 0-1, of a stream's full density at which its run becomes audible, plus the stream's number.
+    /// Share, 0-1, of a stream's full density at which it becomes audible, plus the stream's number. Every crackle has a
+    /// share of its own: gaps between crackles that remain stay as variable as the recording's, whereas runs that are
+    /// missing as a whole would leave longer ones.
     pub threshold: f64,
     /// Its own random numbers, uniform in -1..1.
-    pub draws: [f64; DRAWS as usize],
+    pub draws: [f64; DRAWS as usize - 1],
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Stream {
     number: usize,
     orders: White,
-    thresholds: White,
     draws: White,
     /// Samples by which it is ahead of the timeline.
     shift: i64,
@@ -70,24 +72,13 @@ impl Schedule {
 
 impl Stream {
     fn new(number: usize, seed: u32, crackles: &Crackles, position: i64) -> Self {
-        let noise = |kind: u32| White::new(seed, FIRST + 3 * number as u32 + kind);
+        let noise = |kind: u32| White::new(seed, FIRST + 2 * number as u32 + kind);
         let (runs, run_samples) = crackles.runs();
         let orders = noise(0);
         let period = (runs * run_samples) as u64;
         let shift = (orders.bits(-1) % period) as i64;
         let run = position.wrapping_add(shift).div_euclid(run_samples as i64);
-        let mut stream = Self {
-            number,
-            orders,
-            thresholds: noise(1),
-            draws: noise(2),
-            shift,
-            run,
-            place: 0,
-            next: 0,
-            end: 0,
-            due: 0,
-        };
+        let mut stream = Self { number, orders, draws: noise(1), shift, run, place: 0, next: 0, end: 0, due: 0 };
         stream.enter(run, crackles);
         let begin = stream.begin(run_samples);
         let passed = |at: &usize| {
@@ -132,7 +123,7 @@ impl Stream {
         let counter = self.run.wrapping_mul(DRAWING).wrapping_add(within_run.min(DRAWING - 1)).wrapping_mul(DRAWS);
         let due = Due {
             event: self.next,
-            threshold: self.number as f64 + 0.5 + 0.5 * self.thresholds.unit(self.run),
+            threshold: self.number as f64 + 0.5 + 0.5 * self.draws.unit(counter.wrapping_add(DRAWS - 1)),
             draws: std::array::from_fn(|i| self.draws.unit(counter.wrapping_add(i as i64))),
         };
         self.next += 1;

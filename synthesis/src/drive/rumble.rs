@@ -2,7 +2,7 @@
 
 use crate::dsp::{Transform, White};
 
-/// The band in Hz.
+/// The band in Hz: between the paper's high-pass (30 Hz) and its cutoff (180 Hz), so that neither removes much of it.
 const BAND_HZ: (f64, f64) = (40.0, 150.0);
 
 /// Half-length of the band-pass in seconds.

@@ -5,7 +5,8 @@ use crate::error::within;
 /// Seconds over which loudness is measured, and those after which it counts 1/e in its mean.
 const LOUDNESS_S: f64 = 0.04;
 const MEMORY_S: f64 = 8.0;
-/// Samples between two measurements of the loudness, and the time constant in seconds with which the gain follows.
+/// Samples between two computations of the gain, which take a power each; and the time constant in seconds with which the
+/// gain follows.
 const STEP: u32 = 32;
 const SMOOTHING_S: f64 = 0.01;
 /// Largest change of a drive, up or down, as a factor: 15 dB.

@@ -1,12 +1,12 @@
 //! The output's ceiling.
 
-/// Where it begins, -1 dBFS; what is softer passes bit for bit.
+/// Level at which it begins, -1 dBFS; softer sound passes bit for bit.
 pub(crate) const KNEE: f64 = 0.891_250_938_133_745_6;
 /// The largest magnitude that leaves, a step of `f32` below full scale: hosts count 1.0 as an overload.
 const MOST: f64 = 1.0 - 1.0 / 16_777_216.0;
 
-/// The factor that keeps a sample of this magnitude, the largest of all channels, below full scale: 1 up to the knee;
-/// above it the curve continues with the same slope and levels out at full scale (a hyperbolic tangent). NaN is
+/// The factor that keeps a sample of this magnitude, the largest of all channels, below full scale. It is 1 up to the
+/// knee; above, the curve continues with the same slope and levels out at full scale (a hyperbolic tangent). NaN is
 /// silenced.
 #[inline]
 pub(crate) fn gain(magnitude: f64) -> f64 {

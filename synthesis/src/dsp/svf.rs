@@ -5,8 +5,11 @@ use std::f64::consts::{PI, SQRT_2};
 /// Level at which a filter that receives silence ends: -300 dBFS.
 const SILENCE: f64 = 1e-15;
 
-/// Butterworth low- and high-pass of order 2 as a state-variable filter with trapezoidal integrators (Zavalishin, "The
-/// Art of VA Filter Design", §4), which remains well-behaved while its corner moves.
+/// Damping of a Butterworth filter of order 2.
+const BUTTERWORTH: f64 = SQRT_2;
+
+/// Low- and high-pass of order 2 as a state-variable filter with trapezoidal integrators (Zavalishin, "The Art of VA
+/// Filter Design", §4), which remains well-behaved while its corner moves.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Svf {
     state: [f64; 2],
@@ -32,11 +35,17 @@ impl Svf {
         self.state = [0.0; 2];
     }
 
-    /// Filters one sample. After silence the outputs end exactly.
+    /// Filters one sample by a Butterworth filter. After silence the outputs end exactly.
     #[inline]
     pub fn process(&mut self, gain: f64, input: f64) -> Bands {
+        self.process_damped(gain, BUTTERWORTH, input)
+    }
+
+    /// The same with any damping, 1 / Q: sections of different dampings make up filters of higher order.
+    #[inline]
+    pub fn process_damped(&mut self, gain: f64, damping: f64, input: f64) -> Bands {
         let [s1, s2] = self.state;
-        let high = (input - (SQRT_2 + gain) * s1 - s2) / (1.0 + gain * (gain + SQRT_2));
+        let high = (input - (damping + gain) * s1 - s2) / (1.0 + gain * (gain + damping));
         let band = gain * high + s1;
         let low = gain * band + s2;
         self.state = [gain * high + band, gain * band + low];

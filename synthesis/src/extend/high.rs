@@ -2,9 +2,9 @@
 //!
 //! A window is due when its last drive sample, and the envelope's filter after it, have arrived, and its first sample
 //! must sound at once. Only work that cannot be done earlier happens then: the envelope of its second half, and the
-//! fit. Everything else is done in steps during the hop before and the hop after: the noise and the filters follow from
-//! the controls at the window's centre, the first half's noise is high-passed without its gain, and the second half,
-//! which sounds a hop later, afterwards.
+//! fit. Everything else is done in steps during the hop before and the hop after. Before, the noise and the filters are
+//! made from the controls at the window's centre, and the first half's noise is high-passed without its gain. The second
+//! half, which sounds a hop later, is high-passed afterwards.
 
 use super::band::{Band, complement, normalise};
 use super::beta::{Fit, Fitter};

@@ -4,8 +4,8 @@
 //! two neighbouring windows, their outputs are crossfaded.
 //!
 //! A block lasts from the centre of window k to that of window k + 1. It is filtered in two halves, each as soon as its
-//! drive has arrived and half a block before it must sound; in between, its transforms are done one at a time, and the
-//! next filter is designed. No single sample has much to do.
+//! drive has arrived, which is half a block before it must sound. In between, its transforms are done one at a time, and
+//! the next filter is designed, so that no single sample has much to do.
 
 use super::band::{Band, normalise};
 use super::layout::ExtensionSizes;
@@ -105,6 +105,7 @@ impl Low {
     pub fn filter_from(&mut self, out: &mut OverlapAdd) {
         let Some(half) = self.half else { return };
         if self.filters[0].band != Some(half.from) {
+            // A block usually begins with the filter that the block before ended with.
             if self.filters[1].band == Some(half.from) {
                 self.filters.swap(0, 1);
             } else {

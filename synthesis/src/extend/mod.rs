@@ -35,7 +35,7 @@ use crate::dsp::{OverlapAdd, RingBuffer, Timeline};
 use crate::error::{Error, in_range};
 use crate::structure::EngineConfig;
 
-/// Largest number of channels.
+/// Largest number of channels: those of 7.1.2.
 const MAX_CHANNELS: usize = 10;
 
 /// Drive below this amplitude counts as silence, which avoids denormals.
@@ -87,7 +87,8 @@ pub struct Extend<N = PowerLaw> {
     betas: Vec<f32>,
 }
 
-/// Largest number of stored factors; later ones are lost.
+/// Largest number of stored factors, six seconds of them at the default half-width. If nothing takes them, as without a
+/// window, later ones are lost.
 const BETA_CAPACITY: usize = 512;
 
 impl Extend {

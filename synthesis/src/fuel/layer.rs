@@ -6,7 +6,7 @@ use crate::controls::FuelControls;
 use crate::dsp::{Smoothed, Timeline};
 use crate::error::within;
 
-/// Largest number of channels of any bus.
+/// Largest number of channels of any bus: those of 7.1.2.
 const MOST_CHANNELS: usize = 10;
 /// Seconds, in addition to the latency, after which a layer that was turned off has fallen silent.
 const HOLD_S: f64 = 0.25;
@@ -14,7 +14,7 @@ const HOLD_S: f64 = 0.25;
 const TONE_S: f64 = 0.02;
 /// Loudness, relative to the drive's level, below which a layer fades out however little it follows: -34 dB.
 const FAINT: f64 = 0.02;
-/// The loudest relative loudness.
+/// The loudest relative loudness: after near silence any sound is relatively loud, and must not be boosted without limit.
 const LOUDEST: f64 = 30.0;
 /// Streams of white noise for each octave, and the first of those for unevenness.
 const STREAMS: u32 = 16;

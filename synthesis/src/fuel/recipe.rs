@@ -25,7 +25,7 @@ pub(super) struct Recipe {
     pub flutter_nepers: f64,
     /// Exponent of the drive's loudness.
     pub exponent: f64,
-    /// Root mean square at a level of 1.
+    /// Root mean square at a level of 1, for the loudness that [`LOUDNESS_LUFS`](super::LOUDNESS_LUFS) states.
     pub rms: f64,
     /// First of its white-noise streams, which no other stage uses.
     pub stream: u32,

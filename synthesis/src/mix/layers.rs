@@ -1,4 +1,4 @@
-//! What is mixed, at which levels, and how loud it is.
+//! The layers that are mixed, their levels, and their peaks.
 
 use crate::dsp::ceiling;
 

@@ -15,7 +15,7 @@ pub(super) const PART: usize = 64;
 pub(super) struct Settled<'a> {
     /// Levels of the stretch; its bypass is exactly 0 or 1.
     pub levels: &'a Levels,
-    /// Whether the output ceiling is on.
+    /// True if the output ceiling is on.
     pub has_ceiling: bool,
     /// The channel of low-frequency effects, which passes as it came.
     pub effects: Option<usize>,

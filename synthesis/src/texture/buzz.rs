@@ -1,10 +1,10 @@
 //! The buzz of repeating windows, and the reduction of scalingAlpha against it.
 //!
 //! At full mapping, a quiet passage of the drive can choose the same windows over and over, as loud as the drive
-//! demands: a tone whose lines are at multiples of rate / hop, or of an integer fraction of that if a repeat lasts
-//! several hops. A sound's autocorrelation, at a lag of as many hops, compares its power at those lines with that
-//! between them (Wiener-Khinchin), for all lines at once and without a transform; the same at lags beside the hops
-//! measures the tones and colours that the sound has anyway. The difference is the buzz.
+//! demands. That is a tone whose lines are at multiples of rate / hop, or of an integer fraction of that if a repeat
+//! lasts several hops. A sound's autocorrelation, at a lag of as many hops, compares its power at those lines with that
+//! between them (Wiener-Khinchin), for all lines at once and without a transform. The autocorrelation at lags beside the
+//! hops measures the tones and colours that the sound has anyway. The difference of the two is the buzz.
 
 use crate::dsp::{Svf, section_gain};
 

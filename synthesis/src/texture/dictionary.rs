@@ -72,7 +72,7 @@ pub struct Dictionary {
 
 impl Dictionary {
     /// Analyses a recording: `channels` equally long (1-10), finite samples at `sample_rate_hz`.
-    /// Fails where the recording is too short for the levels, and when `progress` calls it off.
+    /// Fails if the recording is too short for the levels, or if `progress` cancels it.
     pub fn new(
         channels: &[Vec<f64>],
         sample_rate_hz: f64,
@@ -215,14 +215,14 @@ impl Dictionary {
         self.is_impulsive
     }
 
-    /// Takes the recording's side of companding, which must be of the channels that this was made of, and its crackles.
+    /// Sets the recording's side of companding, which must belong to the channels that this was made of, and its crackles.
     pub(crate) fn set_parts(&mut self, mut profile: Profile, crackles: Option<Crackles>) {
         profile.set_first(self.first);
         self.profile = Some(profile);
         self.crackles = crackles;
     }
 
-    /// Takes whether crackles were left in the recording.
+    /// Sets whether the recording still contains crackles.
     pub(crate) fn set_impulsive(&mut self, is_impulsive: bool) {
         self.is_impulsive = is_impulsive;
     }
@@ -285,7 +285,7 @@ impl Dictionary {
     }
 }
 
-/// Whether a dictionary can be made of a recording.
+/// Checks that a dictionary can be made of a recording.
 pub(crate) fn check(channels: &[Vec<f64>], sample_rate_hz: f64, shape: &PyramidConfig) -> Result<(), Error> {
     shape.validate()?;
     crate::error::in_range("channels of the recording", channels.len() as f64, 1.0, 10.0)?;

@@ -5,7 +5,8 @@ use crate::Error;
 use crate::companding::level::level_of;
 use bitcode::{Decode, Encode};
 
-/// Up to this many magnitudes a distribution is exact.
+/// Up to this many magnitudes a distribution is exact, as in the reference: 48 s of drive at 44.1 kHz and six levels.
+/// Longer ones would make the sessions that store them large.
 const EXACT_LIMIT: usize = 65_536;
 /// Number of quantiles that represent larger distributions.
 const QUANTILES: usize = 4_096;
@@ -190,6 +191,7 @@ impl RunningDistribution {
     pub fn push(&mut self, magnitude: f64) {
         self.seen.add(magnitude, self.weight);
         self.weight *= self.growth;
+        // Weights grow for ever; scaled back now and then, they stay finite.
         if self.weight > 1e12 {
             let shrink = 1.0 / self.weight;
             self.seen.weights.iter_mut().for_each(|x| *x *= shrink);
@@ -209,7 +211,7 @@ impl RunningDistribution {
     }
 }
 
-/// Below this mean magnitude a window is not mapped.
+/// Mean magnitude below which a window is not mapped: the reference's threshold.
 const LEAST_MEAN: f64 = 1e-4;
 
 /// §5.3, equation 17: the factor for the feature's coarse half with mean magnitude `mean`; `fraction` gives the share

@@ -95,16 +95,20 @@ struct Level {
 }
 
 /// Limit of continuity: in the companded mode, the window that follows the last one in the recording is used if its
-/// squared distance is at most this many times the smallest: 1.3 squared.
+/// squared distance is at most this many times the smallest: 1.3 squared. Fewer joins bring texture closer to the
+/// recording (docs/sound.md).
 const CONTINUITY: f64 = 1.69;
-/// Number of levels below the top with continuity: runs there remain varied on finer levels.
+/// Number of levels below the top with continuity: runs there remain varied on finer levels, where continuity had no
+/// effect.
 const CONTINUOUS_LEVELS: usize = 3;
-/// Seconds after which a run ends in any case, so that the recording is not played back.
+/// Seconds after which a run ends in any case, so that the recording is not played back: without a limit, stretches of
+/// 0.4 s were copied.
 const LONGEST_RUN_S: f64 = 0.034;
 /// Time constant in seconds with which the share of the recording's own dynamics follows its control.
 const DYNAMICS_S: f64 = 0.02;
 
-/// Noise streams that no other stage uses, one for each level, and the share of noise in the coarse half of a feature.
+/// Noise streams that no other stage uses, one for each level, and the share of noise in the coarse half of a feature,
+/// which describes the drive and must be followed more closely.
 const VARIETY_STREAM: u32 = 0x5641_5200;
 const COARSE_VARIETY: f64 = 0.5;
 
@@ -177,7 +181,7 @@ impl Texture {
         Ok(texture)
     }
 
-    /// Delay of the output in samples (algorithms §3).
+    /// Delay of the output in samples: see [`PyramidConfig::latency_samples`].
     pub fn latency_samples(&self) -> usize {
         self.latency_samples as usize
     }
@@ -524,8 +528,7 @@ impl Texture {
         self.query.gather(&place, (&level.samples, floor.div_ceil_shift(l)), coarser);
     }
 
-    /// Adds noise to `query`, so that another seed finds another window of the same kind. The coarse half, which
-    /// describes the drive, gets less of it.
+    /// Adds noise to `query`, so that another seed finds another window of the same kind.
     fn vary(&mut self, l: usize, window: i64, controls: &TextureControls) {
         let variety = within(controls.variety, 0.0, 1.0);
         if variety == 0.0 {

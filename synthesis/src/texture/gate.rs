@@ -4,7 +4,8 @@
 //! frames of one top-level window; a frame is silent if the top level has been below the threshold for longer than the
 //! look-ahead and is not about to rise.
 
-/// Frames whose verdict is remembered.
+/// Frames whose verdict is remembered. The finest level asks for it up to 2 (F + 1) + 2 frames late: 16 for the longest
+/// feature, F = 6.
 const FRAMES: usize = 64;
 
 /// Verdicts on frames, by frame number.

@@ -60,8 +60,8 @@ fn offset_after(shape: &PyramidConfig, level: usize, offset: &[i64]) -> i64 {
     of_window(0).max(of_window(1))
 }
 
-/// The smallest delay, up to `spare`, at which windows of `level` never coincide with those of a coarser one: the
-/// coarse levels share one sample in every W among them and leave the others to level 0.
+/// The smallest delay, up to `spare`, at which windows of `level` never coincide with those of a coarser one. The coarse
+/// levels share one sample in every W among them and leave the others to level 0.
 fn free_slot(due: i64, coarser: &[i64], period: &[i64], level: usize, w: i64, spare: i64) -> i64 {
     let Some(slot) = coarser.last().map(|offset| offset.rem_euclid(w)) else { return 0 };
     let meets = |delay: i64| coarser.iter().any(|offset| (due + delay - offset).rem_euclid(period[level]) == 0);

@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn field_with_mismatched_lengths_or_rate_is_refused() {
         let make = |rate, sources, positions: usize, speeds: Vec<f32>| {
             SpeedField::new(rate, sources, vec![[0.0; 3]; positions], speeds, End::Periodic)
         };

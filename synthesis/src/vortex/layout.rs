@@ -1,10 +1,10 @@
 //! The receivers: each source's contribution to each channel.
 //!
 //! All receivers are at the listener's position and differ only in direction. Spaced receivers would get every source
-//! at two times, and 20 cm are 0.6 ms: in a fold-down to mono the first notch would be at 860 Hz, in the middle of the
+//! at two times: 20 cm are 0.6 ms. In a fold-down to mono, the first notch would be at 860 Hz, in the middle of the
 //! whoosh, and sources spread around the listener would still leave 3 dB more below than above. Coincident receivers
-//! fold down flat, and one read of a source's sound serves all channels. Sources still differ in distance, hence in
-//! time, which is what makes channels differ: each channel gets its own sources.
+//! fold down flat, and one read of a source's sound serves all channels. Channels still differ, because each gets its
+//! own sources, which differ in distance and so in time.
 
 use std::f64::consts::FRAC_PI_2;
 

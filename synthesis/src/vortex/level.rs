@@ -54,8 +54,8 @@ impl Levels {
         [speed(self.ln_speeds.first()), speed(self.ln_speeds.last())]
     }
 
-    /// The lower row of the two around a speed, which is probably `near`, the fraction of the way to the upper one
-    /// (0-1), and the logarithm of the table's gain, which is a power law between rows and constant beyond them.
+    /// The lower row of the two around a speed, the fraction of the way to the upper one (0-1), and the logarithm of the
+    /// table's gain. The row is probably `near`; the gain is a power law between rows and constant beyond them.
     fn place(&self, near: usize, ln_speed: f32) -> (usize, f32, f32) {
         let is_near =
             |row: usize, ln: f32| ln <= ln_speed && self.ln_speeds.get(row + 1).is_none_or(|ln| ln_speed < *ln);

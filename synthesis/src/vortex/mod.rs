@@ -1,6 +1,6 @@
 //! Vortex sound: the whoosh of turbulent flow (Dobashi, Yamamoto & Nishita 2004).
 //!
-//! p(t) = sum over sources of Q(u_i, t - r_i/c0) / r_i^n (eq. 5): every source reads the texture Q, the sound of a
+//! p(t) = sum over sources of Q(u_i, t - r_i/c0) / r_i^n (eq. 5). Every source reads the texture Q, the sound of a
 //! small turbulent region, according to its flow speed u_i and with the delay of its distance r_i. Everything that
 //! moves is linear from hop to hop on the host's timeline.
 //!

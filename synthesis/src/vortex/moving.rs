@@ -100,6 +100,7 @@ impl Place {
     pub fn stand(&self) -> Pose {
         let [sin, cos] = self.azimuth;
         let norm = maths::hypot(sin, cos);
+        // Half-way between opposite azimuths both are 0, and any direction will do.
         let (sin, cos) = if norm > 1e-6 { (sin / norm, cos / norm) } else { (0.0, 1.0) };
         let (rise, flat) = maths::sin_cos(self.elevation);
         Pose {
@@ -173,7 +174,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_where_they_are_said_to_be() {
+    fn pose_places_sources_by_distance_azimuth_and_elevation() {
         let controls = VortexControls { distance_m: 2.0, azimuth_deg: 90.0, ..VortexControls::default() };
         let place = Frame::of(&controls).place.stand();
         let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
@@ -200,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_let_through_that_is_no_number() {
+    fn nan_and_infinite_controls_give_finite_frames() {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let controls = VortexControls {
                 speed_m_s: bad,

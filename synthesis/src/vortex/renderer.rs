@@ -23,13 +23,13 @@ pub const MOST_SOURCES: usize = 16_384;
 /// Samples of a hop at about 48 kHz; at other rates it lasts about as long.
 const HOP: f64 = 128.0;
 
-/// Decay of a full-scale drive, in nepers, without a threshold: the envelope's own end.
+/// Decay of a full-scale drive, in nepers, without a threshold: the envelope's own end, -240 dBFS.
 const SILENCE_NEPERS: f64 = 27.7;
 
 /// The renderer of vortex sound.
 ///
 /// Hops are aligned with multiples of their length on the host's timeline. The sound of a hop is decided at its first
-/// sample; its sources are then summed a few at a time during the hop, and heard in the next one, so the load is as
+/// sample; its sources are then summed a few at a time during the hop, and heard in the next one. So the load is as
 /// even as blocks are. Output does not depend on the division into blocks and, with constant controls and flow, is a
 /// function of the position. Speeds from the envelope follow it one hop (2.7 ms) late.
 #[derive(Debug)]

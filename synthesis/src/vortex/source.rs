@@ -16,7 +16,7 @@ const TURN_HOPS: i64 = 16;
 /// crowd at one pace would hum; a single source reads at the recorded pace.
 const PACES: f64 = 0.12;
 
-/// Numbers that a seed gives each source.
+/// Numbers that a seed gives each source; not all are in use.
 const STREAM: u32 = 0x0076_6f72;
 const NUMBERS: i64 = 8;
 
@@ -105,6 +105,7 @@ impl Source {
     pub fn turn(&mut self, index: usize, hop: i64, wanted: bool, identity: Identity) -> f32 {
         let before = self.presence;
         let stays = wanted && self.identity == identity;
+        // 7 has no factor in common with the number of hops, so all of them are used, and neighbours turn far apart.
         let mine = || (hop + index as i64 * 7).rem_euclid(TURN_HOPS) == 0;
         if before == 0.0 && wanted && !stays {
             *self = Self::new(index, identity);

@@ -193,7 +193,7 @@ mod tests {
             let off = a.components.iter().flatten().zip(b.components.iter().flatten()).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f32::max) <= 0.51 * a.scale());
         }
-        // What has been through it once stays as it is.
+        // A texture that has been written and read once no longer changes.
         assert_eq!(VortexTexture::from_bytes(&back.to_bytes()).expect("readable"), back);
     }
 

@@ -5,7 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-/// Lowest rate in Hz at which sources are summed if the output's rate is higher.
+/// Lowest rate in Hz at which sources are summed if the output's rate is higher. At this rate the filter is flat up to
+/// 7.3 kHz; the built-in textures end at 2 kHz, and pace and Doppler shift raise that by less than half.
 const LEAST_RATE_HZ: f64 = 22_000.0;
 
 /// Number of samples at the lower rate, on either side of an output sample, that interpolate it.

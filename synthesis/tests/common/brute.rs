@@ -1,4 +1,4 @@
-//! Texture synthesis as algorithms §3 (Chadwick & James 2011, §5) states it, with nothing clever:
+//! Texture synthesis as Chadwick & James 2011, §5, state it, with nothing clever:
 //! every window is compared with every entry.
 #![allow(dead_code)]
 

@@ -37,7 +37,7 @@ fn pressure_passes_untouched() {
 }
 
 #[test]
-fn channels_are_averaged_and_cancelling_is_told() {
+fn channels_are_averaged_and_cancelling_is_reported() {
     let (left, right) = (white(0, 20_000), white(1, 20_000));
     let inverse: Vec<f64> = left.iter().map(|x| -x).collect();
     let mean = drive(&[&left, &right], &[], &off(DriveMode::Pressure), 44_100.0);
@@ -105,7 +105,7 @@ fn envelope_shapes_a_rumble_of_its_own() {
 }
 
 #[test]
-fn without_a_sidechain_the_main_inputs_envelope_is_taken() {
+fn without_a_sidechain_the_main_inputs_envelope_drives() {
     let main = white(0, 30_000);
     let controls = off(DriveMode::Envelope);
     let other = white(1, 30_000);

@@ -136,7 +136,7 @@ fn nothing_depends_on_how_blocks_are_cut() {
 }
 
 #[test]
-fn one_gives_way_to_another_without_a_gap_or_a_click() {
+fn changing_the_slot_leaves_no_gap_and_no_click() {
     let at = 60_000;
     let pair = pair(MatchingMode::Companded);
     let mut chain = chain(MatchingMode::Companded, &pair);

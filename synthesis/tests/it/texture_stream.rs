@@ -196,7 +196,7 @@ fn a_recording_of_another_shape_is_handed_back() {
 }
 
 #[test]
-fn matches_are_told_by_their_places_in_the_recording() {
+fn matches_report_their_position_in_the_recording() {
     let shape = PyramidConfig { levels: 5, window: 4, feature: 3, falloff: 0.0 };
     let recording = signal(&mut Random::new(11), 1, 40_000);
     let dictionary = Arc::new(Dictionary::new(std::slice::from_ref(&recording), RATE_HZ, &shape, &|_| true).unwrap());

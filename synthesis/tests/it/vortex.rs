@@ -171,7 +171,7 @@ fn a_fold_down_does_not_comb() {
 }
 
 #[test]
-fn sources_stand_where_they_are_put() {
+fn sources_sound_from_their_positions() {
     let at = |azimuth_deg: f64, layout: SpeakerLayout| {
         let controls = VortexControls { azimuth_deg, ..point() };
         let sound = render(48_000.0, layout, &noise_texture(1, 4096), 1, &[], &controls, 24_000);
@@ -204,7 +204,7 @@ fn many_sources_add_by_power_and_neither_comb_nor_repeat() {
 }
 
 #[test]
-fn silence_comes_out_of_silence_and_after_the_tail() {
+fn silent_drive_is_silent_and_so_is_the_end_of_the_tail() {
     for rate_hz in RATES_HZ {
         for threshold in [0.001, 0.1] {
             let controls = VortexControls { threshold, release_s: 0.02, count: 20, ..VortexControls::default() };

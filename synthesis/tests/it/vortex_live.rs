@@ -47,7 +47,7 @@ fn run(engine: &mut Vortex, samples: usize, block: usize) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn what_a_step_has_told_is_heard_two_steps_later() {
+fn step_is_heard_two_steps_after_its_request() {
     let (mut engine, asked, step) = live(|step| Some(if step == 5 { 4.0 } else { 0.0 }));
     let out = run(&mut engine, 12 * step, 500);
     // The filter that raises the rate still has some of the step before.
@@ -108,7 +108,7 @@ fn every_start_is_a_run_of_its_own_and_all_sound_alike() {
 }
 
 #[test]
-fn speeds_that_are_no_speeds_are_taken_as_calm_or_cut() {
+fn nan_and_negative_speeds_are_calm_and_infinite_ones_clamped() {
     for (speed, sounds) in [
         ((|_| Some(f32::NAN)) as fn(u64) -> Option<f32>, false),
         (|_| Some(f32::NEG_INFINITY), false),

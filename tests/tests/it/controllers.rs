@@ -88,7 +88,7 @@ fn steps_are_whole_and_the_last_message_counts() {
 }
 
 #[test]
-fn what_the_host_hands_back_does_not_hide_later_automation() {
+fn echoed_value_does_not_hide_later_automation() {
     for format in Format::ALL {
         let (mut live, id) = (Live::start(instance(format, &[("alpha", 7)]), RATE_HZ, STEREO), numeric_id("alpha"));
         live.move_controllers(&[message(5, 7, 127)]);

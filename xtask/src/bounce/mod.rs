@@ -29,7 +29,7 @@ pub struct Args {
     /// Main input: mono, stereo, 5.0 or 5.1
     #[arg(long, value_name = "IN.wav")]
     input: PathBuf,
-    /// Sound for the sidechain, cut or followed by silence to the input's length
+    /// Sound for the sidechain, cut or padded with silence to the input's length
     #[arg(long, value_name = "S.wav")]
     sidechain: Option<PathBuf>,
     /// Fire recording that texture draws from
@@ -50,7 +50,7 @@ pub struct Args {
     /// Parameter to set after loading the preset; may be repeated
     #[arg(long = "set", value_name = "id=value")]
     settings: Vec<String>,
-    /// Frames of a block, or `random`, or `random:SEED`: 0 to 1024 frames
+    /// Frames per block, or `random` or `random:SEED` for blocks of 0 to 1024 frames
     #[arg(long, value_name = "N|random", default_value = "512")]
     block: Block,
     /// Tell the plugin that the host renders offline
@@ -77,7 +77,7 @@ enum DynamicRange {
     Off,
     /// From --learn, or from a first pass over the input
     Learned,
-    /// Estimated as it runs
+    /// Estimated during playback
     Running,
 }
 

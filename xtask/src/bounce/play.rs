@@ -35,7 +35,7 @@ pub struct Request<'a> {
     pub block: BlockSize,
     /// True if the host renders offline.
     pub offline: bool,
-    /// True to add the reference's zero padding (algorithms §3) and trim it again.
+    /// True to add the zero padding of the published program and trim it again.
     pub reference_padding: bool,
     /// Channels of the output.
     pub output_channels: usize,

@@ -32,7 +32,8 @@ pub fn reference_folder() -> Option<PathBuf> {
 
 /// Rights in the paper's signals, and in its recordings.
 const SIGNAL_RIGHTS: &str = "BSD 2-clause, J. Chadwick 2011";
-const RECORDING_RIGHTS: &str = "The Recordist, Ultimate Fire; for the paper's own release, not to be passed on";
+const RECORDING_RIGHTS: &str =
+    "The Recordist, Ultimate Fire; licensed for the paper's own release, may not be passed on";
 
 /// One example of the paper.
 struct Pair {
@@ -112,7 +113,7 @@ fn example(studio: &Studio, pair: &Pair) -> Result<(Section, Timing)> {
     let recording = studio.row(
         &slug("training"),
         "Recording",
-        "The fire that goes with it.",
+        "The fire recording that the paper pairs with it.",
         &pair.training_sound,
         &Beside::Training,
     )?;

@@ -53,7 +53,7 @@ pub fn recorded(folder: &Path) -> Option<Found> {
         let path = reference_folder()?.join("recordings/fireplace.flac");
         path.is_file().then_some(path)
     })?;
-    let note = "<b class=recorded>Recorded</b> A soft fire in a fireplace, as the program Blanket ships it.";
+    let note = "<b class=recorded>Recorded</b> A soft fire in a fireplace, from the program Blanket.";
     Some(Found { path, note: note.to_owned(), rights: "public domain, ezwa (soundbible.com)".to_owned() })
 }
 

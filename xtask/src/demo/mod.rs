@@ -39,7 +39,7 @@ const PRESETS: [(&str, &str, &str); 9] = [
     (
         "default",
         "Default",
-        "What a new instance starts with: texture matched without slow loudness, then given the flame's loudness, over the flame's own low end.",
+        "The settings of a new instance: texture matched without slow loudness changes, then given the flame's loudness, over the flame's own low end.",
     ),
     (
         "extend",
@@ -50,7 +50,7 @@ const PRESETS: [(&str, &str, &str); 9] = [
     (
         "texture-paper",
         "Texture, as published",
-        "Exact search, the input's loudness learned in a first pass, no gate: during silence the recording's quietest moment repeats.",
+        "Exact search, with the input's loudness learnt in a first pass, and no gate: during silence, the recording's quietest moment repeats.",
     ),
     (
         "flame",
@@ -85,7 +85,9 @@ pub fn run(args: &Args) -> Result<()> {
     let mut sections = vec![engines, systems(&studio, &heard, &training)?];
     match comparisons::reference_folder() {
         Some(reference) => sections.extend(comparisons::sections(&studio, &reference)?),
-        None => eprintln!("no reference data (PYROPHONE_REFERENCE): the page has no comparisons with the paper"),
+        None => {
+            eprintln!("there is no reference data (PYROPHONE_REFERENCE), so the page has no comparisons with the paper")
+        }
     }
     let path = studio.folder().join("index.html");
     std::fs::write(&path, page::render(&pair, &sections)).with_context(|| path.display().to_string())?;
@@ -134,8 +136,8 @@ fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Resul
         }
     }
     let intro = if args.input.is_none() || args.training.is_none() {
-        "Sounds marked <b class=generated>Simulated</b> or <b class=generated>Generated</b> are not recordings: the demo makes them, so \
-         that there is something to hear on any machine. To use your own, run \
+        "Sounds marked <b class=generated>Simulated</b> or <b class=generated>Generated</b> are not recordings. The demo makes them, so \
+         that it works on any machine. To use your own sounds, run \
          <code>cargo xtask demo --input flame.wav --training fire.wav</code>."
     } else {
         "Your sounds, bounced through the CLAP plugin with each factory preset."
@@ -176,7 +178,7 @@ fn sources(studio: &Studio, args: &Args) -> Result<(Source, Source)> {
     Ok((Source::new(flame)?, Source::new(fire)?))
 }
 
-/// The three papers' systems, each alone and all together: their names, descriptions, and layers' levels.
+/// The systems of the papers, each alone and all together: name, title, description, and the levels of the layers.
 const SYSTEMS: [(&str, &str, &str, [&str; 4]); 4] = [
     (
         "system-extension",
@@ -187,13 +189,13 @@ const SYSTEMS: [(&str, &str, &str, [&str; 4]); 4] = [
     (
         "system-texture",
         "Synchronised texture",
-        "Chadwick & James 2011, §5, matched without slow loudness: a recording that moves with the flame.",
+        "Chadwick & James 2011, §5, matched without slow loudness changes: a recording that moves with the flame.",
         ["off", "off", "0", "off"],
     ),
     (
         "system-vortex",
         "Vortex sound",
-        "Dobashi, Yamamoto & Nishita 2004: what turbulent hot gas radiates; the flame's loudness sets its speed.",
+        "Dobashi, Yamamoto & Nishita 2004: the sound that turbulent hot gas radiates; the flame's loudness sets the gas's speed.",
         ["off", "off", "off", "0"],
     ),
     (

@@ -78,8 +78,8 @@ fn opening(Pair { sides: [before, after] }: &Pair) -> String {
         )
     };
     format!(
-        "<section class=pair id=pair><h2>Before and after</h2><p class=intro>The flame alone, and what the default preset makes of it, \
-         at the same loudness. Both play in step: switch while they do.</p>\
+        "<section class=pair id=pair><h2>Before and after</h2><p class=intro>The flame alone, and the fire that the default preset makes of it, \
+         at the same loudness. Both play in sync, so you can switch between them at any time.</p>\
          <div class=sides>{}{}</div><p><button class=play>Play</button></p></section>\n",
         side(before, 0, "before", false),
         side(after, 1, "after", true),
@@ -126,15 +126,15 @@ fn row(row: &Row) -> String {
 
 /// Origin of the page and of everything on it.
 const ABOUT: &str = "<section id='sources-and-licences'><h2>Sources and licences</h2>
-<ul><li>Each sound states its rights. A result may be used as the sounds allow that it was made from; Pyrophone claims nothing in it.
+<ul><li>Each sound states its rights. Pyrophone claims none in its results: a result may be used as far as the sounds that it was made from allow.
 <li>Pyrophone: MIT or Apache-2.0, in the files <code>LICENSE-MIT</code> and <code>LICENSE-APACHE</code>; its manual is <code>docs/manual.md</code>.
 <li>Extension and texture: J. Chadwick and D. James, <a href='https://doi.org/10.1145/1964921.1964979'>Animating Fire with Sound</a>, 2011.
 <li>Vortex sound: Y. Dobashi, T. Yamamoto and T. Nishita, <i>Synthesizing Sound from Turbulent Field using Sound Textures for Interactive Fluid Simulation</i>, 2004.
 <li>The recorded fireplace: ezwa, <a href='https://soundbible.com'>soundbible.com</a>, public domain, as <a href='https://github.com/rafaelmardojai/blanket'>Blanket</a> ships it.
 </ul>
 <p class=intro>Players use 16-bit copies at −20 LUFS, or quieter where a peak would exceed −1 dB; the gain is stated. Spectra show the levels of the
-32-bit originals. Real time: seconds of sound per second of computing, on one core. Spectrograms: 0 dB is each sound's own maximum;
-click one to play from there. A player that starts while another of the same length plays takes over at the same moment.</p></section>
+32-bit originals. <i>Real time</i> is the seconds of sound per second of computing, on one core. In spectrograms, 0 dB is each sound's own maximum;
+click one to play from that point. If a sound of the same length is playing, the next one that you start continues from its position.</p></section>
 ";
 
 const STYLE: &str = include_str!("page.css");

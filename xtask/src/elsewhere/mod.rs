@@ -6,6 +6,7 @@ mod screen;
 mod wine;
 
 use anyhow::{Result, ensure};
+use clap::ValueEnum;
 
 use crate::package::{self, build::program};
 use crate::setup::{self, is_program};
@@ -26,12 +27,31 @@ const ARM_LINKER: &str = "aarch64-linux-gnu-gcc";
 /// Debian's C library for it.
 const ARM_LIBRARIES: &str = "/usr/aarch64-linux-gnu";
 
-/// Compares the digests wherever this machine can, and builds the necessary programs.
-pub fn soak(tally: &mut Tally) -> Result<()> {
-    old_processor(tally)?;
-    arm(tally)?;
-    macos(tally);
-    wine::soak(tally)
+/// Another system or processor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Elsewhere {
+    /// A processor without AVX, under qemu
+    OldProcessor,
+    /// 64-bit ARM, under qemu
+    Arm,
+    /// macOS, compiled only
+    Macos,
+    /// Windows, under Wine
+    Windows,
+}
+
+/// Compares the digests in one place, as far as this machine can, and builds the necessary programs. Under Wine, the
+/// bundles are played and opened as well.
+pub fn soak(tally: &mut Tally, place: Elsewhere) -> Result<()> {
+    match place {
+        Elsewhere::OldProcessor => old_processor(tally),
+        Elsewhere::Arm => arm(tally),
+        Elsewhere::Macos => {
+            macos(tally);
+            Ok(())
+        }
+        Elsewhere::Windows => wine::soak(tally),
+    }
 }
 
 /// Compares the digests under Wine, if the Windows build is there and up to date.

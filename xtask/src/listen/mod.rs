@@ -33,13 +33,13 @@ pub struct Args {
     /// Seed of the pairs, their order and the sounds' names
     #[arg(long, default_value_t = 1)]
     seed: u32,
-    /// Trials, each of one flame with one recording
+    /// Number of trials, each of one flame with one recording
     #[arg(long, default_value_t = 6)]
     trials: usize,
     /// Length of every sound in seconds, 2-20
     #[arg(long, default_value_t = 8.0)]
     seconds: f64,
-    /// Folder for page and key [default: target/listen]
+    /// Folder for the page and its key [default: target/listen]
     #[arg(long, value_name = "DIR")]
     output: Option<PathBuf>,
 }

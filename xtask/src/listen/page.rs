@@ -62,7 +62,7 @@ pub fn render(seed: u32, trials: &[Trial]) -> String {
         "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>\
          <title>Listening test {seed}</title>\n<style>{STYLE}</style>\n\
          <h1>Listening test</h1><p>Each trial has five sounds of a fire, equally loud and in random order. Use headphones, and set the volume \
-         once, with the first original. Rate every sound by its own quality, and by whether it could replace the original in a scene. \
+         once, with the first original. Rate the quality of every sound, and how well it could replace the original in a scene. \
          Sounds may be played as often as you like.</p>\n\
          <p><label>Your name or number: <input id=listener></label></p>\n{body}\
          <p><button id=save>Save the answers as CSV</button> <span id=missing></span></p>\n\

@@ -6,6 +6,7 @@ pub mod build;
 mod contents;
 mod licences;
 mod linkage;
+mod powershell;
 mod system;
 
 use std::fs;
@@ -84,6 +85,9 @@ fn make(system: System, built: &build::Built, folder: &Path) -> Result<Vec<PathB
     contents::stage(system, built, &stage)?;
     match system {
         System::Linux => Ok(vec![archive::tar_gz(&stage, folder)?, archive::deb(&stage, folder)?]),
-        System::Windows => Ok(vec![archive::zip(&stage, folder)?]),
+        System::Windows => {
+            powershell::check(&stage)?;
+            Ok(vec![archive::zip(&stage, folder)?])
+        }
     }
 }

@@ -23,10 +23,10 @@ pub struct Args {
     /// Cells along the longest side, from coarse to fine
     #[arg(long, value_delimiter = ',', default_value = "24,40,64")]
     cells: Vec<usize>,
-    /// Seconds to keep
+    /// Length of the signal that is measured, in seconds
     #[arg(long, default_value_t = 3.0)]
     seconds: f64,
-    /// Seed of all random numbers
+    /// Random seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// WAV files of other flames' pressure, which come first in the table
@@ -117,7 +117,7 @@ mod tests {
         std::array::from_fn(|band| fine[band] - coarse[band])
     }
 
-    /// What is heard is the flame, not its grid: of one scene in brief, of all in the long tests.
+    /// The sound is the flame's, not its grid's: checked for one scene in brief, for all in the long tests.
     #[test]
     fn levels_hardly_depend_on_the_cells() {
         let is_long = std::env::var_os("PYROPHONE_SOAK").is_some();

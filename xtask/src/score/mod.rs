@@ -40,10 +40,10 @@ pub struct Args {
     /// The scoring program [default: tools/score.py beside the reference folder]; crackle.py is expected beside it
     #[arg(long, value_name = "score.py")]
     program: Option<PathBuf>,
-    /// Score only one of the two tables; docs/sound.md is not changed then
+    /// Score only one of the two tables, without changing docs/sound.md
     #[arg(long, value_enum)]
     only: Option<Table>,
-    /// Set a parameter in both modes; may be repeated. docs/sound.md is not changed then
+    /// Set a parameter in both modes, without changing docs/sound.md; may be repeated
     #[arg(long = "set", value_name = "id=value")]
     settings: Vec<String>,
 }

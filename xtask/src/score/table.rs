@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_misses_its_bar_is_told() {
+    fn missed_targets_are_named() {
         let scored = |mode, texture: f64, sync: f64| Scored {
             input: "dragon".into(),
             training: "dragon".into(),

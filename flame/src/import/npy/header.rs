@@ -233,6 +233,7 @@ pub(in crate::import) fn fault_of(error: &std::io::Error) -> FormatFault {
 /// multiple of 64 bytes.
 pub(in crate::import) fn header_bytes(descr: &str, shape: &[usize]) -> Vec<u8> {
     const ALIGNMENT: usize = 64;
+    // Signature, version and the length of the text.
     const PREFIX: usize = 10;
     let lengths: String = shape.iter().map(|length| format!("{length}, ")).collect();
     let lengths = if shape.len() > 1 { lengths.trim_end_matches(", ") } else { lengths.trim_end() };
@@ -260,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_what_numpy_writes() {
+    fn written_header_equals_numpys() {
         let bytes = header_bytes("<f4", &[2, 3]);
         let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }";
         let expected = [b"\x93NUMPY\x01\x00v\x00", text.as_bytes(), &[b' '; 58], b"\n"].concat();
@@ -307,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_plain_array_is_refused() {
+    fn unsupported_arrays_are_refused() {
         for text in [
             "{'descr': '|O', 'fortran_order': False, 'shape': (1,), }",
             "{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (1,), }",

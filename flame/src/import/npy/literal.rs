@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_understood() {
+    fn malformed_headers_are_refused() {
         for text in [
             "",
             "{",

@@ -112,6 +112,7 @@ impl Header {
 
     /// Decodes the streams of one block, which follow each other from `at`.
     fn block(&self, chunk: &[u8], mut at: usize, out: &mut [u8]) -> Result<(), FormatFault> {
+        // A shorter block, the last one, is never split.
         let whole = out.len() == self.block_size;
         let split = self.flags & NOT_SPLIT == 0
             && self.type_size <= WIDEST_SPLIT
@@ -127,6 +128,7 @@ impl Header {
                 return damaged("a Blosc stream that ends outside of its chunk");
             };
             at += 4 + stream.len();
+            // A stream that compression would not have shortened is stored as it is.
             if stream.len() == part.len() {
                 part.copy_from_slice(stream);
             } else if !lz4_flex::block::decompress_into(stream, part).is_ok_and(|length| length == part.len()) {

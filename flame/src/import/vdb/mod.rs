@@ -28,7 +28,9 @@ use super::model::{GridInfo, Source, check_components};
 use crate::grid::Grid;
 
 const MAGIC: [u8; 8] = [0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0];
+/// File versions of OpenVDB 3 to 13.
 const VERSIONS: std::ops::RangeInclusive<u32> = 220..=225;
+/// A UUID as text.
 const UUID_BYTES: usize = 36;
 const MOST_GRIDS: usize = 4096;
 

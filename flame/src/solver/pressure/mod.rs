@@ -150,12 +150,14 @@ fn ends_of(side: Side) -> AxisBoundary {
     }
 }
 
+/// Portions have a fixed size and are added in order, so the sum does not depend on the number of threads.
 fn sum(values: &[f32]) -> f64 {
     let parts: Vec<f64> =
         values.par_chunks(PORTION).map(|part| part.iter().map(|value| f64::from(*value)).sum()).collect();
     parts.iter().sum()
 }
 
+/// A scalar product, added up as in [`sum`].
 fn dot(a: &[f32], b: &[f32]) -> f64 {
     let parts: Vec<f64> = a
         .par_chunks(PORTION)

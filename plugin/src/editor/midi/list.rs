@@ -81,10 +81,10 @@ impl MidiPanel {
     /// Draws the list in `rect`.
     pub fn list(&mut self, ui: &mut Ui, rect: Rect, controllers: &Controllers) {
         let lines = lines(&numbers(controllers), &self.kept);
-        let inner = section(ui, rect, "MIDI", if lines.is_empty() { "controllers" } else { "what controllers move" });
+        let inner = section(ui, rect, "MIDI", if lines.is_empty() { "controllers" } else { "assignments" });
         if lines.is_empty() {
             within(ui, inner, "no controllers", |ui| {
-                let words = "No controller moves anything yet. Right-click a knob, fader or list, choose MIDI learn, and move the controller.";
+                let words = "No controller is assigned yet. Right-click a knob, fader or list, choose MIDI learn, and move the controller.";
                 ui.add(Label::new(RichText::new(words).font(theme::small()).color(theme::WEAK)).wrap());
             });
             return;
@@ -126,8 +126,8 @@ impl MidiPanel {
         let asks = self.asked_s.is_some_and(|asked_s| now_s < asked_s + ASKS_S);
         let words = if asks { "Remove all for good" } else { "Remove all" };
         let button = filled(ui, place, words, "Remove all", asks, true);
-        let button =
-            button.on_hover_text("Removes every line, from this session and for new instances; asks once more");
+        let button = button
+            .on_hover_text("Removes all assignments, from this session and for new instances; asks for confirmation");
         if button.clicked() && asks {
             controllers.set_all(&Assignments::new());
             (self.seen, self.asked_s) = (Some(numbers(controllers)), None);

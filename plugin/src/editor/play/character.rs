@@ -20,7 +20,7 @@ const PER_ROW: usize = 4;
 
 /// The panel.
 pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
-    let inner = section(ui, rect, "CHARACTER", "eight macros: offsets from what is set, 0 % leaves it alone");
+    let inner = section(ui, rect, "CHARACTER", "eight macros: offsets from the settings; 0 % changes nothing");
     let mut dials = inner;
     if inner.width() >= ROOM_FOR_PAD {
         let side = inner.height().min(0.34 * inner.width());

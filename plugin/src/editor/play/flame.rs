@@ -50,7 +50,7 @@ impl Source {
 
 /// The panel.
 pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
-    let inner = section(ui, rect, "FLAME", "what it follows");
+    let inner = section(ui, rect, "FLAME", "its source");
     let radius = (0.075 * inner.height()).clamp(13.0, 24.0);
     let knobs = 2.0 * radius + 36.0;
     let source = Source::of(hand.get(Id::DriveMode) as usize);
@@ -131,7 +131,7 @@ fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>)
     let words = if parts.meters.input_cancels() {
         ("Channels cancel: invert one, or use mono.", theme::ALARM)
     } else if level.held_db <= FLOOR_DB {
-        ("Nothing comes in.", theme::WEAK)
+        ("No input signal.", theme::WEAK)
     } else {
         ("", theme::WEAK)
     };

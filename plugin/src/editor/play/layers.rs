@@ -44,7 +44,7 @@ const LINES: [Line; 8] = [
 
 /// The panel.
 pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
-    let inner = section(ui, rect, "LAYERS", "what is heard");
+    let inner = section(ui, rect, "LAYERS", "the mix");
     let faders = inner.with_max_y(inner.bottom() - MONITOR - 6.0);
     for (place, line) in columns(faders, LINES.len(), 2.0).zip(&LINES) {
         column(ui, place, line, parts.levels, hand);

@@ -39,7 +39,7 @@ const RIGHT: (f32, f32, f32) = (0.236, 188.0, 300.0);
 const UPPER: f32 = 0.55;
 const SPECTROGRAM: f32 = 0.58;
 
-/// State shown and changed by the page, beside the parameters.
+/// State shown and changed by the page, besides the parameters.
 pub struct Parts<'a> {
     /// Recent sound and telemetry.
     pub monitor: &'a mut Monitor,

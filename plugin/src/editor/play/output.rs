@@ -104,7 +104,7 @@ fn advise(ui: &mut Ui, fault: Diagnosis, hand: &mut ParamEditor<'_>) {
     let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
     let button = ui.add_sized(Vec2::new(room - 8.0, 17.0), button);
     map::note(ui, "button.Cure", button.rect);
-    let what = format!("{}. Undo takes it back.", cure.words);
+    let what = format!("{}. Undo reverts it.", cure.words);
     if button.on_hover_text(what).clicked() {
         hand.set_once(cure.id as usize, cure.plain);
     }

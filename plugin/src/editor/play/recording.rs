@@ -77,7 +77,7 @@ fn show_slots(ui: &mut Ui, rect: Rect, view: &View, hand: &mut ParamEditor<'_>) 
         };
         let button = filled(ui, place, &words, &format!("Slot {number}"), slot == chosen, true);
         let hint = format!(
-            "{}\nClick: this recording sounds; load one into it with the buttons above",
+            "{}\nClick to make this slot active. The buttons above load a recording into it.",
             named.unwrap_or("Empty")
         );
         if button.on_hover_text(hint).clicked() {
@@ -103,8 +103,8 @@ fn words(ui: &mut Ui, parts: &Parts<'_>) {
         ui.add(Label::new(small(&figures.join(" · "))));
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let hint = match view.cut.region_s {
-                Some([start_s, end_s]) => format!("learns from {start_s:.1} to {end_s:.1} s; double click takes all"),
-                None => "drag to choose what it learns from".to_owned(),
+                Some([start_s, end_s]) => format!("learns from {start_s:.1} to {end_s:.1} s; double-click for all"),
+                None => "drag to choose the part to learn from".to_owned(),
             };
             ui.add(Label::new(small(&hint)).truncate()).on_hover_text(&hint);
         });

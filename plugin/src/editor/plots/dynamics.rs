@@ -88,7 +88,7 @@ impl DynamicsPlot {
         painter.circle_filled(from, 3.0, theme::BLUE);
         painter.circle_filled(to, 3.0, theme::EMBER);
         let text =
-            if factor == 1.0 { "as it is".to_owned() } else { format!("{:+.1} dB", 20.0 * factor.max(1e-9).log10()) };
+            if factor == 1.0 { "unchanged".to_owned() } else { format!("{:+.1} dB", 20.0 * factor.max(1e-9).log10()) };
         let at = rect.right_top() + Vec2::new(-6.0, 4.0);
         painter.text(at, Align2::RIGHT_TOP, text, theme::small(), theme::TEXT);
     }
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_drive_s_distribution_is_that_of_late() {
+    fn drive_distribution_follows_recent_amplitudes() {
         let mut dynamics = DynamicsPlot::default();
         for n in 0..3 * WINDOWS {
             dynamics.take(Match { place_s: 0.0, magnitude: if n < WINDOWS { 1.0 } else { 0.1 }, factor: 2.0 });

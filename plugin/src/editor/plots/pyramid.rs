@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_come_as_they_are_heard_of_and_only_the_latest_are_kept() {
+    fn levels_appear_with_their_first_extent_and_keep_the_latest() {
         let mut levels = Levels::default();
         for n in 0..1000 {
             levels.take(Extent { level: 5, low: -0.5, high: n as f32 });

@@ -79,7 +79,7 @@ impl Space {
             painter.text(
                 at,
                 Align2::CENTER_BOTTOM,
-                format!("{reason}: nothing is heard of it"),
+                format!("{reason}, so there is no vortex sound"),
                 theme::small(),
                 theme::ALARM,
             );
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_loud_glows() {
+    fn louder_sources_glow_more() {
         assert_eq!((glow(1.0, 1.0), glow(0.0, 1.0), glow(1.0, 0.0), glow(1e-3, 1.0)), (1.0, 0.0, 0.0, 0.0));
         assert!((glow(10f32.powf(-15.0 / 20.0), 1.0) - 0.5).abs() < 1e-3);
     }

@@ -310,7 +310,7 @@ fn readable(painter: &egui::Painter, at: Pos2, text: &str, color: Color32) -> Re
 /// Judgement of the output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Advice {
-    /// Its likeness to the recording, and how well it follows the drive.
+    /// Its similarity to the recording, and its correlation with the drive.
     pub figures: Figures,
     /// Present or foreseeable fault.
     pub fault: Option<Diagnosis>,
@@ -336,9 +336,9 @@ impl Advice {
         let area = ui.interact(drawn, Place::unique("figures"), Sense::hover());
         area.on_hover_text(
             "Over the last eight seconds. Follows: correlation of the output's loudness with the drive's, 1 at best. \
-             Tones: how far the output's strongest tones stand out beyond the recording's; noise has none, a buzz some 3 dB and more. \
+             Tones: how far the output's strongest tones stand out beyond the recording's; noise has none, a buzz 3 dB or more. \
              Crackle: how sudden the output is, as a multiple of the recording; 1 at best. \
-             Scaling: what Scaling auto has left of Scaling alpha.",
+             Scaling: Scaling alpha as lowered by Scaling auto.",
         );
         let Some(fault) = self.fault else { return };
         let at = at + Vec2::new(0.0, 15.0);

@@ -104,7 +104,7 @@ impl Presets {
         let keys = ui.input_mut(|input| {
             [Key::ArrowDown, Key::ArrowUp, Key::Enter].map(|key| input.consume_key(egui::Modifiers::NONE, key))
         });
-        let search = TextEdit::singleline(&mut self.list.search).hint_text("Search names, words and tags");
+        let search = TextEdit::singleline(&mut self.list.search).hint_text("Search by name, word or tag");
         let search = ui.add(search.desired_width(f32::INFINITY));
         map::note(ui, "field.Search", search.rect);
         if std::mem::take(&mut self.list.has_opened) {
@@ -257,14 +257,14 @@ impl Presets {
                     button.on_hover_text(hint).clicked()
                 };
                 let words = if self.list.deletes { "Delete for good" } else { "Delete" };
-                let hint = "Deletes the selected preset, if it is yours; asks once more";
+                let hint = "Deletes the selected preset, if it is your own; asks for confirmation";
                 delete = action(words, "Delete", is_free && own.is_some(), hint);
                 let can_rename = is_free && own.as_ref().is_some_and(|(_, name)| *name != self.list.name.trim());
-                let hint = "Renames the selected preset, if it is yours, to the name on the left";
+                let hint = "Renames the selected preset, if it is your own, to the name on the left";
                 rename = action("Rename", "Rename", can_rename, hint);
                 let can_save = is_free && !self.list.name.trim().is_empty();
                 let words = if self.list.replaces { "Replace" } else { "Save" };
-                save = action(words, "Save", can_save, "Saves the current settings as a preset of yours")
+                save = action(words, "Save", can_save, "Saves the current settings as a preset of your own")
                     || entered && can_save;
                 let field = TextEdit::singleline(&mut self.list.name).id(egui::Id::unique(NAME));
                 let field = ui.add(field.hint_text("Preset name").desired_width(f32::INFINITY));

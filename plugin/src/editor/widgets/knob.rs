@@ -33,7 +33,7 @@ pub struct Look<'a> {
     pub color: Color32,
     /// Radius of the dial in points.
     pub radius: f32,
-    /// Tooltip text beside the parameter's help.
+    /// Tooltip text besides the parameter's help.
     pub more: String,
 }
 

@@ -1,7 +1,7 @@
 //! MIDI controllers, which VST3 hosts know as parameters alone.
 //!
 //! Each controller is a hidden parameter, to which it is mapped on every MIDI channel. Where a block moves one, the
-//! framework receives values of the assigned parameters, beside the host's own, and the host receives the result.
+//! framework receives values of the assigned parameters, besides the host's own, and the host receives the result.
 
 use std::sync::atomic::{AtomicI32, AtomicPtr, AtomicU16, AtomicU32, Ordering};
 

@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_host_is_told_is_not_pending_when_it_comes_back() {
+    fn echo_of_a_reported_value_is_not_pending() {
         let pending = PendingValues::default();
         assert!(!pending.is_echo(2, 0.0), "nothing was told");
         pending.set(2, 0.75);
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn all_are_taken_once() {
+    fn pending_values_are_taken_once() {
         let pending = PendingValues::default();
         pending.set(0, 2.0);
         pending.set(5, 0.5);

@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read_whole() {
+    fn stream_reads_back_all_bytes_written() {
         let bytes: Vec<u8> = (0..3 * PIECE + 7).map(|index| index as u8).collect();
         let to = MemoryStream::new(Vec::new());
         // SAFETY: a live stream.

@@ -72,6 +72,7 @@ impl Flame {
         for (offset, sample) in out.iter_mut().enumerate() {
             let before = (self.intensity.value, self.wind.value);
             let now = (self.intensity.next(intensity), self.wind.next(wind));
+            // Their roots are computed only while a control moves.
             if now != before {
                 self.weights = weights(now.0, now.1);
             }
@@ -120,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_simulated_is_heard_as_it_was() {
+    fn wind_0_and_1_play_the_simulated_ways_unmixed() {
         for (wind, way) in [(0.0, PLAIN), (1.0, WINDY)] {
             let mut expected = [0.0; WAYS];
             expected[way] = 1.0;

@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_drive_is_refused() {
+    fn file_that_is_not_a_drive_is_refused() {
         let wav = |channels: u16, steps: usize| {
             let spec = hound::WavSpec {
                 channels,

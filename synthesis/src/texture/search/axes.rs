@@ -10,9 +10,10 @@ use super::lanes::{Lanes, Machine, STAGE, Work};
 use super::sizes::AXES_MAX;
 use crate::texture::feature::Features;
 
-/// Largest number of windows, evenly spaced, from which the axes are computed.
+/// Largest number of windows, evenly spaced, from which the axes are computed. Any axes give the right result; good ones
+/// are faster.
 const SAMPLE: usize = 8192;
-/// Windows handled by one task.
+/// Windows handled by one task. Fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 4096;
 /// Coordinates that [`Axes::columns`] answers: the axes along which a recording's windows differ most.
 pub const COLUMNS: usize = 4;

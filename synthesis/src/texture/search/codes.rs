@@ -4,8 +4,8 @@
 //! coordinate is a code of seven bits, at an odd number of half-steps from the middle; a query's is any number of
 //! half-steps from -127 to 127. The squared distance between the two is therefore an integer, |c|^2 - 2 c.q + |q|^2,
 //! exact on every machine, and sixteen of them cost a few multiplications of bytes. The rounding error of the codes is
-//! known (`slack` for the windows, `error` for the query) and added to the reach; the part of the query outside the
-//! frame's box is kept separately, in single precision.
+//! known (`slack` for the windows, `error` for the query) and added to the search radius. The part of the query outside
+//! the frame's box is kept separately, in single precision.
 
 use bitcode::{Decode, Encode};
 

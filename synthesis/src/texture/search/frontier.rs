@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_beyond_the_limit_stays_out() {
+    fn boxes_beyond_the_limit_are_not_returned() {
         let mut aside = Frontier::new(4);
         for (i, bound) in [3.0, 1.0, 2.0, 4.0].into_iter().enumerate() {
             aside.push(bound, (0, Child::of_node(i)));

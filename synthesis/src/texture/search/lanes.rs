@@ -552,7 +552,7 @@ mod tests {
     }
 
     #[test]
-    fn every_machine_takes_queries_in_alike() {
+    fn every_machine_converts_queries_alike() {
         let white = White::new(5, 6);
         for round in 0..200 {
             let number = |at: i64| white.at(100 * round + at);

@@ -1,18 +1,18 @@
 //! The nearest window to a feature (§5.2): Pyrophone's own index.
 //!
 //! Features have some fifty dimensions, but few of them matter. Every window is therefore stored as its coordinates
-//! along the level's principal axes, as many as its sound needs, and the length of the remainder; the distance in these
+//! along the level's principal axes, as many as its sound needs, and the length of the remainder. The distance in these
 //! numbers never exceeds the true one. They are stored as integers of seven bits, in leaves of sixteen neighbouring
 //! windows, and a tree of bounding boxes, sixteen children wide, leads to the leaves. Sixteen bounds are computed at
 //! once.
 //!
 //! Windows of different loudness are divided into *shells*, one for every 12 dB of the feature's length, each with its
 //! own tree. A noise floor far below the rest is thus coded in its own steps and along as many axes as it needs,
-//! although it contributes nothing to the recording's variance; and since no window is nearer than the difference of
-//! the two lengths, most shells are skipped.
+//! although it contributes nothing to the recording's variance. No window is nearer than the difference of the two
+//! lengths, so most shells are skipped.
 //!
-//! Only windows whose bound is below the best distance so far are compared in full: first in the fastest order of
-//! arithmetic, and if that is inconclusive, in double precision in the reference's order, without fused operations. All
+//! Only windows whose bound is below the best distance so far are compared in full, first in the fastest order of
+//! arithmetic. If that is inconclusive, they are compared in the reference's order, without fused operations. All
 //! bounds allow for rounding, so the result is the nearest window, with ties going to the lowest, on every machine.
 
 mod axes;

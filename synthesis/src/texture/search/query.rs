@@ -305,6 +305,7 @@ impl<'a, L: Lanes> Search<'a, L> {
             return;
         }
         let closeness = self.lanes.integers(closeness);
+        // A single window is compared at once: only others have time to arrive from memory meanwhile.
         if within & (within - 1) != 0 {
             self.prefetch(leaf.windows, within);
         }
@@ -465,9 +466,9 @@ impl Work for Exact<'_> {
     }
 }
 
-/// Best-first search, until the allowed work is done: from each box straight on to the nearest box in it, down to a
-/// leaf; then on with the nearest of all postponed boxes. Finding that one costs more than it saves if the search will
-/// finish anyway, as nearly all do, so for the first half of the work the latest postponed box is used instead.
+/// Best-first search, until the allowed work is done. It goes from each box straight on to the nearest box in it, down to
+/// a leaf, and continues with the nearest of all postponed boxes. Finding that one costs more than it saves if the search
+/// will finish anyway, as nearly all do, so for the first half of the work the latest postponed box is used instead.
 struct Bounded<'a> {
     task: Task<'a>,
     candidates: u32,

@@ -9,7 +9,7 @@ use super::tree::Tree;
 use crate::bulk::bulk_fields;
 use crate::texture::feature::Features;
 
-/// Largest number of shells; the last one takes everything quieter.
+/// Largest number of shells: they span 144 dB, as samples of 24 bits do. The last one takes everything quieter.
 pub const SHELLS: usize = 12;
 /// Length of a shell's loudest feature over its quietest: 12 dB.
 const RATIO: f64 = 4.0;

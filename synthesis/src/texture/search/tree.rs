@@ -114,7 +114,7 @@ pub struct Node<'a> {
 }
 
 impl Tree {
-    /// A tree over `points`, at least one, and the largest distance of a point from the features' mean. `step` is told the
+    /// A tree over `points`, at least one, and the largest distance of a point from the features' mean. `step` receives the
     /// part done.
     pub fn new(points: &Points<'_>, step: Step<'_>) -> Result<(Self, f32), Error> {
         Self::in_parts(points, AT_ONCE, step)
@@ -243,16 +243,16 @@ fn no_bounds(axes: usize) -> Bounds {
 const SIDE_BY_SIDE: usize = 4096;
 /// At most this many points, evenly spread, decide along which axis to split.
 const SAMPLE: usize = 512;
-/// Most windows whose points are held at once: 50 MB of them. Those of a long recording would take more memory than all that
-/// is made of them.
+/// Most windows whose points are held at once: 50 MB of them. All points of a long recording would take more memory than
+/// the index that is made of them.
 const AT_ONCE: usize = 1 << 18;
 
 /// Windows as points: `numbers` coordinates each (a multiple of `STAGE`).
 #[derive(Debug, Clone, Copy)]
 pub struct Points<'a> {
-    /// What the coordinates lie along.
+    /// Axes of the coordinates.
     pub axes: &'a Axes,
-    /// What they are projected from.
+    /// Features that are projected.
     pub features: &'a Features<'a>,
     /// The windows, rising.
     pub windows: &'a [u32],
@@ -310,7 +310,7 @@ fn widest<'p>(axes: usize, sampled: impl Iterator<Item = &'p [f32]>) -> usize {
     (0..axes).max_by(|a, b| variance(a).total_cmp(&variance(b))).unwrap_or(0)
 }
 
-/// Every how many-th of `points` is sampled.
+/// Stride with which `points` are sampled.
 fn stride(points: usize) -> usize {
     points.div_ceil(SAMPLE)
 }
