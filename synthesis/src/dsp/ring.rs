@@ -1,6 +1,6 @@
-//! The recent part of a pyramid level.
+//! The recent past of a signal, by index.
 
-/// A level's samples around the present, by their index on the level. Samples never written are 0.
+/// Samples of a signal around the present, by their index. Samples never written are 0.
 #[derive(Debug, Clone)]
 pub struct Ring {
     data: Vec<f64>,

@@ -8,9 +8,10 @@ use std::sync::Arc;
 
 use super::buzz::Buzz;
 use super::dictionary::Dictionary;
-use super::distribution::{Distribution, RunningDistribution, feature_factor};
-use super::extents::{Extent, Extents};
-use super::feature::{Excerpt, Place, halfway};
+use super::distribution::Distribution;
+use super::drive_range::DriveRange;
+use super::extents::Extent;
+use super::feature::{Excerpt, Place};
 use super::gate::Gate;
 use super::output::Outputs;
 use super::pyramid::PyramidStream;
@@ -18,9 +19,11 @@ use super::schedule::Schedule;
 use super::search::{Budget, Searcher};
 use super::shape::PyramidConfig;
 use super::slots::{self, Slots};
+use super::traces::{Match, Traces};
+use super::window_feature::WindowFeature;
 use crate::Error;
 use crate::companding::Profile;
-use crate::controls::{DynamicRange, Quality, SLOTS, TextureControls};
+use crate::controls::{Quality, SLOTS, TextureControls};
 use crate::crackle::Crackles;
 use crate::dsp::{Ring, Smoothed, Timeline, White};
 use crate::error::within;
@@ -31,12 +34,10 @@ pub struct Texture {
     shape: PyramidConfig,
     schedule: Schedule,
     hat: Vec<f64>,
-    weights: Vec<f64>,
     slots: Slots<Dictionary>,
     /// Slot that the controls of the last call name first.
     slot: usize,
-    learned: Option<Arc<Distribution>>,
-    running: RunningDistribution,
+    range: DriveRange,
     /// Relative error allowed to an exact search.
     eps: f64,
     pyramid: PyramidStream,
@@ -47,8 +48,8 @@ pub struct Texture {
     gate: Gate,
     timeline: Timeline<TextureControls>,
     searcher: Searcher,
-    query: Vec<f64>,
-    taps: Vec<f64>,
+    /// Feature of the window that is to be matched.
+    query: WindowFeature,
     window: Vec<f64>,
     /// Samples of a level that are complete.
     done: Vec<f64>,
@@ -60,11 +61,7 @@ pub struct Texture {
     /// Index of the next sample.
     now: i64,
     latency_samples: i64,
-    /// Top-level magnitudes that arose in the last call of `process`.
-    top_magnitudes: Vec<f64>,
-    /// Matches of the level below the top since they were last returned.
-    matches: Vec<Match>,
-    extents: Extents,
+    traces: Traces,
     /// Number of windows and boxes compared since creation.
     compared: u64,
     /// Largest number of consecutive windows, by level, that may continue a run although another is nearer.
@@ -75,17 +72,6 @@ pub struct Texture {
     /// True if it has listened for a buzz since the reset.
     is_listening: bool,
     scaling_alpha: f64,
-}
-
-/// A match of a window of the level below the top.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Match {
-    /// Centre of the recording's window, in seconds from the recording's start.
-    pub place_s: f32,
-    /// Mean magnitude of the drive about the window, and the factor that took it into the recording's range (§5.3, eq. 17).
-    pub magnitude: f32,
-    /// See `magnitude`; 1 without mapping.
-    pub factor: f32,
 }
 
 /// One level below the top.
@@ -126,11 +112,6 @@ const DYNAMICS_S: f64 = 0.02;
 const VARIETY_STREAM: u32 = 0x5641_5200;
 const COARSE_VARIETY: f64 = 0.5;
 
-/// Largest number of stored matches; later ones are lost.
-const MATCH_CAPACITY: usize = 512;
-/// Largest number of top-level samples that one call may leave in `top_magnitudes`; longer calls keep the last.
-const TOP_CAPACITY: usize = 8192;
-
 impl Texture {
     /// An engine of `shape` with `channels` outputs (1-10) at `sample_rate_hz`.
     pub fn new(shape: &PyramidConfig, channels: usize, sample_rate_hz: f64) -> Result<Self, Error> {
@@ -162,11 +143,9 @@ impl Texture {
         let longest_wait = schedule.offset[0] as usize + shape.period_samples() + crossfade_samples.ceil() as usize;
         let mut texture = Self {
             hat: shape.hat(),
-            weights: shape.weights(),
             slots: Slots::default(),
             slot: 0,
-            learned: None,
-            running: RunningDistribution::new(top_rate_hz),
+            range: DriveRange::new(top_rate_hz),
             eps: 0.0,
             pyramid: PyramidStream::new(shape),
             levels: (0..shape.top()).map(level).collect(),
@@ -175,8 +154,7 @@ impl Texture {
             gate: Gate::new(latency.div_ceil(1 << shape.top())),
             timeline: Timeline::new(longest_wait, TextureControls::default()),
             searcher: Searcher::new(),
-            query: vec![0.0; shape.feature_len()],
-            taps: vec![0.0; shape.coarse_len() + 1],
+            query: WindowFeature::new(shape),
             window: vec![0.0; shape.hat().len()],
             done: vec![0.0; shape.window],
             origin: 0,
@@ -184,9 +162,7 @@ impl Texture {
             crossfade_samples,
             now: 0,
             latency_samples: latency as i64,
-            top_magnitudes: Vec::with_capacity(TOP_CAPACITY),
-            matches: Vec::with_capacity(MATCH_CAPACITY),
-            extents: Extents::new(shape.levels, sample_rate_hz),
+            traces: Traces::new(shape.levels, sample_rate_hz),
             compared: 0,
             longest_run: (0..shape.top())
                 .map(|level| {
@@ -241,12 +217,10 @@ impl Texture {
         self.now = origin;
         self.eps = 0.0;
         self.pyramid.reset(origin, sizes);
-        self.running.reset();
+        self.range.reset();
         self.gate.reset();
         self.timeline.reset(TextureControls::default());
-        self.top_magnitudes.clear();
-        self.matches.clear();
-        self.extents.reset(origin);
+        self.traces.reset(origin);
         self.buzz.reset();
         self.is_listening = false;
         self.scaling_alpha = 0.0;
@@ -306,18 +280,18 @@ impl Texture {
 
     /// Exchanges the learned distribution of the drive.
     pub fn swap_distribution(&mut self, learned: Option<Arc<Distribution>>) -> Option<Arc<Distribution>> {
-        std::mem::replace(&mut self.learned, learned)
+        std::mem::replace(&mut self.range.learned, learned)
     }
 
     /// Magnitudes of the drive's top level that arose in the last call of `process`.
     pub fn top_magnitudes(&self) -> &[f64] {
-        &self.top_magnitudes
+        &self.traces.top_magnitudes
     }
 
     /// Returns the matches on the level below the top, and the extents of all levels, since they were last returned; at
     /// most 512 of each.
     pub fn take_traces(&mut self) -> (std::vec::Drain<'_, Match>, std::vec::Drain<'_, Extent>) {
-        (self.matches.drain(..), self.extents.drain())
+        self.traces.take()
     }
 
     /// Present degree of mapping of the recording's amplitudes onto the drive's, 0-1: the control's value, reduced by
@@ -359,7 +333,7 @@ impl Texture {
             self.dynamics.value = within(controls.companding.dynamics, 0.0, 1.0);
         }
         self.timeline.push(*controls, drive.len());
-        self.top_magnitudes.clear();
+        self.traces.top_magnitudes.clear();
         let mut done = 0;
         while done < drive.len() {
             let due = self.levels.iter().map(|level| level.due).min().unwrap_or(i64::MAX);
@@ -409,12 +383,10 @@ impl Texture {
 
     fn take_top(&mut self, index: i64, value: f64, loudness: Option<f64>) {
         self.top.set(index, value);
-        self.extents.take(self.shape.top(), index, value);
+        self.traces.extents.take(self.shape.top(), index, value);
         let magnitude = value.abs();
-        if self.top_magnitudes.len() < TOP_CAPACITY {
-            self.top_magnitudes.push(magnitude);
-        }
-        self.running.push(magnitude);
+        self.traces.add_magnitude(magnitude);
+        self.range.push(magnitude);
         let controls = self.controls_at(index << self.shape.top());
         self.gate.push(index, loudness.unwrap_or(magnitude), controls.gate);
     }
@@ -445,7 +417,7 @@ impl Texture {
         // The next window begins with a weight of 0 at this one's centre, so samples up to there are complete.
         let done = &mut self.done[..w as usize];
         self.levels[l].samples.copy(centre - w + 1, i64::MIN, done);
-        self.extents.take_all(l, centre - w + 1, done);
+        self.traces.extents.take_all(l, centre - w + 1, done);
     }
 
     /// The slot of the window whose centre is at this sample: the same for all windows over one window of the level
@@ -486,9 +458,7 @@ impl Texture {
         self.gather(l, window);
         self.vary(l, window, &controls);
         let own_scale = self.slots.scale(slot);
-        if own_scale != 1.0 {
-            self.query.iter_mut().for_each(|x| *x *= own_scale);
-        }
+        self.query.scale(own_scale);
         let is_mapped = l + 1 == self.shape.top();
         let (magnitude, factor) = if is_mapped { self.map_dynamic_range(&controls, dictionary) } else { (0.0, 1.0) };
         let budget = match controls.quality {
@@ -497,13 +467,13 @@ impl Texture {
         };
         let features = dictionary.features(l);
         let hint = self.levels[l].last_match.filter(|(of, _)| *of == slot).map(|(_, window)| window + 1);
-        let answer = self.searcher.nearest(index, &features, &self.query, hint, budget);
+        let answer = self.searcher.nearest(index, &features, &self.query.values, hint, budget);
         self.compared += u64::from(answer.compared);
         let goes_on = || {
             let next =
                 hint.filter(|next| index.windows().contains(next) && self.levels[l].run < self.longest_run[l])?;
-            let limit = CONTINUITY * features.distance(answer.window, &self.query);
-            (features.distance(next, &self.query) <= limit).then_some(next)
+            let limit = CONTINUITY * features.distance(answer.window, &self.query.values);
+            (features.distance(next, &self.query.values) <= limit).then_some(next)
         };
         let profile = dictionary.profile();
         let chosen = profile.and_then(|_| goes_on()).unwrap_or(answer.window);
@@ -511,9 +481,9 @@ impl Texture {
         level.run = if hint == Some(chosen) { level.run + 1 } else { 0 };
         level.last_match = Some((slot, chosen));
 
-        if is_mapped && slot == self.slot && self.matches.len() < MATCH_CAPACITY {
+        if is_mapped && slot == self.slot {
             let place_s = dictionary.place_s(l, chosen) as f32;
-            self.matches.push(Match { place_s, magnitude: magnitude as f32, factor: factor as f32 });
+            self.traces.add_match(Match { place_s, magnitude: magnitude as f32, factor: factor as f32 });
         }
 
         let scale = 1.0 / (factor * own_scale);
@@ -546,25 +516,16 @@ impl Texture {
         }
     }
 
-    /// Collects the window's feature into `query`.
+    /// Collects the window's feature.
     fn gather(&mut self, l: usize, window: i64) {
-        let place = Place::of(window, &self.shape);
-        let floor = self.levels[l].floor;
-        let (causal, coarse) = self.query.split_at_mut(self.shape.causal_len());
-        self.levels[l].samples.copy(place.causal, floor.div_ceil_shift(l), causal);
-        let (ring, coarse_floor) = match self.levels.get(l + 1) {
+        let level = &self.levels[l];
+        let floor = level.floor;
+        let coarser = match self.levels.get(l + 1) {
             Some(coarser) => (&coarser.samples, floor.div_ceil_shift(l + 1)),
             None => (&self.top, self.origin.div_ceil_shift(l + 1)),
         };
-        if place.between {
-            ring.copy(place.coarse, coarse_floor, &mut self.taps);
-            for (x, taps) in coarse.iter_mut().zip(self.taps.windows(2)) {
-                *x = halfway(taps[0], taps[1]);
-            }
-        } else {
-            ring.copy(place.coarse, coarse_floor, coarse);
-        }
-        self.query.iter_mut().zip(&self.weights).for_each(|(x, weight)| *x *= weight);
+        let place = Place::of(window, &self.shape);
+        self.query.gather(&place, (&level.samples, floor.div_ceil_shift(l)), coarser);
     }
 
     /// Adds noise to `query`, so that another seed finds another window of the same kind.
@@ -574,8 +535,8 @@ impl Texture {
             return;
         }
         let noise = White::new(controls.seed, VARIETY_STREAM + l as u32);
-        let mut position = window.wrapping_mul(self.query.len() as i64);
-        let (causal, coarse) = self.query.split_at_mut(self.shape.causal_len());
+        let mut position = window.wrapping_mul(self.query.values.len() as i64);
+        let (causal, coarse) = self.query.halves();
         for (part, share) in [(causal, 1.0), (coarse, COARSE_VARIETY)] {
             let power = part.iter().map(|x| x * x).sum::<f64>() / part.len().max(1) as f64;
             let level = variety * share * power.sqrt();
@@ -589,25 +550,14 @@ impl Texture {
     /// Maps the coarse half of `query` into the recording's range (§5.3); returns its mean magnitude, and the factor by
     /// which the match is divided.
     fn map_dynamic_range(&mut self, controls: &TextureControls, dictionary: &Dictionary) -> (f64, f64) {
-        let coarse = &mut self.query[self.shape.causal_len()..];
+        let (_, coarse) = self.query.halves();
         let mean = coarse.iter().map(|x| x.abs()).sum::<f64>() / coarse.len() as f64;
-        let recording = dictionary.distribution();
         let share = match controls.scaling_auto {
             true if dictionary.is_impulsive() => 0.0,
             true => self.buzz.share(),
             false => 1.0,
         };
-        let scaling_alpha = controls.scaling_alpha * share;
-        let factor = match (controls.dynamic_range, &self.learned) {
-            (DynamicRange::Learned, Some(learned)) => {
-                feature_factor(mean, scaling_alpha, |a| learned.fraction(a), recording)
-            }
-            (DynamicRange::Running, _) => {
-                let prior = dictionary.histogram();
-                feature_factor(mean, scaling_alpha, |a| self.running.fraction(a, prior), recording)
-            }
-            _ => 1.0,
-        };
+        let factor = self.range.factor(mean, controls.scaling_alpha * share, controls.dynamic_range, dictionary);
         coarse.iter_mut().for_each(|x| *x *= factor);
         (mean, factor)
     }

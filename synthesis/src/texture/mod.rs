@@ -7,19 +7,21 @@
 //! | [`feature`] | the neighbourhood by which a window is matched |
 //! | [`dictionary`] | a recording, analysed and indexed |
 //! | [`search`] | the nearest window |
-//! | [`distribution`] | dynamic-range matching |
+//! | [`distribution`] | dynamic-range matching; `drive_range`: what it knows of the drive |
 //! | [`schedule`] | the sample at which each window is matched |
 //! | [`gate`] | silence in, silence out |
 //! | [`extents`] | extents of the output's levels |
 //! | [`buzz`] | repeats that are audible as tones |
 //! | [`slots`] | several recordings, and the choice between them for each window |
 //! | `output` | the synthesized sound of each |
+//! | `window_feature`, `traces` | the engine's parts: the feature that is matched, and what it tells |
 //! | [`engine`] | the whole process, on a stream |
 //! | [`offline`] | the whole process, on a complete signal |
 
 pub mod buzz;
 pub mod dictionary;
 pub mod distribution;
+mod drive_range;
 pub mod engine;
 pub mod extents;
 pub mod feature;
@@ -31,9 +33,12 @@ pub mod schedule;
 pub mod search;
 pub mod shape;
 pub mod slots;
+mod traces;
+mod window_feature;
 
 pub use dictionary::Dictionary;
 pub use distribution::Distribution;
-pub use engine::{Match, Texture};
+pub use engine::Texture;
 pub use extents::Extent;
 pub use shape::PyramidConfig;
+pub use traces::Match;

@@ -13,6 +13,7 @@
 //! | [`live`] | a flow simulated during playback |
 //! | `renderer` | hops on the host's timeline |
 //! | `hop`, `render_hop` | decisions about a hop, and its summation |
+//! | `follower` | the drive's envelope, which sets speeds |
 //! | `acoustics` | constants of sound in air |
 //! | `source` | properties of a source, drawn from a seed |
 //! | `motion` | the origin of the sources' motion |
@@ -21,14 +22,17 @@
 //! | `upsampler` | conversion from the sources' rate to the output's |
 //! | [`layout`] | receivers and channels |
 //! | `seen` | positions of sources, for display |
+//! | `output`, `declick` | from a hop's pressures to its output; what remains after an exchange |
 //! | `microphone` | the largest pressure |
 //! | [`factory`] | the built-in textures |
 
 mod acoustics;
 pub mod bank;
+mod declick;
 pub mod factory;
 pub mod field;
 mod field_file;
+mod follower;
 mod hop;
 pub mod layout;
 mod level;
@@ -36,6 +40,7 @@ pub mod live;
 mod microphone;
 mod motion;
 mod moving;
+mod output;
 mod read;
 mod render_hop;
 mod renderer;

@@ -5,10 +5,9 @@ use super::bank::Bank;
 use super::hop::Hop;
 use super::layout::MOST_CHANNELS;
 use super::level::Blend;
-use super::microphone::limited;
 use super::motion::Motion;
 use super::read::{Gain, Part};
-use super::renderer::{FAREWELL_HOPS, Vortex};
+use super::renderer::Vortex;
 use super::source::{Edge, Identity, Source};
 use crate::controls::{Flow, VortexControls};
 use crate::error::within;
@@ -43,12 +42,7 @@ impl Vortex {
     pub(super) fn begin(&mut self, start: i64, controls: &VortexControls) {
         if std::mem::take(&mut self.is_exchanged) {
             self.sources.iter_mut().for_each(|source| source.presence = 0.0);
-            for (farewell, pressures) in self.farewell.iter_mut().zip(&self.pressures) {
-                if let [.., before, last] = pressures[..] {
-                    *farewell = [last, last - before];
-                }
-            }
-            self.farewell_hop = 0;
+            self.declick.begin(&self.output.pressures);
         }
         self.decide(start, controls, false);
         if let Some(live) = &mut self.live {
@@ -62,7 +56,7 @@ impl Vortex {
         let identity = Identity { seed: controls.seed, flow: controls.flow };
         let before = self.moving.now();
         let frame = self.moving.next(controls);
-        let speed_m_s = frame.speed_m_s * maths::pow(self.envelope_now, frame.curve);
+        let speed_m_s = frame.speed_m_s * maths::pow(self.follower.now, frame.curve);
         let ends = [start, start + self.hop as i64];
         let offset_s = within(controls.field_offset_s, -3600.0, 3600.0);
         let place = |at: i64| at as f64 / self.sample_rate_hz + offset_s;
@@ -89,7 +83,7 @@ impl Vortex {
             moments,
             wanted,
             speed_m_s,
-            ln_speed: if self.envelope_now > 0.0 { maths::ln(speed_m_s) as f32 } else { f32::NEG_INFINITY },
+            ln_speed: if self.follower.now > 0.0 { maths::ln(speed_m_s) as f32 } else { f32::NEG_INFINITY },
             ln_reference: self.bank.as_deref().map_or(0.0, reference),
             stays: frame.place == before.place && !is_fresh,
             is_fresh,
@@ -97,7 +91,7 @@ impl Vortex {
             summed: 0,
             frame,
         };
-        self.pressures.iter_mut().for_each(|channel| channel.fill(0.0));
+        self.output.clear();
     }
 
     /// Sums the remaining sources of the hop.
@@ -189,7 +183,7 @@ impl Vortex {
             *part = Part { series, from: scale * from, change: scale * (to - from) };
         }
         let phase = (at - first as f64).max(0.0) as f32;
-        self.reader.process(&parts[..count], phase, step as f32, &gains[..audible], &mut self.pressures);
+        self.reader.process(&parts[..count], phase, step as f32, &gains[..audible], &mut self.output.pressures);
     }
 
     /// Sound of a source at the start of the hop, or at its `end`; `heard` is true if its edge is its previous sound.
@@ -222,36 +216,10 @@ impl Vortex {
         Edge { blend, gains, position, told: presence, distance_m: delayed_m, settled }
     }
 
-    /// Converts the hop's pressures to output: remains of an exchange, the output's rate, the microphone and the level.
+    /// Converts the hop's pressures to output, with the remains of an exchange.
     pub(super) fn finish(&mut self) {
-        self.declick_tail();
-        let Hop { before: from, frame: to, .. } = &self.present;
-        let per_sample = 1.0 / self.hop as f64;
-        for (channel, (pressures, ready)) in self.pressures.iter().zip(&mut self.ready).enumerate() {
-            self.raise.process(channel, pressures, &mut self.raised);
-            for (n, (pressure, out)) in self.raised.iter().zip(ready.iter_mut()).enumerate() {
-                let part = n as f64 * per_sample;
-                let level = from.level + part * (to.level - from.level);
-                let most = from.max_pressure_pa + part * (to.max_pressure_pa - from.max_pressure_pa);
-                *out = level * limited(f64::from(*pressure), most);
-            }
-        }
-    }
-
-    /// The sound from before an exchange continues in a straight line, but only briefly.
-    fn declick_tail(&mut self) {
-        if self.farewell_hop == FAREWELL_HOPS {
-            return;
-        }
-        for (pressures, [last, slope]) in self.pressures.iter_mut().zip(&self.farewell) {
-            let samples = pressures.len() as f32;
-            for (n, pressure) in pressures.iter_mut().enumerate() {
-                let hops = self.farewell_hop as f32 + n as f32 / samples;
-                let went_on = slope * (1.0 + hops * samples) * maths::exp(-16.0 * hops);
-                *pressure += (last + went_on) * maths::square(1.0 - hops / FAREWELL_HOPS as f32);
-            }
-        }
-        self.farewell_hop += 1;
+        self.declick.add(&mut self.output.pressures);
+        self.output.finish(&self.present.before, &self.present.frame);
     }
 }
 

@@ -3,16 +3,18 @@
 use std::sync::Arc;
 
 use super::bank::Bank;
+use super::declick::{self, Declick};
 use super::field::SpeedField;
+use super::follower::Follower;
 use super::hop::Hop;
 use super::layout::{Panner, SpeakerLayout};
 use super::live::{Live, Simulator, hops_per_step};
 use super::moving::ControlSnapshot;
+use super::output::Output;
 use super::read::Reader;
 use super::source::Source;
-use super::upsampler::{self, Upsampler};
+use super::upsampler;
 use crate::controls::{Flow, VortexControls};
-use crate::dsp::{Envelope, Follow};
 use crate::error::{Error, in_range, within};
 
 /// Most sources of a renderer.
@@ -20,12 +22,6 @@ pub const MOST_SOURCES: usize = 16_384;
 
 /// Samples of a hop at about 48 kHz; at other rates it lasts about as long.
 const HOP: f64 = 128.0;
-
-/// Number of hops over which the sound before an exchange fades away.
-pub(super) const FAREWELL_HOPS: usize = 2;
-
-/// Drive beyond this magnitude is a broken signal.
-const LARGEST_DRIVE: f64 = 1e4;
 
 /// Decay of a full-scale drive, in nepers, without a threshold: the envelope's own end, -240 dBFS.
 const SILENCE_NEPERS: f64 = 27.7;
@@ -48,20 +44,11 @@ pub struct Vortex {
     pub(super) field: Option<Arc<SpeedField>>,
     pub(super) live: Option<Live>,
     pub(super) sources: Vec<Source>,
-    pub(super) envelope: Envelope,
-    /// The envelope after the last sample.
-    pub(super) envelope_now: f64,
-    pub(super) follow: Vec<f64>,
+    pub(super) follower: Follower,
     pub(super) moving: ControlSnapshot,
     pub(super) reader: Reader,
     pub(super) present: Hop,
-    /// Pressures of the hop by channel, at the lower rate.
-    pub(super) pressures: Vec<Vec<f32>>,
-    pub(super) raise: Upsampler,
-    /// Pressures of a channel at the output's rate.
-    pub(super) raised: Vec<f32>,
-    /// The last hop's output by channel.
-    pub(super) ready: Vec<Vec<f64>>,
+    pub(super) output: Output,
     /// Position of the next sample.
     pub(super) position: i64,
     /// True if nothing has been rendered since the reset.
@@ -70,9 +57,7 @@ pub struct Vortex {
     pub(super) flow: Flow,
     /// True if an audible bank or field was exchanged during the last hop.
     pub(super) is_exchanged: bool,
-    /// Last pressures before an exchange with their slopes per sample, and hops since.
-    pub(super) farewell: Vec<[f32; 2]>,
-    pub(super) farewell_hop: usize,
+    pub(super) declick: Declick,
 }
 
 impl Vortex {
@@ -84,7 +69,7 @@ impl Vortex {
         in_range("number of sources", sources as f64, 1.0, MOST_SOURCES as f64)?;
         let hop = (HOP * maths::pow(2.0, maths::log2(sample_rate_hz / 48_000.0).round())) as usize;
         let factor = upsampler::factor(sample_rate_hz);
-        let (channels, summed) = (layout.channels(), hop / factor);
+        let channels = layout.channels();
         Ok(Self {
             sample_rate_hz,
             hop,
@@ -95,28 +80,22 @@ impl Vortex {
             field: None,
             live: None,
             sources: vec![Source::default(); sources],
-            envelope: Envelope::new(sample_rate_hz),
-            envelope_now: 0.0,
-            follow: vec![0.0; hop],
+            follower: Follower::new(sample_rate_hz, hop),
             moving: ControlSnapshot::new(sample_rate_hz / hop as f64),
-            reader: Reader::new(summed),
+            reader: Reader::new(hop / factor),
             present: Hop::default(),
-            pressures: vec![vec![0.0; summed]; channels],
-            raise: Upsampler::new(factor, channels, summed),
-            raised: vec![0.0; hop],
-            ready: vec![vec![0.0; hop]; channels],
+            output: Output::new(channels, hop, factor),
             position: 0,
             is_fresh: true,
             flow: Flow::Envelope,
             is_exchanged: false,
-            farewell: vec![[0.0; 2]; channels],
-            farewell_hop: FAREWELL_HOPS,
+            declick: Declick::new(channels),
         })
     }
 
     /// Delay of the output in samples, a function of the sample rate alone: a hop, and the filter of the upsampler.
     pub fn latency_samples(&self) -> usize {
-        self.hop + self.raise.latency_samples()
+        self.hop + self.output.latency_samples()
     }
 
     /// Samples for which output may differ from 0 after a full-scale drive has ended: the envelope's release down to
@@ -126,7 +105,7 @@ impl Vortex {
         let nepers = (-maths::ln(within(controls.threshold, 0.0, 1.0))).clamp(0.0, SILENCE_NEPERS);
         let release = (release_s * nepers * self.sample_rate_hz).ceil() as usize;
         (controls.flow == Flow::Envelope)
-            .then_some(release + (2 + FAREWELL_HOPS) * self.hop + 2 * self.latency_samples())
+            .then_some(release + (2 + declick::HOPS) * self.hop + 2 * self.latency_samples())
     }
 
     /// Samples of a hop, a function of the sample rate alone.
@@ -184,13 +163,11 @@ impl Vortex {
     pub fn reset(&mut self, position: i64) {
         // Leaves room for centuries of sound on either side, with positions in the period still accurate enough.
         self.position = position.clamp(-(1 << 50), 1 << 50);
-        self.envelope.reset();
-        self.envelope_now = 0.0;
-        self.ready.iter_mut().for_each(|channel| channel.fill(0.0));
+        self.follower.reset();
+        self.output.reset();
         self.is_fresh = true;
         self.is_exchanged = false;
-        self.farewell_hop = FAREWELL_HOPS;
-        self.raise.reset();
+        self.declick.reset();
         self.present = Hop::default();
         if let Some(live) = &mut self.live {
             live.reset();
@@ -210,8 +187,6 @@ impl Vortex {
     /// only the length of `drive` matters.
     pub fn process(&mut self, drive: &[f64], controls: &VortexControls, outputs: &mut [&mut [f64]]) {
         let count = outputs.iter().map(|channel| channel.len()).fold(drive.len(), usize::min);
-        let follow =
-            Follow { attack_s: controls.attack_s, release_s: controls.release_s, threshold: controls.threshold };
         let mut done = 0;
         while done < count {
             let into = self.position.rem_euclid(self.hop as i64) as usize;
@@ -221,15 +196,10 @@ impl Vortex {
                 self.begin(self.position, controls);
             }
             let step = (self.hop - into).min(count - done);
-            let envelope = &mut self.follow[..step];
-            for (kept, sample) in envelope.iter_mut().zip(&drive[done..]) {
-                *kept = if sample.is_nan() { 0.0 } else { sample.clamp(-LARGEST_DRIVE, LARGEST_DRIVE) };
-            }
-            self.envelope.process(&follow, envelope);
-            self.envelope_now = envelope.last().copied().unwrap_or(0.0);
+            self.follower.process(&drive[done..done + step], controls);
             for (channel, output) in outputs.iter_mut().enumerate() {
                 let output = &mut output[done..done + step];
-                match self.ready.get(channel) {
+                match self.output.ready.get(channel) {
                     Some(ready) => output.copy_from_slice(&ready[into..into + step]),
                     None => output.fill(0.0),
                 }
