@@ -27,7 +27,7 @@ impl Poles {
     fn low(&mut self, value: f64) -> f64 {
         self.state[0] += self.part * (value - self.state[0]);
         self.state[1] += self.part * (self.state[0] - self.state[1]);
-                // Values this small matter to no figure, and denormals are slow.
+        // Values this small matter to no figure, and denormals are slow.
         self.state.iter_mut().filter(|state| state.abs() < 1e-30).for_each(|state| *state = 0.0);
         self.state[1]
     }
