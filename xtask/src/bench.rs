@@ -22,13 +22,16 @@ const COST_END: &str = "<!-- end of costs -->\n";
 /// Markers of the window's costs in the page.
 const WINDOW_BEGIN: &str = "<!-- window: cargo xtask bench window -->\n";
 const WINDOW_END: &str = "<!-- end of window -->\n";
+/// Markers of the comparison with the authors' programs in the page.
+const PEERS_BEGIN: &str = "<!-- peers: cargo xtask bench peers -->\n";
+const PEERS_END: &str = "<!-- end of peers -->\n";
 
 /// Options of `cargo xtask bench`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Benchmark to run [default: each except all, instructions and scenes]; `all`, `search` and `window` also write their tables into docs/performance.md
+    /// Benchmark to run [default: each except all, instructions, peers and scenes]; `all`, `peers`, `search` and `window` also write their tables into docs/performance.md
     bench: Option<Bench>,
-    /// Options of `scenes`; see `bench scenes --help`
+    /// Options of `scenes` and `peers`; see `bench scenes --help` and `bench peers --help`
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
     arguments: Vec<OsString>,
 }
@@ -51,6 +54,8 @@ enum Bench {
     Reload,
     /// Instructions of one second of each engine, saved for comparison by `cargo xtask soak`
     Instructions,
+    /// Texture synthesis beside the authors' programs, whose folder is named after it; see `bench peers --help`
+    Peers,
     /// Sound of the scenes at several resolutions; takes minutes, so it runs only when named
     Scenes,
 }
@@ -60,7 +65,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if args.bench == Some(Bench::Scenes) {
         return cargo::sound("scenes", &args.arguments);
     }
-    ensure!(args.arguments.is_empty(), "only the bench `scenes` takes options");
+    if args.bench == Some(Bench::Peers) {
+        return peers(&args.arguments);
+    }
+    ensure!(args.arguments.is_empty(), "only the benches `scenes` and `peers` take options");
     setup::ensure(&setup::BUILD)?;
     if args.bench == Some(Bench::All) {
         return costs();
@@ -107,6 +115,17 @@ fn costs() -> Result<ExitCode> {
     table.push('\n');
     table.push_str(&instructions::table()?);
     keep(&table, COST_BEGIN, COST_END)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Texture synthesis beside the authors' programs.
+fn peers(arguments: &[OsString]) -> Result<ExitCode> {
+    let built = cargo::command().args(["build", "--release", "--quiet", "--package", "pyrophone-cli"]).status()?;
+    ensure!(built.success(), "the command line does not build; see above");
+    let table = printed(&mut cargo::sound_command("peers", arguments))?;
+    if table.starts_with('|') {
+        keep(&format!("{table}\n"), PEERS_BEGIN, PEERS_END)?;
+    }
     Ok(ExitCode::SUCCESS)
 }
 

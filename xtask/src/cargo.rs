@@ -24,12 +24,17 @@ pub fn exit_code(status: ExitStatus) -> ExitCode {
 
 /// Builds `xtask-sound` and runs it.
 pub fn sound(name: &str, arguments: &[OsString]) -> Result<ExitCode> {
+    Ok(exit_code(sound_command(name, arguments).status()?))
+}
+
+/// The command that builds `xtask-sound` and runs it.
+pub fn sound_command(name: &str, arguments: &[OsString]) -> Command {
     let mut sound = command();
     sound.args(["run", "--release", "--package", "xtask", "--bin", "xtask-sound", "--", name]);
     if name == "demo" && std::env::var_os("NICE_LOG").is_none() {
         // The plugin's log messages are only noise between the demo's lines.
         sound.env("NICE_LOG", project::target_dir().join("demo.log"));
     }
-    let status = sound.args(arguments).status()?;
-    Ok(exit_code(status))
+    sound.args(arguments);
+    sound
 }

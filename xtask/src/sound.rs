@@ -4,6 +4,7 @@ mod bounce;
 mod demo;
 mod drives;
 mod listen;
+mod peers;
 mod project;
 mod scenes;
 mod score;
@@ -31,6 +32,8 @@ enum Command {
     Drives(drives::Args),
     /// Write a blind listening test as one HTML file
     Listen(listen::Args),
+    /// Compare the cost of texture synthesis with the authors' programs
+    Peers(peers::Args),
     /// Print the sound of the scenes at several resolutions, in figures
     Scenes(scenes::Args),
     /// Score results against their recordings
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Drives(args) => drives::run(&args),
         Command::Listen(args) => listen::run(&args),
+        Command::Peers(args) => peers::run(&args),
         Command::Scenes(args) => scenes::run(&args),
         Command::Score(args) => score::run(&args),
         Command::Vortex(args) => vortex::run(&args),
