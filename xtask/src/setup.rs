@@ -53,19 +53,17 @@ pub const TEST: [Need; 11] = [
 ];
 
 /// Requirements for Linux packages: another C library comes with a package from the Python index.
-pub const LINUX_PACKAGE: [Need; 5] = [
-    LINKER,
-    C_LIBRARY,
-    // Debian separates the part that creates environments from Python itself.
-    Need { found: Found::Module("ensurepip"), package: "python3-venv", purpose: PACKAGES },
-    program("objdump", "binutils"),
-    program("dpkg-deb", "dpkg"),
-];
+pub const LINUX_PACKAGE: [Need; 5] =
+    [LINKER, C_LIBRARY, PYTHON_ENVIRONMENTS, program("objdump", "binutils"), program("dpkg-deb", "dpkg")];
 
 /// Debian's compiler, with the source of its standard library.
 const DEBIAN_RUSTC: Need = path("/usr/bin/rustc", "rustc-web");
 const DEBIAN_CARGO: Need = path("/usr/bin/cargo", "cargo-web");
 const DEBIAN_SOURCE: Need = path("/usr/lib/rustlib/src/rust/library/std", "rust-web-src");
+
+/// Debian separates the part that creates environments from Python itself.
+const PYTHON_ENVIRONMENTS: Need =
+    Need { found: Found::Module("ensurepip"), package: "python3-venv", purpose: PACKAGES };
 
 /// Enough to build packages for Windows.
 pub const WINDOWS_PACKAGE: [Need; 7] = [
@@ -78,8 +76,8 @@ pub const WINDOWS_PACKAGE: [Need; 7] = [
     program("zip", "zip"),
 ];
 
-/// Requirements for compiling for any system, without linking.
-pub const CHECK: [Need; 3] = [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE];
+/// Requirements for linking for macOS.
+pub const MACOS_CHECK: [Need; 4] = [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE, PYTHON_ENVIRONMENTS];
 
 /// Enough to build for Linux on 64-bit ARM.
 pub const ARM_BUILD: [Need; 4] =

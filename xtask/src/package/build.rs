@@ -60,11 +60,17 @@ pub fn program(targets: &[&str], triple: &str, linker: &str, file: &str) -> Resu
     Ok(path)
 }
 
-/// Compiles plugin and command line for a system, without linking them.
-pub fn check(triple: &str) -> Result<()> {
-    let mut command = debian_cargo();
-    command.args(["check", STANDARD_LIBRARY, "--target", triple]).args(PACKAGES);
-    finish(command, triple)
+/// Builds plugin and command line for macOS, unoptimised, by a linker that finds its libraries in a development kit;
+/// returns the path of the plugin's library.
+pub fn link(triple: &str, linker: &Path, kit: &Path) -> Result<PathBuf> {
+    let mut command = debian_command(triple, &linker.to_string_lossy());
+    command.args(PACKAGES).env("SDKROOT", kit);
+    // Nobody runs the result, and optimising takes most of the time. Stripping for macOS needs macOS's own program.
+    command.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0").env("CARGO_PROFILE_RELEASE_STRIP", "none");
+    finish(command, triple)?;
+    let library = project::target_dir().join("cross").join(triple).join("release/libpyrophone.dylib");
+    ensure!(library.exists(), "{} was not made", library.display());
+    Ok(library)
 }
 
 /// Runs a build.
@@ -82,7 +88,7 @@ fn finish(mut command: Command, name: &str) -> Result<()> {
 
 /// Cargo through zig, which links against an older C library.
 fn zig_command() -> Result<Command> {
-    let tools = tools()?;
+    let tools = zig_tools()?;
     let mut command = cargo::command();
     command.args(["zigbuild", "--target", &format!("{}.{GLIBC}", System::Linux.triple())]);
     let path = std::env::var_os("PATH").unwrap_or_default();
@@ -92,7 +98,7 @@ fn zig_command() -> Result<Command> {
 }
 
 /// The folder of a Python environment with zig in it, created at the first call.
-fn tools() -> Result<PathBuf> {
+pub fn zig_tools() -> Result<PathBuf> {
     let tools = project::target_dir().join("packages-tools");
     if !tools.join("bin/cargo-zigbuild").exists() {
         let made = Command::new("python3").args(["-m", "venv"]).arg(&tools).status().context("calling python3")?;

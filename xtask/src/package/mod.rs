@@ -6,6 +6,7 @@ pub mod build;
 mod contents;
 mod licences;
 mod linkage;
+mod macos;
 mod powershell;
 mod system;
 
@@ -25,7 +26,7 @@ pub struct Args {
     /// Only for this system instead of all that can be built for here
     #[arg(long, value_enum)]
     system: Option<System>,
-    /// Build no packages, but check that plugin and command line compile for a system that cannot be linked for here
+    /// Build no packages, but check that plugin and command line compile and link for a system that has none made here
     #[arg(long, value_enum, conflicts_with = "system")]
     check: Option<Checked>,
     /// Build no packages, but write the licences and the bill of materials of the macOS package to this folder
@@ -72,10 +73,10 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Compiles everything for macOS but does not link it, for which its system's libraries would have to be here.
+/// Compiles and links everything for macOS, with stubs of its system's libraries.
 pub fn check_macos() -> Result<()> {
-    setup::ensure(&setup::CHECK)?;
-    MACOS.into_iter().try_for_each(build::check)
+    setup::ensure(&setup::MACOS_CHECK)?;
+    macos::link()
 }
 
 /// The packages of one system from what was built for it.
