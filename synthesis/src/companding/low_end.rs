@@ -1,6 +1,6 @@
 //! The drive's own low end, in place of texture's.
 
-use crate::dsp::{Svf, section_gain};
+use crate::dsp::{Bands, Coefficients, Svf, section_gain};
 use crate::error::within;
 
 /// Duration in seconds of a change of the crossover.
@@ -10,12 +10,30 @@ pub const LOWEST_HZ: f64 = 20.0;
 /// See [`LOWEST_HZ`].
 pub const HIGHEST_HZ: f64 = 400.0;
 
-/// Dampings of a Butterworth filter of order 4, twice, in sections of order 2.
-const DAMPINGS: [f64; 4] =
-    [1.847_759_065_022_573_5, 0.765_366_864_730_179_6, 1.847_759_065_022_573_5, 0.765_366_864_730_179_6];
+/// Dampings of the sections of a Butterworth filter of order 4.
+const DAMPINGS: [f64; 2] = [1.847_759_065_022_573_5, 0.765_366_864_730_179_6];
+/// Samples from one check whether a filter has fallen silent to the next: checking at each costs a third of the filter.
+const CHECKED_SAMPLES: u32 = 64;
 
-/// A filter of order 8.
-type Half = [Svf; DAMPINGS.len()];
+/// A filter of order 8: that of order 4, twice.
+#[derive(Debug, Clone, Copy, Default)]
+struct Half([[Svf; DAMPINGS.len()]; 2]);
+
+impl Half {
+    /// Filters one sample; `band` chooses the output of each section.
+    #[inline]
+    fn process(&mut self, coefficients: &[Coefficients; DAMPINGS.len()], input: f64, band: fn(Bands) -> f64) -> f64 {
+        let sections = self.0.iter_mut().flat_map(|half| half.iter_mut().zip(coefficients));
+        sections.fold(input, |value, (section, coefficients)| band(section.process_endlessly(coefficients, value)))
+    }
+
+    /// Ends the filter's sound if its input has ended, and nothing more is heard of it.
+    fn end_if_silent(&mut self, input: f64) {
+        if self.0.iter().flatten().all(|section| section.is_silent_after(input)) {
+            *self = Self::default();
+        }
+    }
+}
 
 /// A crossover of Linkwitz and Riley, order 8: its two bands are in phase with one another, so that they add up without a
 /// dip. Of a lower order, texture would disturb the drive far below the crossover: with order 4 and 150 Hz, the output's
@@ -29,6 +47,9 @@ pub struct LowEnd {
     drive: Half,
     texture: Vec<Half>,
     gain: f64,
+    coefficients: [Coefficients; DAMPINGS.len()],
+    /// Samples until the next check for silence.
+    unchecked: u32,
     /// Share of the crossover in the result, 0-1.
     wet: f64,
     asked_hz: Option<f64>,
@@ -47,6 +68,8 @@ impl LowEnd {
             drive: Default::default(),
             texture: vec![Default::default(); channels],
             gain: 0.0,
+            coefficients: Default::default(),
+            unchecked: CHECKED_SAMPLES,
             wet: 0.0,
             asked_hz: None,
             target_gain: 0.0,
@@ -59,6 +82,7 @@ impl LowEnd {
         self.asked_hz = None;
         self.drive = Default::default();
         self.texture.fill(Default::default());
+        self.unchecked = CHECKED_SAMPLES;
     }
 
     /// Sets out for a crossover in Hz; 0 switches off.
@@ -73,11 +97,16 @@ impl LowEnd {
             self.target_gain = section_gain(within(crossover_hz, LOWEST_HZ, HIGHEST_HZ), self.sample_rate_hz);
         }
         if fresh || self.wet == 0.0 {
-            self.gain = self.target_gain;
+            self.set_gain(self.target_gain);
         }
         if fresh {
             self.wet = self.target_wet;
         }
+    }
+
+    fn set_gain(&mut self, gain: f64) {
+        self.gain = gain;
+        self.coefficients = DAMPINGS.map(|damping| Coefficients::new(gain, damping));
     }
 
     /// Mixes `drive` below the crossover into one sample of every channel.
@@ -87,16 +116,23 @@ impl LowEnd {
             return;
         }
         self.wet = approach(self.wet, self.target_wet, self.wet_step);
-        self.gain = approach(self.gain, self.target_gain, self.gain_step);
-        // The corner glides as the filters' coefficient, which takes no tangent for each sample.
-        let gain = self.gain;
-        let sections = self.drive.iter_mut().zip(DAMPINGS);
-        let low = sections.fold(drive, |low, (section, damping)| section.process_damped(gain, damping, low).low);
-        for (channel, sections) in channels.iter_mut().zip(&mut self.texture) {
+        if self.gain != self.target_gain {
+            // The corner glides as the filters' coefficient, which takes no tangent for each sample.
+            self.set_gain(approach(self.gain, self.target_gain, self.gain_step));
+        }
+        self.unchecked -= 1;
+        let is_checked = self.unchecked == 0;
+        let low = self.drive.process(&self.coefficients, drive, |bands| bands.low);
+        if is_checked {
+            self.unchecked = CHECKED_SAMPLES;
+            self.drive.end_if_silent(drive);
+        }
+        for (channel, filter) in channels.iter_mut().zip(&mut self.texture) {
             let texture = channel[at];
-            let sections = sections.iter_mut().zip(DAMPINGS);
-            let high =
-                sections.fold(texture, |high, (section, damping)| section.process_damped(gain, damping, high).high);
+            let high = filter.process(&self.coefficients, texture, |bands| bands.high);
+            if is_checked {
+                filter.end_if_silent(texture);
+            }
             channel[at] = texture + self.wet * (low + high - texture);
         }
     }

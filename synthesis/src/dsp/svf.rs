@@ -29,6 +29,22 @@ pub(crate) fn section_gain(corner_hz: f64, sample_rate_hz: f64) -> f64 {
     maths::tan(PI * corner_hz / sample_rate_hz)
 }
 
+/// Coefficients of a section; sections of different dampings make up filters of higher order.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Coefficients {
+    gain: f64,
+    feedback: f64,
+    divisor: f64,
+}
+
+impl Coefficients {
+    /// Those of a section with this gain of its integrators and this damping, 1 / Q.
+    #[inline]
+    pub fn new(gain: f64, damping: f64) -> Self {
+        Self { gain, feedback: damping + gain, divisor: 1.0 + gain * (gain + damping) }
+    }
+}
+
 impl Svf {
     /// Resets to silence.
     pub fn reset(&mut self) {
@@ -38,21 +54,29 @@ impl Svf {
     /// Filters one sample by a Butterworth filter. After silence the outputs end exactly.
     #[inline]
     pub fn process(&mut self, gain: f64, input: f64) -> Bands {
-        self.process_damped(gain, BUTTERWORTH, input)
-    }
-
-    /// The same with any damping, 1 / Q: sections of different dampings make up filters of higher order.
-    #[inline]
-    pub fn process_damped(&mut self, gain: f64, damping: f64, input: f64) -> Bands {
-        let [s1, s2] = self.state;
-        let high = (input - (damping + gain) * s1 - s2) / (1.0 + gain * (gain + damping));
-        let band = gain * high + s1;
-        let low = gain * band + s2;
-        self.state = [gain * high + band, gain * band + low];
-        if input.abs() < SILENCE && self.state.iter().all(|state| state.abs() < SILENCE) {
+        let bands = self.process_endlessly(&Coefficients::new(gain, BUTTERWORTH), input);
+        if self.is_silent_after(input) {
             self.reset();
             return Bands { low: 0.0, high: 0.0 };
         }
+        bands
+    }
+
+    /// Filters one sample by any section. After silence the outputs decay but do not end: [`reset`](Self::reset) ends them,
+    /// once [`is_silent_after`](Self::is_silent_after) says so.
+    #[inline]
+    pub fn process_endlessly(&mut self, coefficients: &Coefficients, input: f64) -> Bands {
+        let ([s1, s2], gain) = (self.state, coefficients.gain);
+        let high = (input - coefficients.feedback * s1 - s2) / coefficients.divisor;
+        let band = gain * high + s1;
+        let low = gain * band + s2;
+        self.state = [gain * high + band, gain * band + low];
         Bands { low, high }
+    }
+
+    /// True if neither the last input nor what is left of earlier ones is audible.
+    #[inline]
+    pub fn is_silent_after(&self, input: f64) -> bool {
+        input.abs() < SILENCE && self.state.iter().all(|state| state.abs() < SILENCE)
     }
 }
