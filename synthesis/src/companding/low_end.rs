@@ -15,6 +15,10 @@ const DAMPINGS: [f64; 2] = [1.847_759_065_022_573_5, 0.765_366_864_730_179_6];
 /// Samples from one check whether a filter has fallen silent to the next: checking at each costs a third of the filter.
 const CHECKED_SAMPLES: u32 = 64;
 
+/// Level at which a filter whose input has ended stops ringing: -200 dBFS. Of so high an order, it would ring for a tenth of
+/// a second down to where a single section ends.
+const SILENCE: f64 = 1e-10;
+
 /// A filter of order 8: that of order 4, twice.
 #[derive(Debug, Clone, Copy, Default)]
 struct Half([[Svf; DAMPINGS.len()]; 2]);
@@ -29,7 +33,7 @@ impl Half {
 
     /// Ends the filter's sound if its input has ended, and nothing more is heard of it.
     fn end_if_silent(&mut self, input: f64) {
-        if self.0.iter().flatten().all(|section| section.is_silent_after(input)) {
+        if self.0.iter().flatten().all(|section| section.is_below(SILENCE, input)) {
             *self = Self::default();
         }
     }

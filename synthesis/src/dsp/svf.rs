@@ -55,7 +55,7 @@ impl Svf {
     #[inline]
     pub fn process(&mut self, gain: f64, input: f64) -> Bands {
         let bands = self.process_endlessly(&Coefficients::new(gain, BUTTERWORTH), input);
-        if self.is_silent_after(input) {
+        if self.is_below(SILENCE, input) {
             self.reset();
             return Bands { low: 0.0, high: 0.0 };
         }
@@ -63,7 +63,7 @@ impl Svf {
     }
 
     /// Filters one sample by any section. After silence the outputs decay but do not end: [`reset`](Self::reset) ends them,
-    /// once [`is_silent_after`](Self::is_silent_after) says so.
+    /// once everything [`is_below`](Self::is_below) what is audible.
     #[inline]
     pub fn process_endlessly(&mut self, coefficients: &Coefficients, input: f64) -> Bands {
         let ([s1, s2], gain) = (self.state, coefficients.gain);
@@ -74,9 +74,9 @@ impl Svf {
         Bands { low, high }
     }
 
-    /// True if neither the last input nor what is left of earlier ones is audible.
+    /// True if the last input, and what is left of earlier ones, are below `level`.
     #[inline]
-    pub fn is_silent_after(&self, input: f64) -> bool {
-        input.abs() < SILENCE && self.state.iter().all(|state| state.abs() < SILENCE)
+    pub fn is_below(&self, level: f64, input: f64) -> bool {
+        input.abs() < level && self.state.iter().all(|state| state.abs() < level)
     }
 }

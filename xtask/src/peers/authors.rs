@@ -8,7 +8,6 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use super::Pair;
 use super::time::cpu_s;
 
 /// Rate of all their signals, in Hz.
@@ -29,6 +28,20 @@ const PAGE: &str = "const fs = require('fs'), [folder, input, training] = proces
     const read = name => { const b = fs.readFileSync(name); \
       return Float64Array.from(new Float32Array(b.buffer, b.byteOffset, b.length / 4)); }; \
     TextureSynthesis.synthesize(read(input), read(training), { epsilon: 5 });";
+
+/// A flame and its recording.
+pub struct Pair {
+    pub name: String,
+    pub input: Vec<f32>,
+    pub training: Vec<f32>,
+}
+
+impl Pair {
+    /// Length in seconds of the padded signal, by which the published algorithm's cost grows: a power of two, plus 1.
+    pub fn padded_s(&self) -> f64 {
+        (self.input.len().saturating_sub(1).next_power_of_two() + 1) as f64 / f64::from(RATE_HZ)
+    }
+}
 
 /// Their C++, compiled, and the folder of their page.
 pub struct Program {

@@ -14,7 +14,7 @@ use anyhow::{Context, Result, ensure};
 use pyrophone_recording::write_wav_f32;
 
 use crate::project;
-use authors::{Program, RATE_HZ};
+use authors::{Pair, Program, RATE_HZ};
 use time::cpu_s;
 
 /// Options of `cargo xtask bench peers`.
@@ -22,20 +22,6 @@ use time::cpu_s;
 pub struct Args {
     /// Folder `fire-texture-synthesis` of the authors' repository
     authors: PathBuf,
-}
-
-/// A flame and its recording.
-pub struct Pair {
-    name: String,
-    input: Vec<f32>,
-    training: Vec<f32>,
-}
-
-impl Pair {
-    /// Length in seconds of the padded signal, by which the published algorithm's cost grows: a power of two, plus 1.
-    fn padded_s(&self) -> f64 {
-        (self.input.len().saturating_sub(1).next_power_of_two() + 1) as f64 / f64::from(RATE_HZ)
-    }
 }
 
 /// Runs every program on every pair, one after the other, and prints the table.
