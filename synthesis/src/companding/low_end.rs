@@ -12,9 +12,8 @@ pub const HIGHEST_HZ: f64 = 400.0;
 
 /// Dampings of the sections of a Butterworth filter of order 4.
 const DAMPINGS: [f64; 2] = [1.847_759_065_022_573_5, 0.765_366_864_730_179_6];
-/// Samples from one check whether a filter has fallen silent to the next: checking at each costs a third of the filter.
+/// Samples from one check whether a filter has fallen silent to the next. Counted since reset, so that blocks do not matter.
 const CHECKED_SAMPLES: u32 = 64;
-
 /// Level at which a filter whose input has ended stops ringing: -200 dBFS. Of so high an order, it would ring for a tenth of
 /// a second down to where a single section ends.
 const SILENCE: f64 = 1e-10;
