@@ -14,8 +14,9 @@ pub const HIGHEST_HZ: f64 = 400.0;
 const DAMPINGS: [f64; 2] = [1.847_759_065_022_573_5, 0.765_366_864_730_179_6];
 /// Samples from one check whether a filter has fallen silent to the next. Counted since reset, so that blocks do not matter.
 const CHECKED_SAMPLES: u32 = 64;
-/// Level at which a filter whose input has ended stops ringing: -200 dBFS. Of so high an order, it would ring for a tenth of
-/// a second down to where a single section ends.
+/// Level below which a drive counts as silence, and at which a filter whose input has ended stops ringing: -200 dBFS. Behind
+/// the drive's own high-pass, which rings at a few hertz, and of so high an order, the crossover would otherwise ring for
+/// half a second down to where a single section ends.
 const SILENCE: f64 = 1e-10;
 
 /// A filter of order 8: that of order 4, twice.
@@ -123,6 +124,7 @@ impl LowEnd {
             // The corner glides as the filters' coefficient, which takes no tangent for each sample.
             self.set_gain(approach(self.gain, self.target_gain, self.gain_step));
         }
+        let drive = if drive.abs() < SILENCE { 0.0 } else { drive };
         self.unchecked -= 1;
         let is_checked = self.unchecked == 0;
         let low = self.drive.process(&self.coefficients, drive, |bands| bands.low);
@@ -208,6 +210,15 @@ mod tests {
         assert_eq!(run(&drive, &texture, |_| 0.0), texture);
         let switched = run(&drive, &texture, |i| if i < 20_000 { 150.0 } else { 0.0 });
         assert_eq!(switched[24_000..], texture[24_000..]);
+    }
+
+    #[test]
+    fn a_drive_that_fades_out_ends_exactly() {
+        let fading: Vec<f64> = sine(8.0).iter().enumerate().map(|(i, x)| x * (-(i as f64) / 1000.0).exp()).collect();
+        let out = run(&fading, &vec![0.0; fading.len()], |_| 150.0);
+        let last = out.iter().rposition(|x| *x != 0.0).expect("it sounds");
+        // The fade reaches -200 dBFS after 23,000 samples; the filter, 100 ms later.
+        assert!((22_000..28_000).contains(&last), "until {last}");
     }
 
     #[test]
