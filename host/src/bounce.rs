@@ -84,8 +84,19 @@ pub struct Bounce {
     pub requests: Requests,
 }
 
+/// Activates offline and deactivates again: a plug-in that renders offline must wait for its recording, however long
+/// that takes, whereas one that plays in real time must not keep its host waiting.
+///
+/// # Errors
+/// As [`Plugin::activate`] and [`Plugin::deactivate`].
+pub fn await_ready(plugin: &mut dyn Plugin, configuration: &Configuration) -> Result<(), HostError> {
+    let processor = plugin.activate(&Configuration { offline: true, ..*configuration })?;
+    let _ = plugin.run_callbacks();
+    plugin.deactivate(processor)
+}
+
 /// Plays a signal through an inactive plug-in on a separate thread, compensates the latency, and leaves the plug-in
-/// inactive.
+/// inactive. In real-time mode it first waits until the plug-in is ready ([`await_ready`]).
 ///
 /// # Errors
 /// As [`Plugin::activate`] and [`Processor::process`]; [`HostError::Channels`] if input or sidechain do not fit the
@@ -102,12 +113,16 @@ pub fn bounce(
         check_signal("sidechain", sidechain, options.layout.sidechain, input_samples)?;
     }
     let mut sizes = BlockSizes::new(&options.block)?;
-    let mut processor = plugin.activate(&Configuration {
+    let configuration = Configuration {
         sample_rate: options.sample_rate,
         max_block: sizes.longest,
         layout: options.layout,
         offline: options.offline,
-    })?;
+    };
+    if !options.offline {
+        await_ready(plugin, &configuration)?;
+    }
+    let mut processor = plugin.activate(&configuration)?;
     // Requests made during activation (a latency that was 0 before) are settled by reading the latency afterwards.
     let _ = plugin.run_callbacks();
     let latency_samples = plugin.latency_samples();

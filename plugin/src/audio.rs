@@ -1,21 +1,22 @@
 //! The audio thread's part: the engines, and their ends of the rings to the loader. Nothing here allocates, locks,
-//! frees or waits, except [`Audio::set_chain`].
+//! frees or waits, except what belongs to an activation: [`Audio::run`], [`Audio::rerun`], [`Audio::pass_through`] and
+//! [`Audio::stop_gas`].
 
 pub mod audition;
 pub mod burst;
+pub mod engines;
 pub mod lights;
 
 use std::sync::atomic::Ordering;
 
 use pyrophone_settings::Values;
-use pyrophone_synthesis::chain::{Chain, Channels, Meters, Transport};
-use pyrophone_synthesis::vortex::SpeakerLayout;
+use pyrophone_synthesis::chain::{Channels, Meters, Transport};
 
 use crate::channels::MAX_CHANNELS;
+use crate::loader::Engine;
 use crate::loader::link::{AudioLink, Retired, Update, fingerprint};
 use crate::probe::ProbeIn;
-use audition::Audition;
-use burst::Burst;
+use engines::{Built, Engines, Pending};
 use lights::Lights;
 
 /// Longest piece given to the engines at once.
@@ -25,25 +26,15 @@ const LONGEST_PIECE: usize = 8192;
 pub struct Audio {
     link: AudioLink,
     probe: ProbeIn,
-    running: Option<Running>,
+    engines: Option<Box<Engines>>,
+    /// Engines that are still being built; until they arrive the output is silent.
+    pending: Option<Pending>,
     /// Input channels; they pass through while no engines run.
     input_channels: usize,
     /// Substitute for a missing sidechain; as long as the longest piece processed at once.
     silence: Vec<f32>,
-}
-
-struct Running {
-    chain: Chain,
-    channels: Channels,
-    audition: Audition,
-    burst: Burst,
     /// The sidechain with a burst in it, channel by channel.
     burning: Vec<Vec<f32>>,
-    /// Fingerprint of the running structure.
-    structure: u64,
-    latency_samples: u32,
-    /// Fingerprint of the structure for which a restart was last requested.
-    restart_asked: u64,
 }
 
 /// Duration of the sound after the input has fallen silent.
@@ -53,39 +44,69 @@ pub enum Tail {
     Over,
     /// At most this many samples.
     Samples(u32),
-    /// Endless: the gate is off.
+    /// Endless: the gate is off, or the engines are still being built.
     Endless,
 }
 
 impl Audio {
     /// The state without engines.
     pub fn new(link: AudioLink, probe: ProbeIn) -> Self {
-        Self { link, probe, running: None, input_channels: 0, silence: Vec::new() }
+        let (silence, burning) = (Vec::new(), Vec::new());
+        Self { link, probe, engines: None, pending: None, input_channels: 0, silence, burning }
     }
 
-    /// Exchanges the engines; not real-time safe. `values` are those from which they were built.
-    pub fn set_chain(&mut self, chain: Option<Chain>, channels: Channels, max_block: usize, values: &Values) {
-        let piece = max_block.clamp(1, LONGEST_PIECE);
-        self.silence = vec![0.0; piece];
-        self.input_channels = channels.input;
-        let structure = fingerprint(&values.structure());
-        let effects = SpeakerLayout::of_channels(channels.output).ok().and_then(SpeakerLayout::low_frequency_effects);
-        self.running = chain.map(|chain| Running {
-            latency_samples: chain.latency_samples() as u32,
-            audition: Audition::new(chain.sample_rate_hz(), chain.latency_samples(), effects),
-            burst: Burst::new(chain.sample_rate_hz()),
-            burning: vec![vec![0.0; piece]; channels.sidechain.min(MAX_CHANNELS)],
-            chain,
-            channels,
-            structure,
-            restart_asked: structure,
-        });
+    /// Exchanges the engines, or awaits those that are still being built; not real-time safe.
+    pub fn run(&mut self, built: Built, channels: Channels, max_block: usize) {
+        self.make_room(channels, max_block);
+        (self.engines, self.pending) = match built {
+            Built::Ready(engines) => (Some(engines), None),
+            Built::Pending(pending) => (None, Some(pending)),
+        };
         self.receive_updates();
     }
 
-    /// Takes over updates from the loader, and hands back the things they replace.
+    /// Runs the engines of the last activation again, as if they were new, if they fit; returns whether they do. Not
+    /// real-time safe.
+    pub fn rerun(&mut self, engine: &Engine, is_offline: bool, max_block: usize) -> bool {
+        self.receive_engines();
+        let Some(engines) = self.engines.as_mut().filter(|engines| engines.engine() == engine) else { return false };
+        engines.reset();
+        engines.start_gas(is_offline);
+        self.make_room(engine.channels, max_block);
+        self.receive_updates();
+        true
+    }
+
+    /// Runs no engines: the input passes through. Not real-time safe.
+    pub fn pass_through(&mut self, channels: Channels, max_block: usize) {
+        self.make_room(channels, max_block);
+        (self.engines, self.pending) = (None, None);
+    }
+
+    fn make_room(&mut self, channels: Channels, max_block: usize) {
+        let piece = max_block.clamp(1, LONGEST_PIECE);
+        self.silence = vec![0.0; piece];
+        self.burning = vec![vec![0.0; piece]; channels.sidechain.min(MAX_CHANNELS)];
+        self.input_channels = channels.input;
+    }
+
+    /// Ends the simulation of gas; not real-time safe.
+    pub fn stop_gas(&mut self) {
+        if let Some(engines) = &mut self.engines {
+            engines.stop_gas();
+        }
+    }
+
+    fn receive_engines(&mut self) {
+        if let Some(engines) = self.pending.as_mut().and_then(Pending::receive) {
+            self.engines = Some(engines);
+        }
+    }
+
+    /// Takes over engines that have been built meanwhile, and updates from the loader; hands back the things they replace.
     pub fn receive_updates(&mut self) {
-        let Some(running) = &mut self.running else { return };
+        self.receive_engines();
+        let Some(running) = &mut self.engines else { return };
         while let Some(update) = self.link.receive() {
             let retired = match update {
                 Update::Dictionary(slot, new) => running.chain.swap_slot(slot, new).map(Retired::Dictionary),
@@ -102,7 +123,7 @@ impl Audio {
     /// True if the host should be asked for a restart: once, when the parameters call for a structure other than the
     /// running one and everything is ready for it.
     pub fn wants_restart(&mut self, values: &Values) -> bool {
-        let Some(running) = &mut self.running else { return false };
+        let Some(running) = &mut self.engines else { return false };
         let wanted = fingerprint(&values.structure());
         if wanted == running.structure {
             running.restart_asked = wanted;
@@ -117,15 +138,13 @@ impl Audio {
 
     /// Latency in samples of the engines that run.
     pub fn latency_samples(&self) -> Option<u32> {
-        self.running.as_ref().map(|running| running.latency_samples)
+        self.engines.as_ref().map(|engines| engines.latency_samples)
     }
 
     /// Restores the state of a fresh activation.
     pub fn reset(&mut self) {
-        if let Some(running) = &mut self.running {
-            running.chain.reset();
-            running.audition.reset();
-            running.burst.stop();
+        if let Some(engines) = &mut self.engines {
+            engines.reset();
         }
     }
 
@@ -139,10 +158,14 @@ impl Audio {
         lights: &Lights,
         transport: Transport,
     ) {
-        let Some(running) = &mut self.running else {
-            return pass_through(main, self.input_channels);
+        let Some(running) = &mut self.engines else {
+            return match self.pending {
+                Some(_) => main.iter_mut().for_each(|channel| channel.fill(0.0)),
+                None => pass_through(main, self.input_channels),
+            };
         };
         let mut controls = values.controls();
+        running.set_gas_used(values.is_live());
         self.probe.apply_mutes(&mut controls.mix);
         let samples = main.first().map_or(0, |channel| channel.len());
         let learns =
@@ -173,13 +196,13 @@ impl Audio {
             let level = running.burst.level();
             let burst = running.burst.next(end - start);
             if !burst.is_empty() {
-                let inputs = running.channels.input.min(channels);
-                add_burst(burst, level, &mut pieces[..inputs], &mut running.burning, &mut side);
+                let inputs = self.input_channels.min(channels);
+                add_burst(burst, level, &mut pieces[..inputs], &mut self.burning, &mut side);
             }
             let position = transport.position.map(|position| position.wrapping_add(start as i64));
             running.chain.process(
                 &mut pieces[..channels],
-                &side[..running.channels.sidechain.min(MAX_CHANNELS)],
+                &side[..running.engine().channels.sidechain.min(MAX_CHANNELS)],
                 &controls,
                 Transport { position, ..transport },
             );
@@ -213,12 +236,16 @@ impl Audio {
 
     /// The meters since the last call.
     pub fn take_meters(&mut self) -> Meters {
-        self.running.as_mut().map(|running| running.chain.take_meters()).unwrap_or_default()
+        self.engines.as_mut().map(|engines| engines.chain.take_meters()).unwrap_or_default()
     }
 
     /// The possible duration of the sound after the input has fallen silent.
     pub fn tail(&self) -> Tail {
-        let Some(Running { chain, .. }) = &self.running else { return Tail::Over };
+        let Some(engines) = &self.engines else {
+            // The host must go on calling until the engines are here: they may sound without any input.
+            return if self.pending.is_some() { Tail::Endless } else { Tail::Over };
+        };
+        let chain = &engines.chain;
         match chain.tail_samples() {
             _ if chain.is_silent() => Tail::Over,
             Some(samples) => Tail::Samples(samples.min(u32::MAX as usize - 1) as u32),

@@ -5,9 +5,10 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::*;
 use nice_plug_egui::RepaintNotifier;
-use pyrophone_settings::{ControllerFile, Recent, Values};
-use pyrophone_synthesis::chain::{Chain, Channels};
+use pyrophone_settings::{ControllerFile, Recent};
+use pyrophone_synthesis::chain::{self, Channels};
 
+use crate::audio::engines::Builder;
 use crate::audio::lights::Lights;
 use crate::audio::{Audio, Tail};
 use crate::drain_barrier::Fence;
@@ -15,7 +16,6 @@ use crate::editor::Window;
 use crate::editor::frame::PyrophoneEditor;
 use crate::entry::instance::{self, Instance};
 use crate::frame_pace::FramePace;
-use crate::gas::Gas;
 use crate::host_clock::{HostClock, Reported};
 use crate::loader::{Engine, Loader};
 use crate::meters::Meters;
@@ -23,13 +23,10 @@ use crate::parameters::{EffectParams, sanitize};
 use crate::probe::{self, ProbeOut};
 use crate::remote_pages;
 
-/// Longest wait of an activation for a load in progress. Hosts bounce in "real-time" mode too, so some wait is needed
-/// there; where the host reports offline rendering there is no limit.
-const ACTIVATION_WAIT: Duration = Duration::from_secs(2);
-
-/// Limit for the first activation after a state was loaded. A project is slow to open anyway, and a host that renders
-/// at once offers no other moment to wait; after a longer wait hosts consider a plug-in hung.
-const STATE_WAIT: Duration = Duration::from_secs(10);
+/// Longest time that an activation in real-time mode takes of the host's main thread, with a margin to 50 ms: engines
+/// and recordings that are not ready by then arrive while the host plays. Where the host reports offline rendering there
+/// is no limit.
+const ACTIVATION_LIMIT: Duration = Duration::from_millis(40);
 
 /// The effect.
 pub struct Pyrophone {
@@ -40,7 +37,7 @@ pub struct Pyrophone {
     probe: ProbeOut,
     clock: HostClock,
     fence: Fence,
-    gas: Option<Gas>,
+    builder: Builder,
     executor: Option<AsyncExecutor<Self>>,
     notifier: RepaintNotifier,
     sample_rate_hz: f32,
@@ -48,8 +45,6 @@ pub struct Pyrophone {
     is_offline: bool,
     /// True if the last activation had a sample rate that the engines do not support.
     is_rate_refused: bool,
-    /// States that had been loaded at the last activation.
-    states_seen: u64,
     frame_pace: FramePace,
     /// File with the MIDI controllers for future instances.
     controllers: Option<ControllerFile>,
@@ -82,13 +77,12 @@ impl Default for Pyrophone {
             probe,
             clock: HostClock::default(),
             fence: Fence::default(),
-            gas: None,
+            builder: Builder::default(),
             executor: None,
             notifier,
             sample_rate_hz: 0.0,
             is_offline: false,
             is_rate_refused: false,
-            states_seen: 0,
             frame_pace: FramePace::default(),
             controllers,
         }
@@ -132,46 +126,36 @@ fn lights(context: &mut impl ProcessContext<Pyrophone>, samples: usize) -> Light
 impl Pyrophone {
     /// Runs without engines, which do not support this sample rate; the window says why.
     fn pass_through(&mut self, channels: Channels, config: &BufferConfig, reason: &str) {
-        self.gas = None;
-        self.audio.set_chain(None, channels, config.max_buffer_size as usize, &self.params.values());
+        self.audio.pass_through(channels, config.max_buffer_size as usize);
         self.meters.set_engine(config.sample_rate, 0);
         self.is_rate_refused = true;
-        self.loader.handle().status.fail(reason.to_owned());
+        self.loader.handle().status.fail(format!("{reason}; the input passes through"));
     }
 
-    /// Runs `chain` from now on, with the recording if that is ready in time.
-    fn start(
-        &mut self,
-        mut chain: Chain,
-        engine: Engine,
-        config: &BufferConfig,
-        values: &Values,
-        context: &mut impl ActivateContext<Self>,
-    ) {
+    /// Runs engines from now on, with the recording if that is ready in time: those of the last activation if they fit,
+    /// else new ones. `began` is the activation's beginning.
+    ///
+    /// # Errors
+    /// What is wrong with `engine`.
+    fn start(&mut self, engine: Engine, config: &BufferConfig, began: Instant) -> Result<u32, String> {
+        let latency_samples = chain::latency_samples(engine.sample_rate_hz, &engine.structure);
+        let latency_samples = latency_samples.map_err(|error| error.to_string())? as u32;
         let ticket = self.loader.set_engine(engine);
-        let latency_samples = chain.latency_samples() as u32;
-        self.gas = match Gas::start(&mut chain, self.is_offline) {
-            Ok(gas) => Some(gas),
-            Err(reason) => {
-                nice_warn!("Pyrophone's gas cannot be simulated live: {reason}");
-                None
-            }
-        };
-        let states = self.params.session.arrivals();
-        let is_new_state = std::mem::replace(&mut self.states_seen, states) != states;
-        let limit = if is_new_state { STATE_WAIT } else { ACTIVATION_WAIT };
-        let began = Instant::now();
-        let is_loaded = self.loader.wait(ticket, (!self.is_offline).then_some(limit));
+        let limit = || (!self.is_offline).then(|| ACTIVATION_LIMIT.saturating_sub(began.elapsed()));
+        let max_block = config.max_buffer_size as usize;
+        if !self.audio.rerun(&engine, self.is_offline, max_block) {
+            let built = self.builder.build(engine, self.is_offline, limit())?;
+            self.audio.run(built, engine.channels, max_block);
+        }
+        let is_loaded = self.loader.wait(ticket, limit());
         let waited_s = began.elapsed().as_secs_f32();
         if !is_loaded {
-            nice_log!("Pyrophone starts without its recording, which is still loading after {waited_s:.1} s");
+            nice_log!("Pyrophone starts without its recording, which is still loading");
         } else if waited_s > 0.2 {
-            let why = if self.is_offline { "an offline render needs its recording" } else { "a recording was loading" };
-            nice_log!("Pyrophone waited {waited_s:.1} s, because {why}");
+            nice_log!("Pyrophone waited {waited_s:.1} s, because an offline render needs its recording");
         }
-        self.audio.set_chain(Some(chain), engine.channels, config.max_buffer_size as usize, values);
-        self.meters.set_engine(config.sample_rate, latency_samples);
-        announce_latency(context, latency_samples);
+        self.audio.receive_updates();
+        Ok(latency_samples)
     }
 
     /// The sound as seen by the window.
@@ -275,6 +259,7 @@ impl Plugin for Pyrophone {
         config: &BufferConfig,
         context: &mut impl ActivateContext<Self>,
     ) -> bool {
+        let began = Instant::now();
         let count = |channels: Option<NonZeroU32>| channels.map_or(0, |channels| channels.get() as usize);
         let channels = Channels {
             input: count(layout.main_input_channels),
@@ -282,15 +267,14 @@ impl Plugin for Pyrophone {
             output: count(layout.main_output_channels),
         };
         self.meters.set_sidechain(channels.sidechain as u32);
-        let values = self.params.values();
         let sample_rate_hz = f64::from(config.sample_rate);
         self.sample_rate_hz = config.sample_rate;
         self.is_offline = config.process_mode == ProcessMode::Offline;
-        let engine = Engine { sample_rate_hz, structure: values.structure(), channels };
-        let chain = match Chain::new(sample_rate_hz, channels, &engine.structure) {
-            Ok(chain) => chain,
-            Err(error) => {
-                self.pass_through(channels, config, &format!("{error}; the input passes through"));
+        let engine = Engine { sample_rate_hz, structure: self.params.values().structure(), channels };
+        let latency_samples = match self.start(engine, config, began) {
+            Ok(latency_samples) => latency_samples,
+            Err(reason) => {
+                self.pass_through(channels, config, &reason);
                 announce_latency(context, 0);
                 return true;
             }
@@ -298,7 +282,8 @@ impl Plugin for Pyrophone {
         if std::mem::take(&mut self.is_rate_refused) {
             self.loader.handle().status.update(|view| view.error = None);
         }
-        self.start(chain, engine, config, &values, context);
+        self.meters.set_engine(config.sample_rate, latency_samples);
+        announce_latency(context, latency_samples);
         true
     }
 
@@ -320,9 +305,6 @@ impl Plugin for Pyrophone {
         }
         self.audio.receive_updates();
         let values = self.params.values();
-        if let Some(gas) = &self.gas {
-            gas.set_used(values.is_live());
-        }
         let samples = buffer.samples();
         let transport = context.transport();
         let reported = Reported {
@@ -362,7 +344,8 @@ impl Plugin for Pyrophone {
     }
 
     fn deactivate(&mut self) {
-        self.gas = None;
+        self.builder.finish();
+        self.audio.stop_gas();
         if let Some(executor) = &self.executor
             && !self.fence.wait(|| executor.execute_background(Errand::PassFence))
         {

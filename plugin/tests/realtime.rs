@@ -81,7 +81,13 @@ fn run(sidechain_channels: usize) {
         process_mode: ProcessMode::Realtime,
     };
     let mut context = Context { transport: Transport::new(RATE_HZ) };
-    assert!(plugin.activate(layout.unwrap(), &config, &mut context));
+    // Offline at first, which waits for the engines.
+    for process_mode in [ProcessMode::Offline, ProcessMode::Realtime] {
+        assert!(plugin.activate(layout.unwrap(), &BufferConfig { process_mode, ..config }, &mut context));
+        if process_mode == ProcessMode::Offline {
+            plugin.deactivate();
+        }
+    }
     plugin.reset();
 
     // States arrive on another thread, as hosts load them.

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use pyrophone_host::bounce::{BounceOptions, bounce};
+use pyrophone_host::bounce::{BounceOptions, await_ready, bounce};
 use pyrophone_host::state::wrap;
 use pyrophone_host::{BusLayout, Configuration, Format, Plugin, numeric_id};
 use pyrophone_settings::session::{Learned, RecordingReference, Session, plugin_state};
@@ -96,12 +96,10 @@ pub fn learned(values: &Values, input: &[Vec<f32>], sample_rate_hz: f64) -> Lear
     }
 }
 
-/// Activates offline and deactivates again, which waits for the recording however long it takes.
+/// Waits until an inactive instance has its recording, however long that takes.
 pub fn await_recording(plugin: &mut dyn Plugin, sample_rate: f64, layout: BusLayout) {
     let configuration = Configuration { sample_rate, max_block: 512, layout, offline: true };
-    let processor = plugin.activate(&configuration).unwrap_or_else(|error| panic!("{error}"));
-    plugin.run_callbacks();
-    plugin.deactivate(processor).unwrap_or_else(|error| panic!("{error}"));
+    await_ready(plugin, &configuration).unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// Plays `input` through an inactive instance; the output is as long, latency compensated.

@@ -1,6 +1,6 @@
 //! An instance that is played block by block, while the test's own thread is the host's main thread.
 
-use pyrophone_host::bounce::AutomationPoint;
+use pyrophone_host::bounce::{AutomationPoint, await_ready};
 use pyrophone_host::{Block, BusLayout, Configuration, ControllerMessage, Event, Plugin, Processor, Tail, Transport};
 
 /// Longest block, in frames.
@@ -46,9 +46,10 @@ pub struct Player {
 }
 
 impl Live {
-    /// Activates as for playing in real time, and starts.
+    /// Activates as for playing in real time, once the recording is there, and starts.
     pub fn start(mut plugin: Box<dyn Plugin>, sample_rate: f64, layout: BusLayout) -> Self {
         let configuration = Configuration { sample_rate, max_block: MAX_BLOCK, layout, offline: false };
+        await_ready(plugin.as_mut(), &configuration).unwrap_or_else(|error| panic!("{error}"));
         let mut processor = plugin.activate(&configuration).unwrap_or_else(|error| panic!("{error}"));
         plugin.run_callbacks();
         processor.start().unwrap_or_else(|error| panic!("{error}"));

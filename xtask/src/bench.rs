@@ -110,8 +110,10 @@ fn costs() -> Result<ExitCode> {
         |package: &str| printed(cargo::command().args(["bench", "--quiet", "--package", package, "--bench", "cost"]));
     let mut table = bench(PACKAGE)?;
     // The remaining rows continue the same table.
-    let flames = bench("pyrophone-flame")?;
-    table.extend(flames.lines().skip(2).map(|line| format!("{line}\n")));
+    for package in ["pyrophone-plugin", "pyrophone-flame"] {
+        let rows = bench(package)?;
+        table.extend(rows.lines().skip(2).map(|line| format!("{line}\n")));
+    }
     table.push('\n');
     table.push_str(&instructions::table()?);
     keep(&table, COST_BEGIN, COST_END)?;

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
+use pyrophone::audio::engines::{Builder, Built, Engines};
 use pyrophone::audio::lights::Lights;
 use pyrophone::audio::{Audio, Tail};
 use pyrophone::loader::{Engine, Loader};
@@ -17,15 +18,25 @@ fn channels(sidechain: usize) -> Channels {
     Channels { input: 2, sidechain, output: 2 }
 }
 
+fn engine(values: &Values, sidechain: usize) -> Engine {
+    Engine { sample_rate_hz: RATE_HZ, structure: values.structure(), channels: channels(sidechain) }
+}
+
 fn chain(values: &Values, sidechain: usize) -> Chain {
     Chain::new(RATE_HZ, channels(sidechain), &values.structure()).unwrap()
+}
+
+/// Has `audio` run new engines.
+fn run(audio: &mut Audio, values: &Values, sidechain: usize, max_block: usize) {
+    let engines = Engines::new(engine(values, sidechain)).unwrap();
+    audio.run(Built::Ready(Box::new(engines)), channels(sidechain), max_block);
 }
 
 /// An `Audio` that runs, with the loader that feeds it.
 fn audio(values: &Values, sidechain: usize, max_block: usize) -> (Loader, Audio) {
     let (loader, _, link) = Loader::start(RepaintNotifier::new(), None);
     let mut audio = Audio::new(link, probe::pair().0);
-    audio.set_chain(Some(chain(values, sidechain)), channels(sidechain), max_block, values);
+    run(&mut audio, values, sidechain, max_block);
     (loader, audio)
 }
 
@@ -85,7 +96,7 @@ fn without_engines_the_input_passes_through() {
     let mut audio = Audio::new(link, probe::pair().0);
     let (input, values) = (noise(100, 1), Values::default());
     for inputs in [1, 2] {
-        audio.set_chain(None, Channels { input: inputs, sidechain: 0, output: 2 }, 64, &values);
+        audio.pass_through(Channels { input: inputs, sidechain: 0, output: 2 }, 64);
         let (mut left, mut right) = (input.clone(), vec![0.0; 100]);
         audio.process(&mut [&mut left, &mut right], &[], &values, &Lights::default(), PLAYING);
         assert_eq!(left, input);
@@ -95,14 +106,54 @@ fn without_engines_the_input_passes_through() {
     assert_eq!((audio.tail(), audio.latency_samples()), (Tail::Over, None));
 }
 
+/// What `audio` makes of a flame, in 100 blocks of 512.
+fn played(audio: &mut Audio, values: &Values) -> Vec<f32> {
+    let mut all = vec![];
+    for block in 0..100 {
+        let (mut left, mut right) = (noise(512, block as u32), noise(512, block as u32 + 7));
+        let transport = Transport { playing: true, position: Some(block * 512) };
+        audio.process(&mut [&mut left, &mut right], &[], values, &Lights::default(), transport);
+        all.extend(left);
+    }
+    all
+}
+
+#[test]
+fn engines_that_arrive_late_sound_from_then_on() {
+    let values = Preset::find("extend").unwrap().values;
+    let (_loader, mut audio) = audio(&values, 0, 512);
+    let prompt = played(&mut audio, &values);
+    let mut builder = Builder::default();
+    let built = builder.build(engine(&values, 0), false, Some(Duration::ZERO)).unwrap();
+    assert!(matches!(built, Built::Pending(_)), "no engines are built in no time");
+    audio.run(built, channels(0), 512);
+    let (mut left, mut right) = (noise(512, 1), noise(512, 2));
+    audio.process(&mut [&mut left, &mut right], &[], &values, &Lights::default(), PLAYING);
+    assert_eq!((left, audio.tail()), (vec![0.0; 512], Tail::Endless), "until then it is silent, but not over");
+    builder.finish();
+    audio.receive_updates();
+    assert!(audio.latency_samples().is_some());
+    assert!(played(&mut audio, &values) == prompt);
+}
+
+#[test]
+fn engines_run_again_sound_as_new() {
+    let values = Preset::find("extend").unwrap().values;
+    let (_loader, mut audio) = audio(&values, 0, 512);
+    let first = played(&mut audio, &values);
+    assert!(first.iter().any(|x| x.abs() > 1e-4), "the comparison is not of silence");
+    assert!(audio.rerun(&engine(&values, 0), false, 512));
+    assert!(played(&mut audio, &values) == first);
+    assert!(!audio.rerun(&Engine { sample_rate_hz: 48_000.0, ..engine(&values, 0) }, false, 512), "another rate");
+}
+
 #[test]
 fn a_restart_is_asked_for_once_and_when_all_is_ready() {
     let (loader, params, link) = Loader::start(RepaintNotifier::new(), None);
     let old = params.values();
     let mut audio = Audio::new(link, probe::pair().0);
-    audio.set_chain(Some(chain(&old, 0)), channels(0), 64, &old);
-    let ticket =
-        loader.set_engine(Engine { sample_rate_hz: RATE_HZ, structure: old.structure(), channels: channels(0) });
+    run(&mut audio, &old, 0, 64);
+    let ticket = loader.set_engine(engine(&old, 0));
     assert!(loader.wait(ticket, None));
     assert!(!audio.wants_restart(&old));
     let map = params.param_map();
@@ -128,7 +179,7 @@ fn burst_drives_input_and_sidechain_modes() {
         let (loader, _, link) = Loader::start(RepaintNotifier::new(), None);
         let (sent, window) = probe::pair();
         let mut audio = Audio::new(link, sent);
-        audio.set_chain(Some(chain(&values, sidechain)), channels(sidechain), 512, &values);
+        run(&mut audio, &values, sidechain, 512);
         let mut played = |listen: Listen| {
             window.listen_to(listen);
             let mut all = vec![];

@@ -1,6 +1,6 @@
 //! Latency reported is latency measured, and automation acts on the sound it arrived with.
 
-use pyrophone_host::bounce::{AutomationPoint, BlockSize, BounceOptions};
+use pyrophone_host::bounce::{AutomationPoint, BlockSize, BounceOptions, await_ready};
 use pyrophone_host::{Block, BusLayout, Configuration, Format, Transport, numeric_id};
 use pyrophone_settings::Session;
 use pyrophone_tests::{MONO, RATE_HZ, STEREO, flame, load_session, open, play, preset};
@@ -13,6 +13,7 @@ fn measure(format: Format, layout: BusLayout, sample_rate: f64, changes: &[(&str
     let mut plugin = open(format);
     load_session(plugin.as_mut(), &preset("extend", changes), &Session::default());
     let configuration = Configuration { sample_rate, max_block: 256, layout, offline: false };
+    await_ready(plugin.as_mut(), &configuration).expect("ready");
     let mut processor = plugin.activate(&configuration).expect("activated");
     plugin.run_callbacks();
     let reported = plugin.latency_samples() as usize;
