@@ -26,7 +26,7 @@ use crate::names::{folded, nearest};
 use crate::{Error, Kind, Library, PARAMETERS, Parameter, Values, index_of};
 
 /// The version that [`Preset::to_toml`] writes.
-pub const VERSION: i64 = 2;
+pub const VERSION: i64 = 3;
 
 /// Size from which a file is not accepted as a preset.
 pub const LARGEST_BYTES: u64 = 1 << 20;
@@ -35,7 +35,7 @@ pub const LARGEST_BYTES: u64 = 1 << 20;
 const LONGEST_MESSAGE: usize = 300;
 
 /// Conversions of a preset's parameters from version `index + 1` to the next version.
-const MIGRATIONS: &[fn(&mut Table)] = &[name_the_defaults_of_version_1];
+const MIGRATIONS: &[fn(&mut Table)] = &[name_the_defaults_of_version_1, name_the_defaults_of_version_2];
 
 /// Version 2 introduced the companded mode, whose settings became the defaults.
 fn name_the_defaults_of_version_1(parameters: &mut Table) {
@@ -50,6 +50,11 @@ fn name_the_defaults_of_version_1(parameters: &mut Table) {
     for (id, value) in defaults {
         parameters.entry(id).or_insert(value);
     }
+}
+
+/// Version 3 introduced averaging, by which the drive's envelope follows by default.
+fn name_the_defaults_of_version_2(parameters: &mut Table) {
+    parameters.entry("averaging").or_insert(Value::Float(0.0));
 }
 
 const _: () = assert!(MIGRATIONS.len() as i64 == VERSION - 1, "each version needs its way to the next");

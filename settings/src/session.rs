@@ -44,6 +44,7 @@ pub const EARLIER: &[(&str, f64)] = &[
     ("take", 0.0),
     ("recording_slot", 0.0),
     ("recording_blend", 0.0),
+    ("averaging", 0.0),
 ];
 
 /// Largest number of quantiles in a learned distribution.

@@ -93,6 +93,7 @@ pub enum Id {
     RecordingSlot,
     RecordingSecond,
     RecordingBlend,
+    Averaging,
 }
 
 /// Names of the values of `dynamic_range`.
@@ -871,6 +872,15 @@ pub const PARAMETERS: &[Parameter] = &[
         float(0.0, 100.0, 0.0, 1.0, 1),
         None,
         "Share of the second recording: the proportion of texture windows taken from it, and of its crackles that are heard.",
+    ),
+    control(
+        "averaging",
+        "Averaging",
+        "Drive",
+        "ms",
+        float_or_off(0.0, 100.0, 14.0, 0.4, 1),
+        None,
+        "Time over which the drive's envelope averages the sound that it follows; off: it rises by attack and falls by release.",
     ),
 ];
 

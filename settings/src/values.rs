@@ -98,6 +98,7 @@ impl Values {
                 },
                 gain: self.factor(Id::DriveGain),
                 swell: 0.0,
+                averaging_s: self.get(Id::Averaging) / 1000.0,
                 attack_s: self.get(Id::Attack) / 1000.0,
                 release_s: self.get(Id::Release) / 1000.0,
                 threshold: self.factor(Id::Threshold),

@@ -68,6 +68,8 @@ pub struct DriveControls {
     pub gain: f64,
     /// Exponent by which the drive's slow loudness varies more about its mean, -1 to 2; 0 changes nothing.
     pub swell: f64,
+    /// Time constant in seconds over which the envelope averages, 0.0005-1; 0: it follows by attack and release instead.
+    pub averaging_s: f64,
     /// Envelope attack in seconds, 0.0001-1.
     pub attack_s: f64,
     /// Envelope release in seconds, 0.001-5.
@@ -88,6 +90,7 @@ impl Default for DriveControls {
             mode: DriveMode::Pressure,
             gain: 1.0,
             swell: 0.0,
+            averaging_s: 0.014,
             attack_s: 0.005,
             release_s: 0.08,
             threshold: 0.001,

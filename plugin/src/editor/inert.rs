@@ -22,6 +22,7 @@ const NOTHING_CRACKLES: &str = "There is no recording, and no fuel";
 const HISS_OFF: &str = "Hiss level is off";
 const BODY_OFF: &str = "Body level is off";
 const CRACKLE_OFF: &str = "Crackle level is off";
+const NOTHING_FOLLOWS: &str = "Nothing follows an envelope: neither Drive nor vortex sound is set to one";
 const VORTEX_OFF: &str = "Vortex level is off";
 
 /// Reason why each parameter of the table has no effect; none where it has one.
@@ -143,10 +144,14 @@ impl Situation<'_> {
 
     fn drive(&self, id: &str) -> Option<&'static str> {
         let drive = &self.controls.drive;
-        let follows = matches!(drive.mode, DriveMode::Envelope | DriveMode::InputEnvelope)
-            || self.controls.mix.vortex != 0.0 && self.controls.vortex.flow != Flow::Field;
-        let is_envelope = matches!(id, "attack" | "release" | "threshold");
-        (is_envelope && !follows).then_some("Nothing follows an envelope: neither Drive nor vortex sound is set to one")
+        let drive_follows = matches!(drive.mode, DriveMode::Envelope | DriveMode::InputEnvelope);
+        let vortex_follows = self.controls.mix.vortex != 0.0 && self.controls.vortex.flow != Flow::Field;
+        match id {
+            "attack" | "release" | "threshold" if !drive_follows && !vortex_follows => Some(NOTHING_FOLLOWS),
+            "attack" | "release" if drive.averaging_s > 0.0 && !vortex_follows => Some("Averaging is on"),
+            "averaging" if !drive_follows => Some("Drive is not an envelope"),
+            _ => None,
+        }
     }
 
     fn levels(&self, id: &str) -> Option<&'static str> {
@@ -216,7 +221,11 @@ mod tests {
         assert_eq!(why("vortex_speed", &[], true), Some(VORTEX_OFF));
         assert_eq!(why("vortex_speed", &[("macro_whoosh", "50")], true), None, "the macro lets it be heard");
         assert_eq!(why("flame_wind", &[], true), Some("Drive is not flame"));
-        assert_eq!(why("attack", &[("drive_mode", "envelope")], true), None);
+        let follows = |averaging| [("drive_mode", "envelope"), ("vortex_level", "off"), ("averaging", averaging)];
+        assert_eq!(why("attack", &follows("off"), true), None);
+        assert_eq!(why("averaging", &follows("off"), true), None);
+        assert!(why("attack", &follows("4"), true).is_some());
+        assert!(why("averaging", &[], true).is_some());
         assert!(why("attack", &[], true).is_some());
         assert!(why("take_amount", &[], true).is_some());
         assert_eq!(why("macro_size", &[], false), None);

@@ -114,6 +114,7 @@ fn bad_values_are_brought_into_range_or_dropped() {
     let kept: Vec<&str> = state.params.keys().map(String::as_str).collect();
     let known = [
         "alpha",
+        "averaging",
         "body_level",
         "ceiling",
         "cutoff",

@@ -91,7 +91,7 @@ impl Target {
             Self::Output => "output",
             Self::Width => "width",
             Self::Swell => "exponent of the flame's swells",
-            Self::EnvelopeTimes => "attack and release",
+            Self::EnvelopeTimes => "attack, release and averaging",
             Self::FlameWind => "wind",
             Self::ExtensionSlope => "extension's alpha",
             Self::Dynamics => "dynamics",
@@ -134,6 +134,7 @@ impl Target {
             }
             Self::Swell => drive.swell += offset,
             Self::EnvelopeTimes => {
+                drive.averaging_s = (drive.averaging_s * maths::exp2(offset)).min(1.0);
                 for (attack_s, release_s) in
                     [(&mut drive.attack_s, &mut drive.release_s), (&mut vortex.attack_s, &mut vortex.release_s)]
                 {

@@ -112,6 +112,7 @@ fn every_id_is_at_its_place() {
         (Id::RecordingSlot, "recording_slot"),
         (Id::RecordingSecond, "recording_second"),
         (Id::RecordingBlend, "recording_blend"),
+        (Id::Averaging, "averaging"),
     ];
     assert_eq!(expected.len(), COUNT);
     for (place, (id, name)) in expected.into_iter().enumerate() {

@@ -55,7 +55,7 @@ fn single_engine_presets_silence_the_other() {
 }
 
 fn with(parameters: &str) -> Result<Preset, Error> {
-    let text = format!("version = 2\nname = \"x\"\n[parameters]\n{parameters}\n");
+    let text = format!("version = 3\nname = \"x\"\n[parameters]\n{parameters}\n");
     Preset::from_toml(&text, "x.toml")
 }
 
@@ -122,6 +122,16 @@ fn bad_files_are_refused() {
     assert!(matches!(Preset::find("no-such-preset"), Err(Error::UnknownPreset { nearest: None, .. })));
     assert!(matches!(Preset::find("campfir"), Err(Error::UnknownPreset { nearest: Some("campfire"), .. })));
     assert!(matches!(Preset::load(Path::new("/no/such/file")), Err(Error::File { .. })));
+}
+
+#[test]
+fn a_preset_of_version_2_follows_by_attack_and_release() {
+    let averaging = |version: i64, line: &str| {
+        let text = format!("version = {version}\nname = \"x\"\n[parameters]\nrelease = 20.0\n{line}");
+        Preset::from_toml(&text, "x.toml").unwrap().values.get(Id::Averaging)
+    };
+    assert_eq!([averaging(2, ""), averaging(2, "averaging = 3.0")], [0.0, 3.0]);
+    assert_eq!([averaging(3, ""), averaging(3, "averaging = \"off\"")], [14.0, 0.0]);
 }
 
 #[test]

@@ -17,7 +17,7 @@ mod vortex_layer;
 
 use std::sync::Arc;
 
-use crate::companding::loudnesses;
+use crate::companding::{DriveEnvelope, loudnesses};
 use crate::controls::SLOTS;
 use crate::error::in_range;
 use crate::extend;
@@ -355,15 +355,20 @@ pub fn learn(
     let sidechain: Vec<Vec<f64>> = sidechain.iter().map(wide).collect();
     let mut drive = Drive::new(sample_rate_hz)?;
     drive.reset(0);
-    let mut signal = vec![0.0; samples];
+    let (mut signal, mut envelope) = (vec![0.0; samples], vec![0.0; samples]);
+    let mut delay_s = None;
     for start in (0..samples).step_by(CHUNK) {
         let end = samples.min(start + CHUNK);
         let main: Vec<&[f64]> = main.iter().map(|x| &x[start..end]).collect();
         let sidechain: Vec<&[f64]> = sidechain.iter().map(|x| &x[start..end]).collect();
-        drive.process(&main, &sidechain, &controls.drive, &mut signal[start..end]);
+        let blocks = (&mut signal[start..end], &mut envelope[start..end]);
+        delay_s = drive.process_with_envelope(&main, &sidechain, &controls.drive, blocks.0, blocks.1);
     }
     match structure.dynamics {
         MatchingMode::Paper => offline::learn(&signal, &PyramidConfig::at_rate(structure, sample_rate_hz)),
-        MatchingMode::Companded => Ok(Distribution::from_magnitudes(loudnesses(&signal, sample_rate_hz)?)),
+        MatchingMode::Companded => {
+            let envelope = delay_s.map(|delay_s| DriveEnvelope { values: &envelope, delay_s });
+            Ok(Distribution::from_magnitudes(loudnesses(&signal, envelope, sample_rate_hz)?))
+        }
     }
 }

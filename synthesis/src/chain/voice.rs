@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::bus::{CHUNK, Channels};
 use super::telemetry::Telemetry;
 use super::vortex_layer::VortexLayer;
-use crate::companding::{Companding, Recorded};
+use crate::companding::{Companding, DriveEnvelope, Recorded};
 use crate::controls::{CrackleControls, DriveMode, Fuel, RecordingControls, SLOTS, TextureControls};
 use crate::crackle::{Crackle, Crackles, Sources};
 use crate::drive::Drive;
@@ -105,6 +105,7 @@ pub struct Voice {
     companded: Option<Companded>,
     vortex: VortexLayer,
     drive_block: Vec<f64>,
+    envelope_block: Vec<f64>,
     /// Output for the last chunk.
     pub layers: VoiceLayers,
     low_delay: Delay<f64>,
@@ -145,6 +146,7 @@ impl Voice {
             extend,
             texture,
             drive_block: vec![0.0; CHUNK],
+            envelope_block: vec![0.0; CHUNK],
             layers: VoiceLayers::new(outputs),
             low_delay: Delay::new(extend_wait),
             extension_delays: vec![Delay::new(extend_wait); outputs],
@@ -272,7 +274,9 @@ impl Voice {
         let target_lufs = controls.mix.loudness_lufs;
         let [texture_gain, crackle_gain] = [self.gain_to(target_lufs), self.crackle_gain_to(target_lufs)];
         let drive = &mut self.drive_block[..samples];
-        self.drive.process(main, sidechain, &controls.drive, drive);
+        let values = &mut self.envelope_block[..samples];
+        let delay_s = self.drive.process_with_envelope(main, sidechain, &controls.drive, drive, values);
+        let envelope = delay_s.map(|delay_s| DriveEnvelope { values, delay_s });
 
         let mut extend = controls.extend;
         if controls.mix.extension == 0.0 && !(stands_in && controls.mix.texture != 0.0) {
@@ -300,7 +304,7 @@ impl Voice {
             }
             Some(companded) => {
                 with_blocks(&mut self.layers.texture, samples, |outputs| {
-                    companded.process(drive, &texture, &mut self.texture, target_lufs, outputs);
+                    companded.process(drive, envelope, &texture, &mut self.texture, target_lufs, outputs);
                 });
                 self.top_magnitudes.extend_from_slice(companded.companding.told());
                 let sources = sources(&self.texture, &companded.fuels, target_lufs, crackle_gain);
@@ -374,6 +378,7 @@ impl Companded {
     fn process(
         &mut self,
         drive: &[f64],
+        envelope: Option<DriveEnvelope<'_>>,
         controls: &TextureControls,
         texture: &mut Texture,
         target_lufs: Option<f64>,
@@ -381,7 +386,7 @@ impl Companded {
     ) {
         let samples = drive.len();
         let (flat, loudness) = (&mut self.flat[..samples], &mut self.loudness[..samples]);
-        self.companding.compress(drive, controls, texture.reference(), flat, loudness);
+        self.companding.compress(drive, envelope, controls, texture.reference(), flat, loudness);
         let channels = outputs.len().min(MAX_CHANNELS);
         let mut blocks: [[&mut [f64]; MAX_CHANNELS]; SLOTS] = Default::default();
         for (blocks, texture) in blocks.iter_mut().zip(&mut self.textures) {

@@ -162,7 +162,7 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
     for (number, drive) in drive.chunks(BLOCK).enumerate() {
         let samples = drive.len();
         let (flat, loudness) = (&mut flat[..samples], &mut loudness[..samples]);
-        companding.compress(drive, &controls, dictionary.profile(), flat, loudness);
+        companding.compress(drive, None, &controls, dictionary.profile(), flat, loudness);
         let mut blocks: Vec<&mut [f64]> =
             channels.iter_mut().map(|channel| &mut channel[number * BLOCK..][..samples]).collect();
         texture.process(flat, Some(loudness), &controls, &mut blocks);

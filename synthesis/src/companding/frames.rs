@@ -60,6 +60,20 @@ impl Kernel {
     }
 }
 
+/// Weights of an envelope's frames about the one that counts: enough to smooth the steps of frames.
+const NEIGHBOURS: [f64; 3] = [0.25, 0.5, 0.25];
+
+impl Kernel {
+    /// The amplitude of an envelope at the same instant, where the envelope is `delay_frames` late: read from later
+    /// frames, as far as they are known.
+    pub fn amplitude(&self, powers: &[f64], delay_frames: i64) -> f64 {
+        let newest = powers.len() as i64 - 1;
+        let middle = (newest - self.look_ahead + delay_frames).clamp(1, newest - 1) as usize;
+        let power: f64 = NEIGHBOURS.iter().zip(&powers[middle - 1..]).map(|(weight, power)| weight * power).sum();
+        power.max(0.0).sqrt()
+    }
+}
+
 /// The most recent values of a quantity given once per frame, interpolated between frames.
 #[derive(Debug, Clone)]
 pub struct FrameHistory {
@@ -152,6 +166,17 @@ mod tests {
             let kernel = Kernel::new(1378.0, look_ahead, future_s, past_s);
             let powers = vec![0.25; kernel.span()];
             assert!((kernel.loudness(&powers) - 0.5).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn an_amplitude_is_read_later_by_its_delay_but_no_later_than_is_known() {
+        let kernel = Kernel::new(1378.0, 27, 0.02, 0.02);
+        let powers: Vec<f64> = (0..kernel.span()).map(|i| (i as f64 - 100.0).powi(2)).collect();
+        let newest = powers.len() as i64 - 1;
+        for (delay, frame) in [(0, newest - 27), (11, newest - 16), (100, newest - 1)] {
+            let found = kernel.amplitude(&powers, delay);
+            assert!((found - (frame as f64 - 100.0)).abs() < 0.01, "{delay}: {found}");
         }
     }
 

@@ -85,9 +85,19 @@ const MOST_MATCH: f64 = 100.0;
 /// Time constant in seconds of all levels.
 const SMOOTHING_S: f64 = 0.02;
 
+/// The envelope that a drive was made from: its loudness, without the chance of the drive's own noise.
+#[derive(Debug, Clone, Copy)]
+pub struct DriveEnvelope<'a> {
+    /// Amplitudes, one for each sample of the drive.
+    pub values: &'a [f64],
+    /// Time in seconds by which they follow the sound that they envelop; made good as far as the look-ahead allows.
+    pub delay_s: f64,
+}
+
 /// Processing around texture synthesis in the companded mode.
 #[derive(Debug)]
 pub struct Companding {
+    sample_rate_hz: f64,
     frame_samples: usize,
     low: Svf,
     low_gain: f64,
@@ -164,6 +174,7 @@ impl Companding {
         let track = || FrameHistory::new(latency_samples / frame_samples + 8, frame_samples, 0.0);
         let by_frame = Smoothed::new(SMOOTHING_S, frame_rate_hz);
         Self {
+            sample_rate_hz,
             frame_samples,
             low: Svf::default(),
             low_gain: section_gain(MATCHED_HZ, sample_rate_hz),
@@ -246,10 +257,12 @@ impl Companding {
     }
 
     /// Processes a block of the drive. Writes the signal that texture should match, and the drive's loudness, both
-    /// delayed by the wait. `controls` apply to the whole block.
+    /// delayed by the wait. `controls` apply to the whole block. Loudness is measured from the drive, or from the
+    /// envelope that it was made from.
     pub fn compress(
         &mut self,
         drive: &[f64],
+        envelope: Option<DriveEnvelope<'_>>,
         controls: &TextureControls,
         profile: Option<&Profile>,
         flat: &mut [f64],
@@ -264,10 +277,13 @@ impl Companding {
         self.drive_block[..drive.len()].copy_from_slice(drive);
         flat.copy_from_slice(drive);
         self.wait.process(flat);
+        let frames_per_s = self.sample_rate_hz / self.frame_samples as f64;
+        let delay_frames = envelope.map(|envelope| (envelope.delay_s * frames_per_s).round() as i64);
         let undertone = UNDERTONE * MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms);
         let mut places = self.places(self.now - self.wait_samples, 0);
         for (i, sample) in drive.iter().enumerate() {
-            self.measure(*sample, controls);
+            let low = self.low.process(self.low_gain, *sample).low;
+            self.measure(envelope.map_or(low, |envelope| envelope.values[i]), delay_frames, controls);
             let gain = self.flat_gain_at(places.step(), profile);
             flat[i] = flat[i] * gain + undertone * self.noise.at(self.position.wrapping_add(self.now));
             loudness[i] = self.heard;
@@ -405,10 +421,9 @@ impl Companding {
         self.loudness[kernel].places(sample + self.origin).later(self.kernels[kernel].look_ahead())
     }
 
-    /// Measures one sample of the drive.
-    fn measure(&mut self, sample: f64, controls: &TextureControls) {
-        let low = self.low.process(self.low_gain, sample).low;
-        self.power += low * low;
+    /// Measures one sample of the drive's low part, or of its envelope, which is `delay_frames` late.
+    fn measure(&mut self, sample: f64, delay_frames: Option<i64>, controls: &TextureControls) {
+        self.power += sample * sample;
         self.filled += 1;
         if self.filled < self.frame_samples {
             return;
@@ -423,7 +438,11 @@ impl Companding {
         let coming = (self.wait_samples as usize).div_ceil(self.frame_samples).clamp(1, length);
         let peak = self.powers[last - coming..last].iter().fold(0.0f64, |most, power| most.max(*power)).sqrt();
         for (kernel, track) in self.kernels.iter().zip(&mut self.loudness) {
-            track.push(kernel.loudness(&self.powers[last - kernel.span()..last]));
+            let powers = &self.powers[last - kernel.span()..last];
+            track.push(match delay_frames {
+                Some(frames) => kernel.amplitude(powers, frames),
+                None => kernel.loudness(powers),
+            });
         }
         let told = self.loudness[0].newest();
         // Powers within the wait belong to sound that has yet to reach texture: its gate must open before they do.
@@ -549,12 +568,34 @@ mod tests {
                 .collect();
             let (mut flat, mut loudness, mut gain) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![1.0; BLOCK]);
             let controls = if block / 20 % 2 == 0 { calm } else { moved };
-            companding.compress(&drive, controls, Some(&profile), &mut flat, &mut loudness);
+            companding.compress(&drive, None, controls, Some(&profile), &mut flat, &mut loudness);
             companding.expand_one(Some(&profile), &mut [&mut gain]);
             flats.extend(flat);
             gains.extend(gain);
         }
         [flats, gains]
+    }
+
+    #[test]
+    fn loudness_of_an_envelope_is_the_envelope_without_its_delay() {
+        let (latency, delay_s) = (2048, 0.008);
+        let bump = |sample: f64| 0.1 + 0.4 * (-((sample - 40_000.0) / 2000.0).powi(2)).exp();
+        let mut companding = Companding::new(RATE_HZ, 1, 900, latency, BLOCK);
+        let controls = TextureControls { dynamic_range: DynamicRange::Off, ..TextureControls::default() };
+        let mut heard = vec![];
+        for start in (0..80_000).step_by(BLOCK) {
+            let drive: Vec<f64> = (start..start + BLOCK).map(|at| White::new(3, 3).at(at as i64)).collect();
+            let values: Vec<f64> = (start..start + BLOCK).map(|at| bump(at as f64 - delay_s * RATE_HZ)).collect();
+            let (mut flat, mut loudness, mut out) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![0.0; BLOCK]);
+            let envelope = Some(DriveEnvelope { values: &values, delay_s });
+            companding.compress(&drive, envelope, &controls, None, &mut flat, &mut loudness);
+            companding.expand_one(None, &mut [&mut out]);
+            heard.extend_from_slice(companding.heard(BLOCK));
+        }
+        for at in (20_000..70_000).step_by(500) {
+            let (found, wanted) = (heard[at] * NOMINAL, bump((at - latency) as f64));
+            assert!((found / wanted - 1.0).abs() < 0.02, "at {at}: {found} for {wanted}");
+        }
     }
 
     #[test]

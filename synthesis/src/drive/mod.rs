@@ -16,7 +16,7 @@ use rumble::Rumble;
 use swell::Swell;
 
 use crate::controls::{DriveControls, DriveMode};
-use crate::dsp::{Envelope, Follow};
+use crate::dsp::{Average, Envelope, Follow};
 use crate::error::{Error, in_range, within};
 
 /// Frequency in Hz at which differentiating flux leaves the level unchanged.
@@ -42,6 +42,7 @@ pub struct Drive {
     flux_gain: f64,
     /// The previous mean input; none right after reset, when a flux has no past.
     previous: Option<f64>,
+    average: Average,
     envelope: Envelope,
     rumble: Rumble,
     flame: Flame,
@@ -61,6 +62,7 @@ impl Drive {
             sample_rate_hz,
             flux_gain: 0.5 / maths::sin(std::f64::consts::PI * FLUX_UNITY_HZ / sample_rate_hz),
             previous: None,
+            average: Average::new(sample_rate_hz),
             envelope: Envelope::new(sample_rate_hz),
             rumble: Rumble::new(sample_rate_hz),
             flame: Flame::new(sample_rate_hz)?,
@@ -77,24 +79,27 @@ impl Drive {
         0
     }
 
-    /// Samples for which the drive continues after a full-scale input has ended: the envelope's release down to its
+    /// Samples for which the drive continues after a full-scale input has ended: the envelope's fall to its
     /// threshold, and the high-pass, which rings as exp(-2 pi f t / sqrt 2). A built-in flame needs no input and never
     /// ends: see [`DriveMode::Flame`].
     pub fn tail_samples(&self, controls: &DriveControls) -> usize {
-        let release_s = match controls.mode {
+        let envelope_s = match controls.mode {
             DriveMode::Envelope | DriveMode::InputEnvelope => {
-                controls.release_s * (-maths::ln(controls.threshold)).clamp(0.0, SILENCE_NEPERS)
+                // Two stages of averaging fall as fast as one of twice its time.
+                let fall_s = if controls.averaging_s > 0.0 { 2.0 * controls.averaging_s } else { controls.release_s };
+                fall_s * (-maths::ln(controls.threshold)).clamp(0.0, SILENCE_NEPERS)
             }
             DriveMode::Pressure | DriveMode::Flux | DriveMode::Flame => 0.0,
         };
         let corner = std::f64::consts::SQRT_2 * std::f64::consts::PI * controls.high_pass_hz;
         let ringing_s = if corner > 0.0 { SILENCE_NEPERS / corner } else { 0.0 };
-        ((release_s + ringing_s) * self.sample_rate_hz).ceil() as usize
+        ((envelope_s + ringing_s) * self.sample_rate_hz).ceil() as usize
     }
 
     /// Resets to silence; the next sample is at `position` on the host's timeline.
     pub fn reset(&mut self, position: i64) {
         self.previous = None;
+        self.average.reset();
         self.envelope.reset();
         self.flame.reset();
         self.swell.reset();
@@ -111,13 +116,38 @@ impl Drive {
     /// Computes the drive of one block of any length. `controls` apply to the whole block. Every channel of `main` and
     /// `sidechain` is as long as `drive`; if `sidechain` is empty, the envelope is that of the main input.
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &DriveControls, drive: &mut [f64]) {
-        let from_sidechain = controls.mode == DriveMode::Envelope && !sidechain.is_empty();
+        self.run(main, sidechain, controls, drive, None);
+    }
+
+    /// The same; if the drive is made from an averaged envelope, also writes that to `envelope`, which is as long, and
+    /// returns its delay in seconds after the sound that it follows.
+    pub fn process_with_envelope(
+        &mut self,
+        main: &[&[f64]],
+        sidechain: &[&[f64]],
+        controls: &DriveControls,
+        drive: &mut [f64],
+        envelope: &mut [f64],
+    ) -> Option<f64> {
+        self.run(main, sidechain, controls, drive, Some(envelope));
+        is_averaged(controls).then(|| Average::delay_s(controls.averaging_s))
+    }
+
+    fn run(
+        &mut self,
+        main: &[&[f64]],
+        sidechain: &[&[f64]],
+        controls: &DriveControls,
+        drive: &mut [f64],
+        envelope: Option<&mut [f64]>,
+    ) {
         let source = match controls.mode {
             DriveMode::Flame => &[],
-            _ if from_sidechain => sidechain,
+            DriveMode::Envelope if !sidechain.is_empty() => sidechain,
             _ => main,
         };
         self.mean(source, drive);
+        let is_averaged = is_averaged(controls);
         match controls.mode {
             DriveMode::Pressure => self.previous = drive.last().copied().or(self.previous),
             DriveMode::Flux => {
@@ -128,9 +158,10 @@ impl Drive {
             }
             DriveMode::Envelope | DriveMode::InputEnvelope => {
                 self.previous = None;
-                let DriveControls { attack_s, release_s, threshold, .. } = *controls;
-                self.envelope.process(&Follow { attack_s, release_s, threshold }, drive);
-                self.rumble.modulate(controls.seed, self.position, drive);
+                self.follow(controls, drive);
+                if !is_averaged {
+                    self.rumble.modulate(controls.seed, self.position, drive);
+                }
             }
             DriveMode::Flame => {
                 self.previous = None;
@@ -142,8 +173,26 @@ impl Drive {
             drive.iter_mut().for_each(|sample| *sample *= gain);
         }
         self.swell.process(controls.swell, drive);
+        if is_averaged {
+            if let Some(envelope) = envelope {
+                envelope.copy_from_slice(drive);
+            }
+            self.rumble.modulate(controls.seed, self.position, drive);
+        }
         self.high_pass.process(controls.high_pass_hz, drive);
         self.position = self.position.wrapping_add(drive.len() as i64);
+    }
+
+    /// Replaces the signal by its envelope. The follower that is not in use rests at silence.
+    fn follow(&mut self, controls: &DriveControls, signal: &mut [f64]) {
+        let DriveControls { averaging_s, attack_s, release_s, threshold, .. } = *controls;
+        if is_averaged(controls) {
+            self.envelope.reset();
+            self.average.process(averaging_s, threshold, signal);
+        } else {
+            self.average.reset();
+            self.envelope.process(&Follow { attack_s, release_s, threshold }, signal);
+        }
     }
 
     /// Writes the mean of the channels to `out`, and checks whether they cancel.
@@ -177,4 +226,8 @@ impl Drive {
             }
         }
     }
+}
+/// True if the drive is made from an averaged envelope.
+fn is_averaged(controls: &DriveControls) -> bool {
+    matches!(controls.mode, DriveMode::Envelope | DriveMode::InputEnvelope) && controls.averaging_s > 0.0
 }

@@ -38,7 +38,7 @@ pub use timeline::Timeline;
 pub(crate) use channels::mean_of;
 pub(crate) use chirp_z::ChirpZ;
 pub(crate) use delay::Delay;
-pub(crate) use envelope::{Envelope, Follow};
+pub(crate) use envelope::{Average, Envelope, Follow};
 pub(crate) use loudness::integrated_lufs;
 pub(crate) use overlap_add::OverlapAdd;
 pub(crate) use ring::Ring;

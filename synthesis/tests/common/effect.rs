@@ -79,6 +79,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
             mode,
             gain: level(random),
             swell: [0.0, 0.8, -0.6][random.below(3)],
+            averaging_s: if random.below(2) == 0 { 0.0 } else { random.unit() * 0.05 },
             attack_s: 0.001 + random.unit() * 0.1,
             release_s: 0.001 + random.unit(),
             threshold: random.unit() * 0.1,

@@ -73,16 +73,19 @@ fn flux_is_differentiated_with_unity_gain_at_100_hz() {
 
 #[test]
 fn envelope_shapes_a_rumble_of_its_own() {
-    for rate_hz in RATES_HZ {
+    // An average is scaled so that a sine's is its peak; a constant is larger by a quarter of a turn.
+    for (rate_hz, (averaging_s, level)) in
+        RATES_HZ.into_iter().flat_map(|rate_hz| [(rate_hz, (0.0, 0.25)), (rate_hz, (0.014, 0.25 * TAU / 4.0))])
+    {
         let second = rate_hz as usize;
         let mut sidechain = vec![0.0; 20 * second];
         sidechain[5 * second..15 * second].fill(0.25);
         let main = white(0, sidechain.len());
-        let controls = DriveControls { threshold: 0.0, ..off(DriveMode::Envelope) };
+        let controls = DriveControls { averaging_s, threshold: 0.0, ..off(DriveMode::Envelope) };
         let out = drive(&[&main], &[&sidechain], &controls, rate_hz);
         assert!(out[..5 * second].iter().all(|x| *x == 0.0));
         let loud = &out[6 * second..15 * second];
-        assert!((rms(loud) / 0.25 - 1.0).abs() < 0.1, "{rate_hz} Hz: {}", rms(loud));
+        assert!((rms(loud) / level - 1.0).abs() < 0.1, "{rate_hz} Hz: {}", rms(loud));
         assert!(out[18 * second..].iter().all(|x| x.abs() < 1e-9));
         // The band: next to nothing outside 40-150 Hz.
         let power_at = |frequency_hz: f64| -> f64 {
