@@ -263,16 +263,8 @@ impl Equalizer {
     fn filter(&mut self, amount: f64, channels: &mut [&mut [f64]], range: Range<usize>) {
         let (at, count) = (self.filled, range.len());
         self.filled += count;
-        // The amount for every sample; zero if all has been silent for long, so that silence is exact.
         let mut shares = [0.0; BLOCK];
-        for (share, i) in shares.iter_mut().zip(range.clone()) {
-            let is_silent = channels.iter().all(|channel| channel[i] == 0.0);
-            self.silent_samples = if is_silent { self.silent_samples.saturating_add(1) } else { 0 };
-            if self.is_on {
-                let amount = self.amount.next(amount);
-                *share = if self.silent_samples < self.length { amount } else { 0.0 };
-            }
-        }
+        self.set_shares(amount, channels, range.clone(), &mut shares[..count]);
         let is_heard = shares[..count].iter().any(|share| *share != 0.0);
         for (channel, kept) in channels.iter_mut().zip(&mut self.channels) {
             let block = &mut channel[range.clone()];
@@ -284,6 +276,28 @@ impl Equalizer {
                     let filtered = filtered[i] + kept.tail[at + i];
                     *sample += shares[i] * (filtered - *sample);
                 }
+            }
+        }
+    }
+}
+
+impl Equalizer {
+    /// Writes the amount for every sample in `range`; zero if all has been silent for long, so that silence is exact.
+    fn set_shares(&mut self, amount: f64, channels: &[&mut [f64]], range: Range<usize>, shares: &mut [f64]) {
+        let is_silent = |i: usize| channels.iter().all(|channel| channel[i] == 0.0);
+        let stays = !self.is_on || self.amount.value == amount;
+        if stays && self.silent_samples.saturating_add(shares.len()) < self.length {
+            // Too little silence for an end, so only what there is of it at the end of the range counts.
+            shares.fill(if self.is_on { amount } else { 0.0 });
+            let trailing = range.rev().take_while(|i| is_silent(*i)).count();
+            self.silent_samples = if trailing == shares.len() { self.silent_samples + trailing } else { trailing };
+            return;
+        }
+        for (share, i) in shares.iter_mut().zip(range) {
+            self.silent_samples = if is_silent(i) { self.silent_samples.saturating_add(1) } else { 0 };
+            if self.is_on {
+                let amount = self.amount.next(amount);
+                *share = if self.silent_samples < self.length { amount } else { 0.0 };
             }
         }
     }

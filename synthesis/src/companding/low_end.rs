@@ -1,6 +1,8 @@
 //! The drive's own low end, in place of texture's.
 
-use crate::dsp::{Bands, Coefficients, Svf, section_gain};
+use std::ops::Range;
+
+use crate::dsp::{Bands, Coefficients, Section, section_gain};
 use crate::error::within;
 
 /// Duration in seconds of a change of the crossover.
@@ -13,28 +15,44 @@ pub const HIGHEST_HZ: f64 = 400.0;
 /// Dampings of the sections of a Butterworth filter of order 4.
 const DAMPINGS: [f64; 2] = [1.847_759_065_022_573_5, 0.765_366_864_730_179_6];
 /// Samples from one check whether a filter has fallen silent to the next. Counted since reset, so that blocks do not matter.
-const CHECKED_SAMPLES: u32 = 64;
+const CHECKED_SAMPLES: usize = 64;
 /// Level below which a drive counts as silence, and at which a filter whose input has ended stops ringing: -200 dBFS. Behind
 /// the drive's own high-pass, which rings at a few hertz, and of so high an order, the crossover would otherwise ring for
 /// half a second down to where a single section ends.
 const SILENCE: f64 = 1e-10;
 
-/// A filter of order 8: that of order 4, twice.
-#[derive(Debug, Clone, Copy, Default)]
-struct Half([[Svf; DAMPINGS.len()]; 2]);
+/// Channels filtered together, as vectors.
+const LANES: usize = 2;
 
-impl Half {
-    /// Filters one sample; `band` chooses the output of each section.
+/// Filters of order 8, one for each lane: that of order 4, twice.
+#[derive(Debug, Clone, Copy)]
+struct Half<const LANES: usize>([[Section<LANES>; DAMPINGS.len()]; 2]);
+
+impl<const LANES: usize> Default for Half<LANES> {
+    fn default() -> Self {
+        Self([[Section::default(); DAMPINGS.len()]; 2])
+    }
+}
+
+impl<const LANES: usize> Half<LANES> {
+    /// Filters one sample of each lane; `band` chooses the output of each section.
     #[inline]
-    fn process(&mut self, coefficients: &[Coefficients; DAMPINGS.len()], input: f64, band: fn(Bands) -> f64) -> f64 {
+    fn process(
+        &mut self,
+        coefficients: &[Coefficients; DAMPINGS.len()],
+        inputs: [f64; LANES],
+        band: fn(Bands<[f64; LANES]>) -> [f64; LANES],
+    ) -> [f64; LANES] {
         let sections = self.0.iter_mut().flat_map(|half| half.iter_mut().zip(coefficients));
-        sections.fold(input, |value, (section, coefficients)| band(section.process_endlessly(coefficients, value)))
+        sections.fold(inputs, |values, (section, coefficients)| band(section.process(coefficients, values)))
     }
 
-    /// Ends the filter's sound if its input has ended, and nothing more is heard of it.
-    fn end_if_silent(&mut self, input: f64) {
-        if self.0.iter().flatten().all(|section| section.is_below(SILENCE, input)) {
-            *self = Self::default();
+    /// Ends the sound of each lane whose input has ended, and of which nothing more is heard.
+    fn end_if_silent(&mut self, inputs: [f64; LANES]) {
+        for (lane, input) in inputs.into_iter().enumerate() {
+            if self.0.iter().flatten().all(|section| section.is_below(SILENCE, input, lane)) {
+                self.0.iter_mut().flatten().for_each(|section| section.reset_lane(lane));
+            }
         }
     }
 }
@@ -48,12 +66,13 @@ pub struct LowEnd {
     /// Most that the wet share, and the gain, change in a sample.
     wet_step: f64,
     gain_step: f64,
-    drive: Half,
-    texture: Vec<Half>,
+    drive: Half<1>,
+    /// Texture's channels, [`LANES`] at a time.
+    texture: Vec<Half<LANES>>,
     gain: f64,
     coefficients: [Coefficients; DAMPINGS.len()],
     /// Samples until the next check for silence.
-    unchecked: u32,
+    unchecked: usize,
     /// Share of the crossover in the result, 0-1.
     wet: f64,
     asked_hz: Option<f64>,
@@ -70,7 +89,7 @@ impl LowEnd {
             wet_step,
             gain_step: wet_step * section_gain(HIGHEST_HZ, sample_rate_hz),
             drive: Default::default(),
-            texture: vec![Default::default(); channels],
+            texture: vec![Default::default(); channels.div_ceil(LANES)],
             gain: 0.0,
             coefficients: Default::default(),
             unchecked: CHECKED_SAMPLES,
@@ -113,32 +132,67 @@ impl LowEnd {
         self.coefficients = DAMPINGS.map(|damping| Coefficients::new(gain, damping));
     }
 
-    /// Mixes `drive` below the crossover into one sample of every channel.
-    #[inline]
-    pub fn process(&mut self, drive: f64, channels: &mut [&mut [f64]], at: usize) {
-        if self.wet == 0.0 && self.target_wet == 0.0 {
-            return;
+    /// Mixes `drive` below the crossover into the samples in `range` of every channel; all are as long as the block.
+    pub fn process(&mut self, drive: &[f64], channels: &mut [&mut [f64]], range: Range<usize>) {
+        let mut start = range.start;
+        while start < range.end {
+            let is_settled = self.wet == self.target_wet && self.gain == self.target_gain;
+            if is_settled && self.wet == 0.0 {
+                return;
+            }
+            // A gliding corner changes the coefficients at every sample.
+            let samples = if is_settled { self.unchecked.min(range.end - start) } else { 1 };
+            self.wet = approach(self.wet, self.target_wet, self.wet_step);
+            if self.gain != self.target_gain {
+                // It glides as the filters' coefficient, which takes no tangent for each sample.
+                self.set_gain(approach(self.gain, self.target_gain, self.gain_step));
+            }
+            self.unchecked -= samples;
+            self.mix(&drive[start..start + samples], channels, start);
+            start += samples;
         }
-        self.wet = approach(self.wet, self.target_wet, self.wet_step);
-        if self.gain != self.target_gain {
-            // The corner glides as the filters' coefficient, which takes no tangent for each sample.
-            self.set_gain(approach(self.gain, self.target_gain, self.gain_step));
-        }
-        let drive = if drive.abs() < SILENCE { 0.0 } else { drive };
-        self.unchecked -= 1;
+    }
+
+    /// The same for a few samples from `start` on, during which nothing glides.
+    fn mix(&mut self, drive: &[f64], channels: &mut [&mut [f64]], start: usize) {
         let is_checked = self.unchecked == 0;
-        let low = self.drive.process(&self.coefficients, drive, |bands| bands.low);
         if is_checked {
             self.unchecked = CHECKED_SAMPLES;
-            self.drive.end_if_silent(drive);
         }
-        for (channel, filter) in channels.iter_mut().zip(&mut self.texture) {
-            let texture = channel[at];
-            let high = filter.process(&self.coefficients, texture, |bands| bands.high);
-            if is_checked {
-                filter.end_if_silent(texture);
+        let audible = |drive: f64| if drive.abs() < SILENCE { 0.0 } else { drive };
+        let mut low = [0.0; CHECKED_SAMPLES];
+        for (low, drive) in low.iter_mut().zip(drive) {
+            [*low] = self.drive.process(&self.coefficients, [audible(*drive)], |bands| bands.low);
+        }
+        if let (true, Some(last)) = (is_checked, drive.last()) {
+            self.drive.end_if_silent([audible(*last)]);
+        }
+        let (low, wet) = (&low[..drive.len()], self.wet);
+        for (channels, filter) in channels.chunks_mut(LANES).zip(&mut self.texture) {
+            let mut textures = [0.0; LANES];
+            let mut mixed = |textures: [f64; LANES], low: f64| {
+                let high = filter.process(&self.coefficients, textures, |bands| bands.high);
+                std::array::from_fn::<f64, LANES, _>(|lane| textures[lane] + wet * (low + high[lane] - textures[lane]))
+            };
+            match channels {
+                [left, right] => {
+                    let pairs = left[start..].iter_mut().zip(&mut right[start..]);
+                    for ((left, right), low) in pairs.zip(low) {
+                        textures = [*left, *right];
+                        [*left, *right] = mixed(textures, *low);
+                    }
+                }
+                [single, ..] => {
+                    for (single, low) in single[start..].iter_mut().zip(low) {
+                        textures = [*single, 0.0];
+                        [*single, _] = mixed(textures, *low);
+                    }
+                }
+                [] => {}
             }
-            channel[at] = texture + self.wet * (low + high - texture);
+            if is_checked {
+                filter.end_if_silent(textures);
+            }
         }
     }
 }
@@ -167,9 +221,9 @@ mod tests {
     fn run(drive: &[f64], texture: &[f64], crossover_hz: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut low_end = LowEnd::new(RATE_HZ, 1);
         let mut out = texture.to_vec();
-        for (i, drive) in drive.iter().enumerate() {
+        for i in 0..drive.len() {
             low_end.aim(crossover_hz(i));
-            low_end.process(*drive, &mut [&mut out], i);
+            low_end.process(drive, &mut [&mut out], i..i + 1);
         }
         out
     }
@@ -219,6 +273,30 @@ mod tests {
         let last = out.iter().rposition(|x| *x != 0.0).expect("it sounds");
         // The fade reaches -200 dBFS after 23,000 samples; the filter, 100 ms later.
         assert!((22_000..28_000).contains(&last), "until {last}");
+    }
+
+    #[test]
+    fn blocks_never_matter() {
+        let (drive, left, right) = (sine(60.0), sine(333.0), sine(444.0));
+        let corner_hz = |block: usize| [150.0, 150.0, 0.0, 200.0][block / 20 % 4];
+        let run = |sizes: &[usize]| {
+            let mut low_end = LowEnd::new(RATE_HZ, 3);
+            let mut out = [left.clone(), right.clone(), left.clone()];
+            let mut start = 0;
+            for size in sizes.iter().cycle() {
+                let end = (start + size).min(drive.len()).min((start / 500 + 1) * 500);
+                low_end.aim(corner_hz(start / 500));
+                low_end.process(&drive, &mut out.each_mut().map(Vec::as_mut_slice), start..end);
+                start = end;
+                if start == drive.len() {
+                    return out;
+                }
+            }
+            unreachable!()
+        };
+        let whole = run(&[500]);
+        assert!(whole[0] == whole[2] && whole[0] != whole[1], "each channel by itself");
+        assert!(run(&[1]) == whole && run(&[7, 64, 100, 1]) == whole);
     }
 
     #[test]

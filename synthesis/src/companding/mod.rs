@@ -347,9 +347,7 @@ impl Companding {
         while start < samples {
             let (controls, end) = self.run(start, samples, self.latency_samples);
             self.low_end.aim(controls.companding.low_end_hz);
-            for (i, drive) in drive.iter().enumerate().take(end).skip(start) {
-                self.low_end.process(*drive, channels, i);
-            }
+            self.low_end.process(&drive, channels, start..end);
             start = end;
         }
         self.drive_block = drive;
@@ -515,9 +513,9 @@ impl Companding {
         recordings: &[Recorded<'_>; SLOTS],
     ) -> f64 {
         let Self { low_gain_ramp, levels, shares, .. } = self;
-        let crossover_hz = within(controls.companding.low_end_hz, low_end::LOWEST_HZ, low_end::HIGHEST_HZ);
-        let wanted = self::shares(&controls.recordings);
         low_gain_ramp.at(place, |frame| {
+            let crossover_hz = within(controls.companding.low_end_hz, low_end::LOWEST_HZ, low_end::HIGHEST_HZ);
+            let wanted = self::shares(&controls.recordings);
             let mut below = 0.0;
             for ((share, wanted), recorded) in shares.iter_mut().zip(wanted).zip(recordings) {
                 let share = share.next(wanted);

@@ -20,16 +20,14 @@ impl<T: Copy + Default> Delay<T> {
     }
 
     /// Delays `block` in place.
-    pub fn process(&mut self, block: &mut [T]) {
-        if self.buffer.is_empty() {
-            return;
-        }
-        for sample in block {
-            std::mem::swap(sample, &mut self.buffer[self.at]);
-            self.at += 1;
-            if self.at == self.buffer.len() {
-                self.at = 0;
-            }
+    pub fn process(&mut self, mut block: &mut [T]) {
+        let length = self.buffer.len();
+        while length > 0 && !block.is_empty() {
+            let run = block.len().min(length - self.at);
+            let (now, later) = block.split_at_mut(run);
+            now.swap_with_slice(&mut self.buffer[self.at..self.at + run]);
+            self.at = (self.at + run) % length;
+            block = later;
         }
     }
 }

@@ -44,5 +44,5 @@ pub(crate) use overlap_add::OverlapAdd;
 pub(crate) use ring::Ring;
 pub(crate) use ring_buffer::RingBuffer;
 pub(crate) use smoothed::Smoothed;
-pub(crate) use svf::{Bands, Coefficients, Svf, section_gain};
+pub(crate) use svf::{Bands, Coefficients, Section, Svf, section_gain};
 pub(crate) use transform::{Transform, quick_len};

@@ -12,16 +12,23 @@ const BUTTERWORTH: f64 = SQRT_2;
 /// Filter Design", §4), which remains well-behaved while its corner moves.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Svf {
-    state: [f64; 2],
+    section: Section<1>,
 }
 
-/// The two outputs of a [`Svf`].
+/// The same for `LANES` signals side by side, with any damping, and without an end: its outputs decay after silence, until
+/// [`reset_lane`](Self::reset_lane) ends them.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bands {
+pub(crate) struct Section<const LANES: usize> {
+    state: [[f64; LANES]; 2],
+}
+
+/// The two outputs of a filter.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bands<T> {
     /// The signal below the corner.
-    pub low: f64,
+    pub low: T,
     /// The signal above it.
-    pub high: f64,
+    pub high: T,
 }
 
 /// The integrators' gain, tan(pi corner / rate), for a corner in Hz below half the rate.
@@ -48,35 +55,52 @@ impl Coefficients {
 impl Svf {
     /// Resets to silence.
     pub fn reset(&mut self) {
-        self.state = [0.0; 2];
+        self.section = Section::default();
     }
 
     /// Filters one sample by a Butterworth filter. After silence the outputs end exactly.
     #[inline]
-    pub fn process(&mut self, gain: f64, input: f64) -> Bands {
-        let bands = self.process_endlessly(&Coefficients::new(gain, BUTTERWORTH), input);
-        if self.is_below(SILENCE, input) {
+    pub fn process(&mut self, gain: f64, input: f64) -> Bands<f64> {
+        let Bands { low: [low], high: [high] } = self.section.process(&Coefficients::new(gain, BUTTERWORTH), [input]);
+        if self.section.is_below(SILENCE, input, 0) {
             self.reset();
             return Bands { low: 0.0, high: 0.0 };
+        }
+        Bands { low, high }
+    }
+}
+
+impl<const LANES: usize> Default for Section<LANES> {
+    fn default() -> Self {
+        Self { state: [[0.0; LANES]; 2] }
+    }
+}
+
+impl<const LANES: usize> Section<LANES> {
+    /// Filters one sample of each lane.
+    #[inline]
+    pub fn process(&mut self, coefficients: &Coefficients, inputs: [f64; LANES]) -> Bands<[f64; LANES]> {
+        let ([s1, s2], gain) = (self.state, coefficients.gain);
+        let mut bands = Bands { low: [0.0; LANES], high: [0.0; LANES] };
+        for lane in 0..LANES {
+            let high = (inputs[lane] - coefficients.feedback * s1[lane] - s2[lane]) / coefficients.divisor;
+            let band = gain * high + s1[lane];
+            let low = gain * band + s2[lane];
+            self.state[0][lane] = gain * high + band;
+            self.state[1][lane] = gain * band + low;
+            (bands.low[lane], bands.high[lane]) = (low, high);
         }
         bands
     }
 
-    /// Filters one sample by any section. After silence the outputs decay but do not end: [`reset`](Self::reset) ends them,
-    /// once everything [`is_below`](Self::is_below) what is audible.
+    /// True if a lane's last input, and what is left of earlier ones, are below `level`.
     #[inline]
-    pub fn process_endlessly(&mut self, coefficients: &Coefficients, input: f64) -> Bands {
-        let ([s1, s2], gain) = (self.state, coefficients.gain);
-        let high = (input - coefficients.feedback * s1 - s2) / coefficients.divisor;
-        let band = gain * high + s1;
-        let low = gain * band + s2;
-        self.state = [gain * high + band, gain * band + low];
-        Bands { low, high }
+    pub fn is_below(&self, level: f64, input: f64, lane: usize) -> bool {
+        input.abs() < level && self.state.iter().all(|state| state[lane].abs() < level)
     }
 
-    /// True if the last input, and what is left of earlier ones, are below `level`.
-    #[inline]
-    pub fn is_below(&self, level: f64, input: f64) -> bool {
-        input.abs() < level && self.state.iter().all(|state| state.abs() < level)
+    /// Resets a lane to silence.
+    pub fn reset_lane(&mut self, lane: usize) {
+        self.state.iter_mut().for_each(|state| state[lane] = 0.0);
     }
 }
