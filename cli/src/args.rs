@@ -272,6 +272,8 @@ impl DynamicRange {
 
 /// Options of `pyrophone flux`.
 #[derive(Debug, Args)]
+#[group(skip)]
+#[command(group = ArgGroup::new("upright").args(["speed_field", "listener"]).multiple(true))]
 pub struct FluxArgs {
     /// Folder of numbered .vdb, .npz or .npy frames, a pattern for their names (fire.####.vdb), one .vdb or .npz frame,
     /// or a series of flux: CSV, .npy, or a sound file whose samples are the steps
@@ -325,8 +327,8 @@ pub struct FluxArgs {
     /// Also write a speed field for vortex sound: the speeds of the gas by place and time
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
-    /// Axis of the simulation that points up, for the speed field
-    #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "speed_field")]
+    /// Axis of the simulation that points up, for the speed field and the listener
+    #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "upright")]
     pub up: UpAxis,
     /// Also write a drive and its positions for each flame (connected front): DIR/cluster_001.wav and .csv
     #[arg(long, value_name = "DIR", conflicts_with = "partial")]
@@ -334,6 +336,9 @@ pub struct FluxArgs {
     /// Number of flames with separate drives, 1-256; the quietest share one
     #[arg(long, value_name = "N", default_value_t = 16, requires = "per_cluster", allow_negative_numbers = true)]
     pub clusters: usize,
+    /// Also write all flames as a listener at X,Y,Z hears them, in the files' axes: DIR/ambisonic.wav (first order, AmbiX)
+    #[arg(long, value_name = "X,Y,Z", requires = "per_cluster", allow_hyphen_values = true, value_parser = position)]
+    pub listener: Option<[f64; 3]>,
     /// Method of filling in steps, up to 360 per second, if the simulation has fewer than 200
     #[arg(long, value_enum, default_value_t = Upsample::Auto)]
     pub upsample: Upsample,
@@ -385,6 +390,15 @@ pub enum Upsample {
     Noise,
     /// A smooth curve through the frames' flux
     Cubic,
+}
+
+/// Three numbers separated by commas.
+fn position(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match <[f64; 3]>::try_from(numbers) {
+        Ok(position) if text.split(',').count() == 3 && position.iter().all(|x: &f64| x.is_finite()) => Ok(position),
+        _ => Err("give three numbers, such as 0,-3,1.7".to_owned()),
+    }
 }
 
 /// Values of `--up`.

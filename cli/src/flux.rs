@@ -1,5 +1,6 @@
 //! `pyrophone flux`: the flame signal of a simulation or of a flux series.
 
+mod ambisonic;
 mod cache;
 mod clock;
 pub mod extras;

@@ -11,6 +11,7 @@ use pyrophone_flame::upsample::{Method, Upsampler};
 use pyrophone_recording::{Broadcast, write_file};
 use rayon::prelude::*;
 
+use super::ambisonic::{Listener, Place};
 use super::measuring::Plan;
 use super::signal::Signal;
 use super::{scale, sound};
@@ -72,7 +73,16 @@ pub fn write(
     let added = added(signal, &whole, plan.upsampler.as_ref())?;
     let shares = shares(&groups, &tracks, signal, whole.substeps);
     let place = sound::time_reference(&args.sound, signal)?;
+    let mut listener = args.listener.map(|position| {
+        let samples = rendered.samples.len();
+        Listener::new(position, middle(&tracks), args.up, samples, args.sound.sample_rate)
+    });
     make_folder(folder)?;
+    let broadcast = |name: &str| Broadcast {
+        description: format!("Flame signal of {name}, {} steps per second", whole.rate_hz),
+        time_reference_samples: place,
+        ..Broadcast::default()
+    };
     let mut files = vec![folder.join("clusters.csv")];
     write_file(&files[0], |file| write_list(file, &groups, &tracks, signal))?;
     for (group, share) in groups.iter().zip(&shares) {
@@ -85,15 +95,20 @@ pub fn write(
         };
         let flux: Vec<f64> = smooth.flux.iter().zip(&added).zip(share).map(|((x, added), w)| x + w * added).collect();
         let samples = pressure::render(&flux, &pressure::Options { scale: Some(rendered.scale), ..options })?.samples;
-        let broadcast = Broadcast {
-            description: format!("Flame signal of {}, {} steps per second", group.name, whole.rate_hz),
-            time_reference_samples: place,
-            ..Broadcast::default()
-        };
+        if let Some(listener) = &mut listener {
+            listener.add(&samples, &places(group, &tracks, signal));
+        }
+        let broadcast = broadcast(&group.name);
         let [wav, csv] = ["wav", "csv"].map(|extension| folder.join(format!("{}.{extension}", group.name)));
         output::write_signal(&wav, vec![samples], args.sound.sample_rate, Some(&broadcast))?;
         write_file(&csv, |file| write_track(file, group, &tracks, signal))?;
         files.extend([wav, csv]);
+    }
+    if let Some(listener) = listener {
+        let wav = folder.join("ambisonic.wav");
+        let broadcast = broadcast("all flames, AmbiX of first order");
+        output::write_signal(&wav, listener.into_channels(), args.sound.sample_rate, Some(&broadcast))?;
+        files.push(wav);
     }
     tell(&groups, &tracks);
     Ok(files)
@@ -202,6 +217,19 @@ fn shares(groups: &[Group], tracks: &[Track], signal: &Signal, substeps: usize) 
 /// Seconds from the first sample to a step.
 fn time_s(signal: &Signal, step: i64) -> f64 {
     step.saturating_sub(signal.first_frame) as f64 / signal.rate_hz
+}
+
+/// Positions of a group over time.
+fn places(group: &Group, tracks: &[Track], signal: &Signal) -> Vec<Place> {
+    let steps = (0..signal.flux.len()).map(|n| signal.first_frame.saturating_add(n as i64));
+    steps.filter_map(|step| Some((time_s(signal, step), point(group, tracks, step)?.centroid))).collect()
+}
+
+/// Mean position of all flames over all steps, weighted by area.
+fn middle(tracks: &[Track]) -> [f64; 3] {
+    let points = || tracks.iter().flat_map(|track| track.points.values());
+    let area: f64 = points().map(|point| point.area).sum();
+    std::array::from_fn(|axis| points().map(|point| point.area * point.centroid[axis]).sum::<f64>() / area.max(1e-30))
 }
 
 /// Writes a table of a group's positions.

@@ -111,6 +111,29 @@ fn drives_of_flames_add_up_to_the_whole_and_know_their_places() {
 }
 
 #[test]
+fn a_listener_hears_every_flame_from_its_place() {
+    let folder: TempDir = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    cache(at);
+    // Beyond the third flame, which burns alone in its corner; the others are together in the opposite one.
+    let flux = "flux --input cache --rate 360 --refine 2 --per-cluster x --listener -40,0.6,0.8";
+    succeeds(at, flux);
+    let heard = read(&at.join("x/ambisonic.wav"));
+    assert_eq!(heard.channels.len(), 4);
+    // From so far away all flames are in front, and about 42 m away.
+    let whole = |name: &str| read(&at.join("x").join(name)).channels[0].clone();
+    let drives = ["cluster_001.wav", "cluster_002.wav", "cluster_003.wav", "cluster_004.wav"].map(whole);
+    let loudest = drives.iter().flatten().fold(0.0f32, |most, x| most.max(x.abs()));
+    for n in (0..heard.len_samples()).step_by(50) {
+        let sum: f32 = drives.iter().map(|drive| drive[n]).sum::<f32>() / 41.5;
+        assert!((heard.channels[0][n] - sum).abs() < 0.05 * loudest / 41.5, "sample {n}");
+        assert!((heard.channels[3][n] - heard.channels[0][n]).abs() < 0.05 * loudest / 41.5, "front, sample {n}");
+    }
+    refuses(at, "flux --input cache --rate 360 --per-cluster y --listener 1,2", 2, &["three numbers"]);
+    refuses(at, "flux --input cache --rate 360 --output y.wav --listener 1,2,3", 2, &["--per-cluster"]);
+}
+
+#[test]
 fn per_cluster_with_conflicting_options_is_refused() {
     let folder: TempDir = tempfile::tempdir().unwrap();
     let at = folder.path();
