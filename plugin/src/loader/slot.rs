@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyrophone_recording::Recording;
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_training::DictionaryKey;
 
 use pyrophone_analysis::Portrait;
@@ -29,7 +29,7 @@ pub struct Slot {
     /// See `portrait`.
     pub portrait_is_due: bool,
     /// The dictionary built last.
-    pub dictionary: Option<(DictionaryKey, Arc<Dictionary>)>,
+    pub dictionary: Option<(DictionaryKey, Arc<RecordingDictionary>)>,
     /// True if the dictionary was built here and is not on disk yet.
     pub is_unkept: Cell<bool>,
     /// Key of a dictionary that could not be built, so that it is not tried again.

@@ -7,7 +7,8 @@ use pyrophone_settings::macros::{MACROS, Macro};
 use pyrophone_settings::{Id, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::dsp::White;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::recording::RecordingDictionary;
+use pyrophone_synthesis::texture::PyramidConfig;
 
 const RATE_HZ: f64 = 44_100.0;
 const SAMPLES: usize = 9 * 44_100;
@@ -54,9 +55,9 @@ fn recording() -> Vec<f64> {
     fire
 }
 
-static DICTIONARY: LazyLock<Arc<Dictionary>> = LazyLock::new(|| {
+static DICTIONARY: LazyLock<Arc<RecordingDictionary>> = LazyLock::new(|| {
     let shape = PyramidConfig::at_rate(&Values::default().structure(), RATE_HZ);
-    Arc::new(Dictionary::companded(&[recording()], RATE_HZ, &shape, &|_| true).expect("a dictionary"))
+    Arc::new(RecordingDictionary::companded(&[recording()], RATE_HZ, &shape, &|_| true).expect("a dictionary"))
 });
 
 /// What is heard of a flame, and the flame itself, in time with it.

@@ -9,6 +9,7 @@
 mod bus;
 mod input;
 mod meters;
+mod recordings;
 mod silence;
 mod telemetry;
 mod voice;
@@ -23,8 +24,9 @@ use crate::error::in_range;
 use crate::extend;
 use crate::fuel;
 use crate::mix::{Layers, Mix};
+use crate::recording::RecordingDictionary;
 use crate::structure::MatchingMode;
-use crate::texture::{Dictionary, Distribution, PyramidConfig, offline};
+use crate::texture::{Distribution, PyramidConfig, offline};
 use crate::vortex::{Simulator, SpeakerLayout, SpeedField};
 use crate::{Controls, EngineConfig, Error, drive::Drive};
 pub use bus::{Channels, Transport};
@@ -138,17 +140,24 @@ impl Chain {
     }
 
     /// Exchanges the dictionary of the first slot's recording, as [`swap_slot`](Self::swap_slot) does.
-    pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+    pub fn swap_dictionary(
+        &mut self,
+        dictionary: Option<Arc<RecordingDictionary>>,
+    ) -> Option<Arc<RecordingDictionary>> {
         self.swap_slot(0, dictionary)
     }
 
     /// Exchanges the dictionary of the recording in a slot; the caller drops the old one outside the audio thread. A
     /// dictionary made for another sample rate or structure, or for a slot that does not exist, is returned unused.
-    pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+    pub fn swap_slot(
+        &mut self,
+        slot: usize,
+        dictionary: Option<Arc<RecordingDictionary>>,
+    ) -> Option<Arc<RecordingDictionary>> {
         let is_companded = self.dynamics == MatchingMode::Companded;
-        let fits = |x: &Arc<Dictionary>| {
-            *x.shape() == self.shape
-                && x.sample_rate_hz() == self.sample_rate_hz
+        let fits = |x: &Arc<RecordingDictionary>| {
+            *x.windows().shape() == self.shape
+                && x.windows().sample_rate_hz() == self.sample_rate_hz
                 && x.profile().is_some() == is_companded
         };
         if slot >= SLOTS || dictionary.as_ref().is_some_and(|x| !fits(x)) {

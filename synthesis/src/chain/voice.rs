@@ -3,17 +3,19 @@
 use std::sync::Arc;
 
 use super::bus::{CHUNK, Channels};
+use super::recordings::Recordings;
 use super::telemetry::Telemetry;
 use super::vortex_layer::VortexLayer;
-use crate::companding::{Companding, Recorded};
+use crate::companding::{Companding, Profile, Recorded};
 use crate::controls::{CrackleControls, DriveMode, Fuel, RecordingControls, SLOTS, TextureControls};
 use crate::crackle::{Crackle, Crackles, Sources};
 use crate::drive::Drive;
 use crate::dsp::{Delay, Smoothed};
 use crate::extend::Extend;
 use crate::fuel::{self, FuelNoise, NoiseLevels};
+use crate::recording::RecordingDictionary;
 use crate::structure::MatchingMode;
-use crate::texture::{Dictionary, Distribution, PyramidConfig, Texture};
+use crate::texture::{Distribution, PyramidConfig, Texture};
 use crate::{Controls, EngineConfig, Error};
 
 /// The layers that a voice makes of one chunk.
@@ -102,6 +104,7 @@ pub struct Voice {
     drive: Drive,
     extend: Extend,
     texture: Texture,
+    recordings: Recordings,
     companded: Option<Companded>,
     vortex: VortexLayer,
     drive_block: Vec<f64>,
@@ -144,6 +147,7 @@ impl Voice {
             drive: Drive::new(sample_rate_hz)?,
             extend,
             texture,
+            recordings: Recordings::default(),
             drive_block: vec![0.0; CHUNK],
             layers: VoiceLayers::new(outputs),
             low_delay: Delay::new(extend_wait),
@@ -204,18 +208,27 @@ impl Voice {
         if self.companded.is_some() { (self.latency_samples - self.texture.latency_samples()) as i64 } else { 0 }
     }
 
-    /// Exchanges the recording of a slot.
-    pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+    /// Exchanges the recording of a slot, which must exist; a new one must have the texture's shape.
+    pub fn swap_slot(
+        &mut self,
+        slot: usize,
+        dictionary: Option<Arc<RecordingDictionary>>,
+    ) -> Option<Arc<RecordingDictionary>> {
         if let Some(companded) = &mut self.companded {
             companded.crackle.forget_slot(slot);
             companded.second_crackle.forget_slot(slot);
         }
-        self.texture.swap_slot(slot, dictionary)
+        let windows = dictionary.as_ref().map(|dictionary| Arc::clone(dictionary.windows()));
+        let profile = dictionary.as_ref().and_then(|dictionary| dictionary.profile());
+        let matched_rms = profile.map_or(0.0, Profile::matched_rms);
+        // The old recording, which is returned, refers to the old windows as well, so this reference frees nothing.
+        drop(self.texture.swap_slot(slot, windows, matched_rms));
+        self.recordings.swap(slot, dictionary, self.texture.slots().reference())
     }
 
     /// True if there is a recording in a slot.
     pub fn has_recording(&self, slot: usize) -> bool {
-        self.texture.slots().get(slot).is_some()
+        self.recordings.has(slot)
     }
 
     /// Exchanges the learned distribution.
@@ -229,13 +242,16 @@ impl Voice {
     /// The factor that brings texture to a loudness in LUFS; recordings other than the reference have another factor on
     /// top.
     pub fn gain_to(&self, target_lufs: Option<f64>) -> f64 {
-        self.texture.reference().map_or(1.0, |profile| profile.gain_to(target_lufs))
+        self.recordings.reference_profile().map_or(1.0, |profile| profile.gain_to(target_lufs))
     }
 
     /// The same for crackle: the reference's factor if it has crackles, otherwise a fuel's.
     pub fn crackle_gain_to(&self, target_lufs: Option<f64>) -> f64 {
-        let has_crackles = self.texture.slots().reference().is_some_and(|slot| self.texture.crackles(slot).is_some());
-        if has_crackles { self.gain_to(target_lufs) } else { fuel::gain_to(target_lufs) }
+        if self.recordings.reference_crackles().is_some() {
+            self.gain_to(target_lufs)
+        } else {
+            fuel::gain_to(target_lufs)
+        }
     }
 
     /// The drive's samples of the last chunk.
@@ -300,14 +316,14 @@ impl Voice {
             }
             Some(companded) => {
                 with_blocks(&mut self.layers.texture, samples, |outputs| {
-                    companded.process(drive, &texture, &mut self.texture, target_lufs, outputs);
+                    companded.process(drive, &texture, &mut self.texture, &self.recordings, target_lufs, outputs);
                 });
                 self.top_magnitudes.extend_from_slice(companded.companding.told());
-                let sources = sources(&self.texture, &companded.fuels, target_lufs, crackle_gain);
+                let sources = sources(&self.recordings, &companded.fuels, target_lufs, crackle_gain);
                 with_blocks(&mut self.layers.crackle, samples, |outputs| {
                     let layers = [&mut companded.crackle, &mut companded.second_crackle];
                     let loudness = companded.companding.heard(samples);
-                    let [first, second] = crackle_controls(controls, &self.texture);
+                    let [first, second] = crackle_controls(controls, &self.recordings);
                     crackle(layers, [&first, &second], loudness, &sources, &mut companded.second, outputs);
                 });
                 companded.fuel_noise(controls, [&mut self.layers.hiss, &mut self.layers.body], samples);
@@ -376,12 +392,13 @@ impl Companded {
         drive: &[f64],
         controls: &TextureControls,
         texture: &mut Texture,
+        recordings: &Recordings,
         target_lufs: Option<f64>,
         outputs: &mut [&mut [f64]],
     ) {
         let samples = drive.len();
         let (flat, loudness) = (&mut self.flat[..samples], &mut self.loudness[..samples]);
-        self.companding.compress(drive, controls, texture.reference(), flat, loudness);
+        self.companding.compress(drive, controls, recordings.reference_profile(), flat, loudness);
         let channels = outputs.len().min(MAX_CHANNELS);
         let mut blocks: [[&mut [f64]; MAX_CHANNELS]; SLOTS] = Default::default();
         for (blocks, texture) in blocks.iter_mut().zip(&mut self.textures) {
@@ -400,21 +417,21 @@ impl Companded {
             });
             start = end;
         }
-        let gain = texture.reference().map_or(1.0, |profile| profile.gain_to(target_lufs));
-        let recordings = std::array::from_fn(|slot| {
-            let profile = texture.profile(slot);
+        let gain = recordings.reference_profile().map_or(1.0, |profile| profile.gain_to(target_lufs));
+        let recorded = std::array::from_fn(|slot| {
+            let profile = recordings.profile(slot);
             let own = profile.map_or(gain, |profile| profile.gain_to(target_lufs));
             Recorded { profile, gain: own / gain }
         });
-        self.companding.expand(&recordings, &mut textures, outputs);
+        self.companding.expand(&recorded, &mut textures, outputs);
     }
 }
 
 /// All crackle sources, on the scale of `scale`: the factor that the whole layer receives.
-fn sources<'a>(texture: &'a Texture, fuels: &'a [Crackles], target_lufs: Option<f64>, scale: f64) -> Sources<'a> {
-    let gain = |slot: usize| texture.profile(slot).map_or(1.0, |profile| profile.gain_to(target_lufs) / scale);
+fn sources<'a>(recordings: &'a Recordings, fuels: &'a [Crackles], target_lufs: Option<f64>, scale: f64) -> Sources<'a> {
+    let gain = |slot: usize| recordings.profile(slot).map_or(1.0, |profile| profile.gain_to(target_lufs) / scale);
     Sources {
-        recordings: std::array::from_fn(|slot| texture.crackles(slot)),
+        recordings: std::array::from_fn(|slot| recordings.crackles(slot)),
         gains: std::array::from_fn(gain),
         fuel_gain: fuel::gain_to(target_lufs) / scale,
         fuels,
@@ -422,13 +439,13 @@ fn sources<'a>(texture: &'a Texture, fuels: &'a [Crackles], target_lufs: Option<
 }
 
 /// Controls of the crackles of the recording, or of a fuel, and of those of a second recording, in proportion to its share.
-fn crackle_controls(controls: &Controls, texture: &Texture) -> [CrackleControls; 2] {
-    let recordings = &controls.texture.recordings;
-    let mut first = CrackleControls { slot: recordings.first(), ..controls.crackle };
+fn crackle_controls(controls: &Controls, recordings: &Recordings) -> [CrackleControls; 2] {
+    let choice = &controls.texture.recordings;
+    let mut first = CrackleControls { slot: choice.first(), ..controls.crackle };
     // There is no such slot, and nothing in it to crackle.
     let mut second = CrackleControls { slot: SLOTS, fuel: Fuel::Off, ..first };
-    let other = recordings.other(|slot| texture.slots().get(slot).is_some());
-    let has_crackles = |slot: usize| texture.crackles(slot).is_some();
+    let other = choice.other(|slot| recordings.has(slot));
+    let has_crackles = |slot: usize| recordings.crackles(slot).is_some();
     if let Some((slot, share)) = other.filter(|(slot, _)| has_crackles(*slot) || has_crackles(first.slot)) {
         second = CrackleControls { slot, density: share * first.density, ..second };
         first.density *= 1.0 - share;

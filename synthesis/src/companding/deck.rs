@@ -148,7 +148,7 @@ mod tests {
         let mut noise = vec![0.0; 24_000];
         White::new(5, 6).fill(0, &mut noise);
         noise[6_000..18_000].fill(0.0);
-        let mut profile = Profile::compress(&mut [noise.clone()], RATE_HZ);
+        let (_, mut profile) = Profile::compress(&mut [noise.clone()], RATE_HZ);
         profile.set_calibration(1.0, design(&[6.0; 23], RATE_HZ), Vec::new());
         let mut deck = Deck::new(0, RATE_HZ, 1, 1000);
         let mut at = 0;
@@ -166,7 +166,7 @@ mod tests {
     fn a_noise_floor_comes_with_the_recording_however_it_is_cut() {
         let mut noise = vec![0.0; 100_000];
         White::new(5, 6).fill(0, &mut noise);
-        let mut profile = Profile::compress(&mut [noise], RATE_HZ);
+        let (_, mut profile) = Profile::compress(&mut [noise], RATE_HZ);
         let mut heard = |floor: f64, cut: usize| {
             profile.floor = floor;
             let recorded = Recorded { profile: Some(&profile), gain: 1.0 };

@@ -1,9 +1,9 @@
 //! The overall level of a drive, the reference for its loudness.
 
+use crate::dsp::MEAN_EXPONENT;
+
 /// Level assumed for an unknown drive: that of the flames used in development.
 pub const NOMINAL: f64 = 0.085;
-/// Exponent of the mean over time: about twice that of the restored loudness, so that its mean power is preserved.
-const MEAN_EXPONENT: f64 = 1.4;
 /// Seconds after which past loudness counts 1/e.
 const MEMORY_S: f64 = 30.0;
 /// Seconds of drive that weigh as much as the prior: for an unsteady drive near [`NOMINAL`]. Following the first seconds
@@ -21,8 +21,6 @@ const QUIET_S: f64 = 3.0;
 /// Standard deviation of the loudness, in nepers, from which a drive counts as unsteady: 3 dB. A band of noise has 1 dB,
 /// flames 6 to 16. The first seconds of a steady drive say all about its level, so that it does not drift.
 const UNSTEADY: f64 = 0.345;
-/// Share of the loudest below which a learned drive counts as silent.
-const SILENT_PART: f64 = 1e-3;
 
 /// The loudness of the drive so far: a mean that forgets, silence not counted. Starts at
 /// [`NOMINAL`].
@@ -92,14 +90,6 @@ impl RunningLevel {
     }
 }
 
-/// The level of a drive whose loudnesses are known beforehand.
-pub fn level_of(loudnesses: &[f64]) -> Option<f64> {
-    let silent = SILENT_PART * loudnesses.iter().fold(0.0f64, |most, x| most.max(*x));
-    let audible = || loudnesses.iter().filter(|x| **x > silent);
-    let mean = audible().map(|x| maths::pow(*x, MEAN_EXPONENT)).sum::<f64>() / audible().count().max(1) as f64;
-    (mean > 0.0 && mean.is_finite()).then(|| maths::pow(mean, 1.0 / MEAN_EXPONENT))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,16 +136,6 @@ mod tests {
     fn quiet_flame_is_found_within_eight_seconds() {
         let [_, level] = levels_db([1, 8], |frame| -40.0 + 13.0 * (0.01 * frame as f64).sin());
         assert!(level < -30.0, "{level} dB");
-    }
-
-    #[test]
-    fn learned_level_leaves_silence_out() {
-        let mut loudnesses = vec![0.2; 1000];
-        assert!((level_of(&loudnesses).unwrap() - 0.2).abs() < 1e-12);
-        loudnesses.extend([0.0; 5000]);
-        assert!((level_of(&loudnesses).unwrap() - 0.2).abs() < 1e-12);
-        assert_eq!(level_of(&[0.0; 9]), None);
-        assert_eq!(level_of(&[]), None);
     }
 
     #[test]

@@ -540,7 +540,7 @@ mod tests {
     fn run(calm: &TextureControls, moved: &TextureControls) -> [Vec<f64>; 2] {
         let mut noise = vec![0.0; 30_000];
         White::new(1, 2).fill(0, &mut noise);
-        let profile = Profile::compress(&mut [noise], RATE_HZ);
+        let (_, profile) = Profile::compress(&mut [noise], RATE_HZ);
         let mut companding = Companding::new(RATE_HZ, 1, 900, 2048, BLOCK);
         let (mut flats, mut gains) = (vec![], vec![]);
         for block in 0..200 {

@@ -2,7 +2,7 @@
 //! the other.
 
 use crate::Error;
-use crate::companding::level::level_of;
+use crate::dsp::mean_loudness;
 use bitcode::{Decode, Encode};
 
 /// Up to this many magnitudes a distribution is exact, as in the reference: 48 s of drive at 44.1 kHz and six levels.
@@ -35,7 +35,7 @@ impl Distribution {
     }
 
     fn sorted(quantiles: Vec<f64>) -> Self {
-        Self { loudness: level_of(&quantiles), quantiles }
+        Self { loudness: mean_loudness(&quantiles), quantiles }
     }
 
     /// A distribution from stored quantiles: finite, not negative, ascending.

@@ -22,9 +22,7 @@ use super::slots::{self, Slots};
 use super::traces::{Match, Traces};
 use super::window_feature::WindowFeature;
 use crate::Error;
-use crate::companding::Profile;
 use crate::controls::{Quality, SLOTS, TextureControls};
-use crate::crackle::Crackles;
 use crate::dsp::{Ring, Smoothed, Timeline, White};
 use crate::error::within;
 
@@ -94,7 +92,7 @@ struct Level {
     run: usize,
 }
 
-/// Limit of continuity: in the companded mode, the window that follows the last one in the recording is used if its
+/// Limit of continuity: where loudness was removed from a recording, the window that follows the last one in the recording is used if its
 /// squared distance is at most this many times the smallest: 1.3 squared. Fewer joins bring texture closer to the
 /// recording (docs/sound.md).
 const CONTINUITY: f64 = 1.69;
@@ -240,42 +238,32 @@ impl Texture {
         self.outputs.reset(origin);
     }
 
-    /// Exchanges the recording of the first slot, as [`swap_slot`](Self::swap_slot) does.
+    /// Exchanges the recording of the first slot, as [`swap_slot`](Self::swap_slot) does, if there is no other.
     pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
-        self.swap_slot(0, dictionary)
+        self.swap_slot(0, dictionary, 0.0)
     }
 
     /// Exchanges the recording of a slot; one of another shape, or for a slot that does not exist, is returned. The
-    /// engine continues with the new one.
-    pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+    /// engine continues with the new one. `matched_rms` is the root mean square of the new one's matched signal, by whose
+    /// ratio recordings are brought to one scale; 0 leaves them at their own.
+    pub fn swap_slot(
+        &mut self,
+        slot: usize,
+        dictionary: Option<Arc<Dictionary>>,
+        matched_rms: f64,
+    ) -> Option<Arc<Dictionary>> {
         if slot >= SLOTS || dictionary.as_ref().is_some_and(|x| *x.shape() != self.shape) {
             return dictionary;
         }
         for level in &mut self.levels {
             level.last_match = level.last_match.filter(|(of, _)| *of != slot);
         }
-        let matched_rms = dictionary.as_ref().and_then(|x| x.profile()).map_or(0.0, Profile::matched_rms);
         self.slots.swap(slot, dictionary, matched_rms)
     }
 
     /// The recordings.
     pub(crate) fn slots(&self) -> &Slots<Dictionary> {
         &self.slots
-    }
-
-    /// The crackles of a slot's recording.
-    pub(crate) fn crackles(&self, slot: usize) -> Option<&Crackles> {
-        self.slots.get(slot).and_then(Dictionary::crackles)
-    }
-
-    /// The companding side of a slot's recording, if there is one.
-    pub fn profile(&self, slot: usize) -> Option<&Profile> {
-        self.slots.get(slot)?.profile()
-    }
-
-    /// That of the recording on whose scale windows are matched.
-    pub(crate) fn reference(&self) -> Option<&Profile> {
-        self.profile(self.slots.reference()?)
     }
 
     /// Exchanges the learned distribution of the drive.
@@ -475,8 +463,8 @@ impl Texture {
             let limit = CONTINUITY * features.distance(answer.window, &self.query.values);
             (features.distance(next, &self.query.values) <= limit).then_some(next)
         };
-        let profile = dictionary.profile();
-        let chosen = profile.and_then(|_| goes_on()).unwrap_or(answer.window);
+        let removed = dictionary.removed_loudness();
+        let chosen = removed.and_then(|_| goes_on()).unwrap_or(answer.window);
         let level = &mut self.levels[l];
         level.run = if hint == Some(chosen) { level.run + 1 } else { 0 };
         level.last_match = Some((slot, chosen));
@@ -501,11 +489,9 @@ impl Texture {
             if own_scale != 1.0 {
                 self.window.iter_mut().for_each(|factor| *factor *= own_scale);
             }
-            if let Some(profile) = profile {
-                let own = profile.own_dynamics(
-                    w * chosen as i64,
-                    self.dynamics.next(within(controls.companding.dynamics, 0.0, 1.0)),
-                );
+            if let Some(removed) = removed {
+                let exponent = self.dynamics.next(within(controls.companding.dynamics, 0.0, 1.0));
+                let own = removed.gain_at(w * chosen as i64, exponent);
                 self.window.iter_mut().for_each(|factor| *factor *= own);
             }
             let channels = self.outputs.channels();

@@ -75,7 +75,7 @@ impl Worker {
     /// Shows the properties of the active slot's dictionary.
     pub(super) fn show_dictionary(&self) {
         let dictionary = self.slots[self.shown].dictionary.as_ref().map(|(_, dictionary)| dictionary);
-        let amplitudes = dictionary.and_then(|dictionary| shown_amplitudes(dictionary.distribution()));
+        let amplitudes = dictionary.and_then(|dictionary| shown_amplitudes(dictionary.windows().distribution()));
         let crackles = dictionary.and_then(|dictionary| dictionary.crackles());
         let crackles_per_s = crackles.map(|crackles| crackles.summary().per_second as f32);
         let warning = dictionary.filter(|dictionary| dictionary.is_impulsive()).map(|_| IMPULSIVE.to_owned());

@@ -18,7 +18,7 @@ fn the_latest_request_wins() {
     instance.load_and_wait(&last);
     instance.activate(RATE_HZ);
     let dictionary = instance.dictionary().unwrap().unwrap();
-    assert!((dictionary.seconds() - 0.5).abs() < 1e-3, "{} s", dictionary.seconds());
+    assert!((dictionary.windows().seconds() - 0.5).abs() < 1e-3, "{} s", dictionary.windows().seconds());
     assert_eq!(instance.saved().recording.unwrap().path, last.to_string_lossy());
     std::thread::sleep(Duration::from_millis(300));
     assert!(instance.dictionary().is_none(), "nothing arrives after the last one");
