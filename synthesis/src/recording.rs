@@ -75,8 +75,8 @@ impl RecordingDictionary {
         check(channels, sample_rate_hz, shape)?;
         let lufs = integrated_lufs(channels, sample_rate_hz);
         let Split { mut bed, mut crackles } = split(channels, sample_rate_hz);
-        let power = Power::of(&mean_of(&bed), sample_rate_hz);
-        let goal = Goal::of(&bed, &power, sample_rate_hz, crackles.is_some());
+        let power = Power::of_signal(&mean_of(&bed), sample_rate_hz);
+        let goal = Goal::of_bed(&bed, &power, sample_rate_hz, crackles.is_some());
         let (removed, mut profile) = Profile::compress_with(&mut bed, &power, sample_rate_hz);
         let mut windows = Dictionary::of_channels(bed, sample_rate_hz, shape, &|done| progress(INDEXED * done))?;
         windows.set_removed_loudness(removed);

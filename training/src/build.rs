@@ -60,7 +60,7 @@ pub fn build(
 ) -> Result<RecordingDictionary, Error> {
     let part = match structure.dynamics {
         MatchingMode::Paper => cut.as_recorded(recording)?,
-        MatchingMode::Companded => cut.of(recording)?,
+        MatchingMode::Companded => cut.apply(recording)?,
     };
     let resampled = resample(&part, sample_rate_hz.round() as u32, &|done| progress(Stage::Resampling, done))?;
     let in_double = |channel: &Vec<f32>| channel.iter().map(|sample| f64::from(*sample)).collect();

@@ -32,8 +32,8 @@ pub fn dictionary(
     }
     let shown = work.stage("learning");
     let progress = |stage: Stage, done: f32| match stage {
-        Stage::Resampling => shown.at(0.2 * done),
-        Stage::Indexing => shown.at(0.2 + 0.8 * done),
+        Stage::Resampling => shown.report(0.2 * done),
+        Stage::Indexing => shown.report(0.2 + 0.8 * done),
     };
     let made = build(recording, cut, rate_hz, structure, &progress).map_err(|error| match error {
         pyrophone_training::Error::Cancelled => Error::Cancelled,

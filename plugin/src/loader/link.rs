@@ -23,7 +23,7 @@ pub enum Update {
     /// The speed field, or none.
     Field(Option<Arc<SpeedField>>),
     /// The recording for monitoring, or none.
-    Tape(Option<AuditionClip>),
+    Clip(Option<AuditionClip>),
 }
 
 /// Object that the audio thread no longer needs.
@@ -35,7 +35,7 @@ pub enum Retired {
     /// A speed field.
     Field(Arc<SpeedField>),
     /// A recording.
-    Tape(AuditionClip),
+    Clip(AuditionClip),
 }
 
 /// Maximum number of pending updates; a few suffice, since the loader tries again.

@@ -18,7 +18,7 @@ fn noise(seed: u32, corner_hz: f64, samples: usize) -> Vec<f64> {
     let part = 1.0 - (-std::f64::consts::TAU * corner_hz / RATE_HZ).exp();
     let mut pole = 0.0;
     let sample = |n: usize| {
-        pole += part * (white.at(n as i64) - pole);
+        pole += part * (white.sample_at(n as i64) - pole);
         pole
     };
     (0..samples).map(sample).collect()

@@ -109,7 +109,7 @@ fn extension(rate_hz: f64) -> Vec<f64> {
         let (mut state, mut drive, mut low, mut noise) = (0.0, [0.0; BLOCK], [0.0; BLOCK], [[0.0; BLOCK]; 2]);
         for block in 0..blocks {
             for (i, sample) in drive.iter_mut().enumerate() {
-                state += 0.01 * (white.at((block * BLOCK + i) as i64) - state);
+                state += 0.01 * (white.sample_at((block * BLOCK + i) as i64) - state);
                 *sample = state;
             }
             let along = (block % 1000) as f64 / 1000.0;

@@ -21,7 +21,7 @@ pub fn loudnesses(drive: &[f64], sample_rate_hz: f64) -> Result<Vec<f64>, Error>
     for drive in drive.chunks(LEARN_BLOCK) {
         let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
         companding.compress(drive, &TextureControls::default(), None, flat, loudness);
-        all.extend_from_slice(companding.told());
+        all.extend_from_slice(companding.measured_loudnesses());
     }
     Ok(all)
 }

@@ -54,7 +54,7 @@ pub struct Profile {
 impl Profile {
     /// Removes the loudness from `channels`, at least one and all equally long, and returns it with the profile.
     pub fn compress(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> (RemovedLoudness, Self) {
-        let power = Power::of(&mean_of(channels), sample_rate_hz);
+        let power = Power::of_signal(&mean_of(channels), sample_rate_hz);
         Self::compress_with(channels, &power, sample_rate_hz)
     }
 

@@ -105,7 +105,7 @@ impl Dictionary {
             sample_rate_hz,
             unweighted: weights.iter().all(|x| *x == 1.0),
             weights,
-            prior: Histogram::of(&distribution),
+            prior: Histogram::of_distribution(&distribution),
             distribution,
             seconds: (padding.end[0] - padding.start[0]) as f64 / sample_rate_hz,
             levels: pyramid

@@ -141,7 +141,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
         },
         crackle: CrackleControls {
             slot: 0,
-            fuel: Fuel::at(random.below(6)),
+            fuel: Fuel::from_index(random.below(6)),
             density: 4.0 * random.unit(),
             sharpness: 2.0 * random.unit() - 1.0,
             spread: 2.0 * random.unit(),
@@ -150,7 +150,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
             highest_peak: f64::INFINITY,
         },
         fuel: FuelControls {
-            fuel: Fuel::at(random.below(6)),
+            fuel: Fuel::from_index(random.below(6)),
             hiss_tone: 2.0 * random.unit() - 1.0,
             hiss_flutter: random.unit(),
             body_tone: 2.0 * random.unit() - 1.0,

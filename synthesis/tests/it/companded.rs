@@ -72,7 +72,7 @@ fn on_the_reference_pairs_it_is_like_the_recording() {
         let (drive, recording) = (read("signals", name), read("training", name));
         let drive: Vec<f32> = drive.iter().map(|x| *x as f32).collect();
         let out = run(&mut chain_with(&recording), &drive, &texture_alone());
-        let levels = |signal: &[f64]| Power::of(signal, RATE_HZ).third_octaves_db(RATE_HZ);
+        let levels = |signal: &[f64]| Power::of_signal(signal, RATE_HZ).third_octaves_db(RATE_HZ);
         let spectrum_db = distance_db(&levels(&out), &levels(&recording));
         let level_db = rms_db(&out) - rms_db(&recording);
         println!("{name}: spectrum {spectrum_db:.2} dB, level {level_db:+.2} dB");

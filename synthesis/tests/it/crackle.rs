@@ -31,7 +31,7 @@ fn clicks(samples: usize) -> (Vec<f64>, Vec<(usize, f64)>) {
     let (mut placed, mut at) = (Vec::new(), 3000usize);
     while at + 4000 < samples {
         let count = placed.len() as i64;
-        let unit = |draw: i64| 0.5 + random.at(2 * count + draw) / 12f64.sqrt();
+        let unit = |draw: i64| 0.5 + random.sample_at(2 * count + draw) / 12f64.sqrt();
         let peak = 0.05 * 10f64.powf(unit(0));
         for (i, sample) in signal[at..at + 200].iter_mut().enumerate() {
             let time_s = i as f64 / RATE_HZ;

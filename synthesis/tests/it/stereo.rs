@@ -26,7 +26,7 @@ fn band(stream: u32, samples: usize, [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
     let mut states = [0.0; 8];
     (0..samples as i64)
         .map(|at| {
-            let mut value = white.at(at);
+            let mut value = white.sample_at(at);
             for state in &mut states[..4] {
                 *state += high * (value - *state);
                 value = *state;

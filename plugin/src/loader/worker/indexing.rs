@@ -46,7 +46,7 @@ impl Worker {
         let place = &mut self.slots[slot];
         match built {
             Ok(dictionary) => place.dictionary = dictionary,
-            Err(Failure::CalledOff) => return Err(Failure::CalledOff),
+            Err(Failure::Cancelled) => return Err(Failure::Cancelled),
             Err(Failure::Message(message)) => {
                 place.failed = Some(key);
                 place.dictionary = None;
@@ -95,7 +95,7 @@ impl Worker {
         };
         match DICTIONARIES.get_or_make(&key, is_called_off, read_or_make) {
             Some(made) => Ok(Some((key, made?))),
-            None => Err(Failure::CalledOff),
+            None => Err(Failure::Cancelled),
         }
     }
 

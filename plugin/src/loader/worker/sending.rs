@@ -44,6 +44,6 @@ impl Worker {
         }
         self.learner.send(&mut self.link, &self.session, &engine, &self.status);
         self.motion.send(&mut self.link);
-        self.tape.send(&mut self.link, &self.status);
+        self.clip_loader.send(&mut self.link, &self.status);
     }
 }

@@ -105,8 +105,8 @@ impl Instance {
         self.last(|update| if let Update::Field(field) = update { Some(field) } else { None })
     }
 
-    fn tape(&mut self) -> Option<Option<AuditionClip>> {
-        self.last(|update| if let Update::Tape(tape) = update { Some(tape) } else { None })
+    fn clip(&mut self) -> Option<Option<AuditionClip>> {
+        self.last(|update| if let Update::Clip(clip) = update { Some(clip) } else { None })
     }
 
     fn distribution(&mut self) -> Option<Option<Arc<Distribution>>> {
