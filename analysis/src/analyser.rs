@@ -71,7 +71,7 @@ mod tests {
         let mut analyser = Analyser::new(rate_hz, 0.18, 0.02);
         let (mut mean, mut count) = ([0.0f32; BANDS], 0.0);
         for n in 0..480_000 {
-            if let Some(density) = analyser.push(0.1 * noise.at(n) as f32) {
+            if let Some(density) = analyser.push(0.1 * noise.sample_at(n) as f32) {
                 mean.iter_mut().zip(density).for_each(|(sum, x)| *sum += x);
                 count += 1.0;
             }

@@ -12,6 +12,6 @@ pub mod welch;
 pub use analyser::Analyser;
 pub use bands::{BANDS, FLOOR_DB};
 pub use fidelity::{Character, Fidelity, Figures};
-pub use recording_overview::Portrait;
+pub use recording_overview::RecordingOverview;
 pub use spectrogram::Spectrogram;
 pub use spectrum::Spectrum;

@@ -11,7 +11,7 @@ pub struct Amplitudes(pub Vec<f32>);
 
 impl Amplitudes {
     /// The distribution of these magnitudes; none where there are too few.
-    pub fn of(magnitudes: impl Iterator<Item = f32>) -> Option<Self> {
+    pub fn of_magnitudes(magnitudes: impl Iterator<Item = f32>) -> Option<Self> {
         let mut sorted: Vec<f32> = magnitudes.collect();
         if sorted.len() < PATIENCE {
             return None;
@@ -47,8 +47,8 @@ mod tests {
 
     #[test]
     fn amplitudes_ascend_from_the_least_to_the_largest() {
-        assert_eq!(Amplitudes::of([0.5; 10].into_iter()), None, "too few");
-        let Amplitudes(found) = Amplitudes::of((0..6401).rev().map(|n| n as f32)).unwrap();
+        assert_eq!(Amplitudes::of_magnitudes([0.5; 10].into_iter()), None, "too few");
+        let Amplitudes(found) = Amplitudes::of_magnitudes((0..6401).rev().map(|n| n as f32)).unwrap();
         assert_eq!(found, (0..STEPS).map(|step| 100.0 * step as f32).collect::<Vec<_>>());
     }
 

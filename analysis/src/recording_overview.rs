@@ -17,7 +17,7 @@ const JUDGED_S: f64 = 12.0;
 
 /// Picture and figures of a recording: outline and spectrogram cover all of it, the rest the part used for learning.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Portrait {
+pub struct RecordingOverview {
     /// Least and largest sample by column.
     pub outline: Vec<[f32; 2]>,
     /// Mean power density in dB by band, at the part's level.
@@ -32,9 +32,9 @@ pub struct Portrait {
     pub start_s: f64,
 }
 
-impl Portrait {
-    /// The portrait of a recording whose part `cut` is used for learning.
-    pub fn of(recording: &Recording, cut: &Cut) -> Self {
+impl RecordingOverview {
+    /// The overview of a recording whose part `cut` is used for learning.
+    pub fn of_recording(recording: &Recording, cut: &Cut) -> Self {
         let samples = recording.len_samples();
         let share = 1.0 / recording.channels.len().max(1) as f32;
         let mean = |at: usize| share * recording.channels.iter().map(|channel| channel[at]).sum::<f32>();
@@ -75,7 +75,7 @@ impl Portrait {
         all.with_cut(recording, cut)
     }
 
-    /// The portrait of the same recording with another part used for learning. An invalid part counts as all.
+    /// The overview of the same recording with another part used for learning. An invalid part counts as all.
     pub fn with_cut(&self, recording: &Recording, cut: &Cut) -> Self {
         let samples = recording.len_samples();
         let span = cut.span(recording).unwrap_or(0..samples);
@@ -96,7 +96,7 @@ impl Portrait {
             outline: self.outline.clone(),
             course_db: self.course_db.clone(),
             spectrum_db,
-            character: Character::of((first..first + judged).map(mean), rate_hz),
+            character: Character::of_samples((first..first + judged).map(mean), rate_hz),
             duration_s: self.duration_s,
             start_s: span.start as f64 / rate_hz,
         }
@@ -116,24 +116,24 @@ mod tests {
         let noise = pyrophone_synthesis::dsp::White::new(1, 0);
         // Silence, then noise.
         let channel = |sign: f32| -> Vec<f32> {
-            (0..88_200).map(|n| if n < 44_100 { 0.0 } else { sign * 0.1 * noise.at(n) as f32 }).collect()
+            (0..88_200).map(|n| if n < 44_100 { 0.0 } else { sign * 0.1 * noise.sample_at(n) as f32 }).collect()
         };
-        let portrait = Portrait::of(&recording(vec![channel(1.0), channel(0.5)]), &Cut::default());
-        assert_eq!((portrait.outline.len(), portrait.course_db.len()), (COLUMNS, COLUMNS));
-        assert_eq!(portrait.outline[100], [0.0, 0.0]);
-        let [low, high] = portrait.outline[400];
+        let overview = RecordingOverview::of_recording(&recording(vec![channel(1.0), channel(0.5)]), &Cut::default());
+        assert_eq!((overview.outline.len(), overview.course_db.len()), (COLUMNS, COLUMNS));
+        assert_eq!(overview.outline[100], [0.0, 0.0]);
+        let [low, high] = overview.outline[400];
         assert!(low < -0.1 && high > 0.1, "{low} {high}");
-        let loudness = |column: usize| portrait.course_db[column][100];
+        let loudness = |column: usize| overview.course_db[column][100];
         assert!(loudness(400) > loudness(100) + 60.0, "{} {}", loudness(400), loudness(100));
-        assert!(portrait.spectrum_db.iter().skip(40).all(|level| (-75.0..-63.0).contains(level)));
+        assert!(overview.spectrum_db.iter().skip(40).all(|level| (-75.0..-63.0).contains(level)));
     }
 
     #[test]
     fn the_part_that_is_learnt_from_is_judged_at_its_level() {
         let noise = pyrophone_synthesis::dsp::White::new(1, 0);
         let loudness = |n: i64| if n < 44_100 { 0.1 } else { 0.001 };
-        let recording = recording(vec![(0..88_200).map(|n| (loudness(n) * noise.at(n)) as f32).collect()]);
-        let whole = Portrait::of(&recording, &Cut::default());
+        let recording = recording(vec![(0..88_200).map(|n| (loudness(n) * noise.sample_at(n)) as f32).collect()]);
+        let whole = RecordingOverview::of_recording(&recording, &Cut::default());
         let part = |region_s, gain_db| {
             let cut = Cut { region_s: Some(region_s), gain_db, normalise: false };
             whole.with_cut(&recording, &cut)
@@ -150,10 +150,10 @@ mod tests {
     #[test]
     fn any_length_fills_all_columns_with_finite_values() {
         for samples in [1, 2, 511, 513, 3_000_000] {
-            let portrait = Portrait::of(&recording(vec![vec![0.5; samples]]), &Cut::default());
-            assert_eq!(portrait.outline.len(), COLUMNS);
-            assert!(portrait.outline.iter().any(|[_, high]| *high == 0.5), "{samples}");
-            assert!(portrait.course_db.iter().flatten().all(|level| level.is_finite()), "{samples}");
+            let overview = RecordingOverview::of_recording(&recording(vec![vec![0.5; samples]]), &Cut::default());
+            assert_eq!(overview.outline.len(), COLUMNS);
+            assert!(overview.outline.iter().any(|[_, high]| *high == 0.5), "{samples}");
+            assert!(overview.course_db.iter().flatten().all(|level| level.is_finite()), "{samples}");
         }
     }
 }

@@ -20,7 +20,7 @@ const SIZES: [(usize, f64); 4] = [(8192, 160.0), (4096, 600.0), (2048, 2_400.0),
 
 impl Spectrogram {
     /// The spectrogram of a whole sound.
-    pub fn of(channels: &[Vec<f32>], sample_rate_hz: u32, columns: usize, rows: usize) -> Self {
+    pub fn of_channels(channels: &[Vec<f32>], sample_rate_hz: u32, columns: usize, rows: usize) -> Self {
         let samples = channels.first().map_or(0, Vec::len);
         let (low_hz, high_hz) = BAND_HZ;
         let step = (high_hz / low_hz).powf(1.0 / rows as f64);
@@ -91,7 +91,7 @@ mod tests {
     fn a_spectrogram_has_a_tone_in_its_row_whatever_the_window() {
         let rows = 200;
         for frequency_hz in [60.0, 160.0, 300.0, 1000.0, 8000.0] {
-            let spectrogram = Spectrogram::of(&[tone(frequency_hz)], RATE_HZ, 5, rows);
+            let spectrogram = Spectrogram::of_channels(&[tone(frequency_hz)], RATE_HZ, 5, rows);
             let column = &spectrogram.levels_db[2 * rows..3 * rows];
             let loudest = column.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap().0;
             let (low, high) = BAND_HZ;

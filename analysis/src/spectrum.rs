@@ -14,7 +14,7 @@ pub struct Spectrum {
 
 impl Spectrum {
     /// Spectrum of a whole sound, with windows of at most half its length; a short one is padded with silence.
-    pub fn of<C: AsRef<[f32]>>(channels: &[C], sample_rate_hz: u32) -> Self {
+    pub fn of_channels<C: AsRef<[f32]>>(channels: &[C], sample_rate_hz: u32) -> Self {
         let half = channels.first().map_or(0, |channel| channel.as_ref().len() / 2).max(1);
         let size = (1 << half.ilog2()).clamp(WINDOWS.1, WINDOWS.0);
         Self::of_frames(channels, f64::from(sample_rate_hz), size)
@@ -131,12 +131,12 @@ mod tests {
     #[test]
     fn power_is_the_signals() {
         let noise = noise(400_000);
-        let spectrum = Spectrum::of(&[&noise], 44_100);
+        let spectrum = Spectrum::of_channels(&[&noise], 44_100);
         let power = noise.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / noise.len() as f64;
         assert!((spectrum.power(0.0, 22_050.0) / power - 1.0).abs() < 0.02);
         assert!(spectrum.slope(100.0, 10_000.0).unwrap().abs() < 0.05);
         let sine: Vec<f32> = (0..100_000).map(|n| (std::f32::consts::TAU * 0.01 * n as f32).sin()).collect();
-        assert!((Spectrum::of(&[&sine], 44_100).power(400.0, 480.0) - 0.5).abs() < 0.01);
+        assert!((Spectrum::of_channels(&[&sine], 44_100).power(400.0, 480.0) - 0.5).abs() < 0.01);
     }
 
     #[test]
@@ -149,17 +149,17 @@ mod tests {
                 sum
             })
             .collect();
-        let slope = Spectrum::of(&[&walk], 44_100).slope(30.0, 3000.0).unwrap();
+        let slope = Spectrum::of_channels(&[&walk], 44_100).slope(30.0, 3000.0).unwrap();
         assert!((slope + 2.0).abs() < 0.05, "{slope}");
     }
 
     #[test]
     fn short_sounds_have_spectra_too() {
         for count in [0, 1, 100, 5000] {
-            let spectrum = Spectrum::of(&[noise(count)], 8000);
+            let spectrum = Spectrum::of_channels(&[noise(count)], 8000);
             assert!(spectrum.power(0.0, 4000.0).is_finite() && spectrum.nyquist_hz() == 4000.0);
         }
-        assert_eq!(Spectrum::of(&[[0.0; 3000]], 8000).slope(30.0, 180.0), None);
+        assert_eq!(Spectrum::of_channels(&[[0.0; 3000]], 8000).slope(30.0, 180.0), None);
     }
 
     #[test]

@@ -489,8 +489,8 @@ pub struct SoundArgs {
     #[arg(long, value_name = "HZ", default_value_t = 44_100, allow_negative_numbers = true)]
     pub sample_rate: u32,
     /// Signal to write
-    #[arg(long = "as", value_enum, default_value_t = Kind::Pressure)]
-    pub kind: Kind,
+    #[arg(long = "as", value_enum, default_value_t = SoundKind::Pressure)]
+    pub kind: SoundKind,
     /// Level of the loudest sample, -100 to 0
     #[arg(long, value_name = "DB", default_value_t = -6.0, allow_negative_numbers = true)]
     pub peak_db: f64,
@@ -524,7 +524,7 @@ pub enum Placement {
 
 /// Values of `--as`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Kind {
+pub enum SoundKind {
     /// The flux's derivative, high-passed: the low-frequency sound
     Pressure,
     /// The flux's magnitude, smoothed: an envelope for the plug-in's envelope drive

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::input::{self, in_range};
 use crate::output;
 use crate::progress::Work;
-use crate::summary::Done;
+use crate::summary::Outcome;
 
 /// The paper's cutoff (§4) in Hz.
 const CUTOFF_HZ: f64 = 180.0;
@@ -30,7 +30,7 @@ struct Extended {
 }
 
 /// Writes `input` with its spectrum extended, and its betas on request.
-pub fn run(args: &ExtendArgs, work: &Work) -> Result<Done, Error> {
+pub fn run(args: &ExtendArgs, work: &Work) -> Result<Outcome, Error> {
     check(args)?;
     let (signal, broadcast) = input::load_with_place(&args.input, work)?;
     input::check_rate(&signal, &args.input)?;
@@ -53,8 +53,8 @@ pub fn run(args: &ExtendArgs, work: &Work) -> Result<Done, Error> {
         let _ = std::fs::remove_file(path);
     }
     let files = args.betas.iter().cloned().collect();
-    let done = Done::with_sound(&args.output, written?);
-    Ok(Done { files, latency_samples: extended.latency_samples, ..done })
+    let done = Outcome::with_sound(&args.output, written?);
+    Ok(Outcome { files, latency_samples: extended.latency_samples, ..done })
 }
 
 /// Rejects options out of range before any file is read.
@@ -154,8 +154,8 @@ fn as_published(
 ) -> Result<Extended, Error> {
     let stage = work.stage("extending");
     let settings = reference_settings(args, rate_hz);
-    let extended =
-        reference::extend(drive, &settings, &mut |done| stage.at(done as f32)).map_err(Error::of_file(&args.input))?;
+    let extended = reference::extend(drive, &settings, &mut |done| stage.report(done as f32))
+        .map_err(Error::of_file(&args.input))?;
     let samples: Vec<f32> = extended.samples.iter().map(|sample| *sample as f32).collect();
     let channels = vec![samples; channels];
     Ok(Extended { channels, betas: extended.betas, hop_samples: args.half_width, latency_samples: None })
@@ -193,7 +193,7 @@ fn streaming(args: &ExtendArgs, drive: &[f64], rate_hz: f64, channels: usize, wo
             let sum = low.iter().zip(noise.iter()).map(|(low, noise)| (low + noise) as f32);
             output.extend(sum.take(wanted).skip(skipped));
         }
-        if !stage.at(start as f32 / total as f32) {
+        if !stage.report(start as f32 / total as f32) {
             return Err(Error::Cancelled);
         }
     }

@@ -35,7 +35,7 @@ use crate::args::{FluxArgs, PartialWith};
 use crate::error::Error;
 use crate::input::{self, in_range};
 use crate::progress::Work;
-use crate::summary::Done;
+use crate::summary::Outcome;
 
 /// Extensions of flux tables; other files are sounds or simulations.
 const TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "npy"];
@@ -45,7 +45,7 @@ const SOUNDS: [&str; 13] =
     ["wav", "wave", "bwf", "rf64", "w64", "aif", "aiff", "aifc", "caf", "flac", "ogg", "oga", "mp3"];
 
 /// Measures the frames of `input`, or reads its series, and writes the requested outputs.
-pub fn run(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
+pub fn run(args: &FluxArgs, work: &Work) -> Result<Outcome, Error> {
     let others: Vec<&Path> = args.partial.iter().chain(&args.speed_field).map(|path| path.as_path()).collect();
     sound::check(&args.sound, args.timeline.rate, &others, args.per_cluster.is_some())?;
     pyrophone_flame::Front::new(args.iso.unwrap_or(0.0), args.refine)?;
@@ -61,7 +61,7 @@ pub fn run(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
 }
 
 /// Turns a series into pressure; nothing needs to be measured.
-fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
+fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Outcome, Error> {
     let given = [
         ("--iso", args.iso.is_some()),
         ("--frames", args.frames.is_some()),
@@ -101,7 +101,7 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Done, Error> {
     sound::write(&args.sound, &signal.on_timeline(&args.timeline).retimed()?, None, facts, vec![], work)
 }
 
-fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
+fn simulation(args: &FluxArgs, work: &Work) -> Result<Outcome, Error> {
     let plan = Plan::new(args, work)?;
     let others = args.partial.as_deref().into_iter().chain(args.speed_field.as_deref());
     let outputs: Vec<&Path> = sound::files(&args.sound).chain(others).collect();
@@ -111,7 +111,7 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Done, Error> {
         check_not_among(output, &inputs)?;
     }
     let folders = args.sound.report.as_deref().or(args.per_cluster.as_deref());
-    let Some(beside) = outputs.first().copied().or(folders) else { return Ok(Done::default()) };
+    let Some(beside) = outputs.first().copied().or(folders) else { return Ok(Outcome::default()) };
     // Before the long work, not behind it.
     let rate_hz = plan.rate_hz(args.timeline.rate)?;
     let needs_rate = args.speed_field.is_some() || args.per_cluster.is_some();
@@ -163,8 +163,8 @@ fn write(
     checked: Option<String>,
     part: &FluxShard,
     work: &Work,
-) -> Result<Done, Error> {
-    let facts = CacheFacts::of(plan, &args.input, checked);
+) -> Result<Outcome, Error> {
+    let facts = CacheFacts::of_plan(plan, &args.input, checked);
     let mut files: Vec<PathBuf> = vec![];
     if let Some(path) = &args.partial {
         let extras = extras(args, plan, rate_hz, facts.clone(), work)?;
@@ -175,7 +175,7 @@ fn write(
     files.extend(args.speed_field.clone());
     let is_sound = args.sound.report.is_some() || sound::files(&args.sound).next().is_some();
     if !is_sound && args.speed_field.is_none() && args.per_cluster.is_none() {
-        return Ok(Done { files, ..Done::default() });
+        return Ok(Outcome { files, ..Outcome::default() });
     }
     let flux = Flux::from_steps(&part.steps)?;
     sound::note_interpolated(&flux.interpolated, plan.sequence.numbering());
@@ -192,7 +192,7 @@ fn write(
         files.extend(per_cluster::write(folder, args, plan, part, &signal, work)?);
     }
     if !is_sound {
-        return Ok(Done { files, ..Done::default() });
+        return Ok(Outcome { files, ..Outcome::default() });
     }
     let mut surfaces = vec![];
     if args.sound.report.is_some() {

@@ -15,13 +15,13 @@ use crate::flux::{motion, pictures, sound};
 use crate::input::text;
 use crate::progress::{Work, note};
 use crate::report::Picture;
-use crate::summary::Done;
+use crate::summary::Outcome;
 
 /// Values with their labels, in the order of the page.
 type Labelled<T> = Vec<(String, T)>;
 
 /// Writes what one run over all frames would have written, bit for bit.
-pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Done, Error> {
+pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Outcome, Error> {
     let others: Vec<&Path> = args.speed_field.iter().map(|path| path.as_path()).collect();
     sound::check(&args.sound, args.timeline.rate, &others, false)?;
     let shards = shards(&args.shards)?;
@@ -49,7 +49,7 @@ pub fn run(args: &FluxMergeArgs, work: &Work) -> Result<Done, Error> {
         files.push(path.clone());
     }
     if sound::files(&args.sound).next().is_none() && args.sound.report.is_none() {
-        return Ok(Done::default().with_files(files));
+        return Ok(Outcome::default().with_files(files));
     }
     let (facts, surfaces) = facts(args, extras.as_ref(), &merged, &flux, rate_hz, parts.len(), work);
     let signal = match Upsampler::of_settings(&merged.settings) {

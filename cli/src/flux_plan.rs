@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::input::in_range;
 use crate::output;
 use crate::progress::note;
-use crate::summary::{Done, print};
+use crate::summary::{Outcome, print};
 
 /// Largest number of jobs that are written out one by one.
 const MOST_CHUNKS: u64 = 100_000;
@@ -36,7 +36,7 @@ struct Job {
 }
 
 /// Writes a job that measures the frames of a cache in parts and merges them.
-pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
+pub fn run(args: &FluxPlanArgs) -> Result<Outcome, Error> {
     in_range("--chunk", args.chunk as f64, 1.0, 1e9)?;
     output::check(&args.output, &[])?;
     args.speed_field.as_deref().map_or(Ok(()), output::check_file)?;
@@ -72,10 +72,10 @@ pub fn run(args: &FluxPlanArgs) -> Result<Done, Error> {
     };
     let Some(path) = &args.job else {
         print(&text);
-        return Ok(Done::default());
+        return Ok(Outcome::default());
     };
     write_file(path, |file| std::io::Write::write_all(file, text.as_bytes()))?;
-    Ok(Done::default().with_files(vec![path.clone()]))
+    Ok(Outcome::default().with_files(vec![path.clone()]))
 }
 
 fn measure_options(args: &FluxPlanArgs) -> Vec<String> {

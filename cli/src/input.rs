@@ -24,13 +24,13 @@ pub fn load_with_place(path: &Path, work: &Work) -> Result<(Recording, Option<Br
     if is_standard(path) {
         let bytes = standard::read(work)?;
         let stage = work.stage("reading");
-        let recording = stop(decode_bytes(&bytes, standard::NAME, &|done| stage.at(done)))?;
+        let recording = stop(decode_bytes(&bytes, standard::NAME, &|done| stage.report(done)))?;
         drop(stage);
         print_notes(&recording);
         return Ok((recording, Broadcast::read(&mut Cursor::new(&bytes))));
     }
     let stage = work.stage("reading");
-    let recording = stop(decode(path, &|done| stage.at(done)))?;
+    let recording = stop(decode(path, &|done| stage.report(done)))?;
     drop(stage);
     print_notes(&recording);
     Ok((recording, Broadcast::of_file(path)))
@@ -51,7 +51,7 @@ pub fn load_at(path: &Path, rate_hz: u32, work: &Work) -> Result<Recording, Erro
 /// Resamples a sound to `rate_hz`.
 pub fn at_rate(recording: &Recording, rate_hz: u32, work: &Work) -> Result<Recording, Error> {
     let stage = work.stage("resampling");
-    stop(resample(recording, rate_hz, &|done| stage.at(done)))
+    stop(resample(recording, rate_hz, &|done| stage.report(done)))
 }
 
 fn stop(result: Result<Recording, pyrophone_recording::Error>) -> Result<Recording, Error> {

@@ -21,7 +21,7 @@ pub struct Level {
 
 impl Level {
     /// Measures `channels` of equal length, in the channel order of this project's layouts.
-    pub fn of(channels: &[Vec<f32>], sample_rate_hz: u32) -> Self {
+    pub fn of_channels(channels: &[Vec<f32>], sample_rate_hz: u32) -> Self {
         let peak = channels.iter().flatten().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
         let lufs = loudness(channels, sample_rate_hz).ok().filter(|lufs| lufs.is_finite());
         Self { peak, lufs }
@@ -95,9 +95,9 @@ mod tests {
     #[test]
     fn loudness_is_that_of_the_standard() {
         // BS.1770: a tone of 997 Hz at full scale in one of the front channels reads -3.01.
-        let level = Level::of(&[tone(1.0, 2.0)], 48_000);
+        let level = Level::of_channels(&[tone(1.0, 2.0)], 48_000);
         assert!((level.lufs.unwrap() + 3.01).abs() < 0.02, "{level:?}");
-        let both = Level::of(&[tone(1.0, 2.0), tone(1.0, 2.0)], 48_000);
+        let both = Level::of_channels(&[tone(1.0, 2.0), tone(1.0, 2.0)], 48_000);
         assert!(both.lufs.unwrap().abs() < 0.02, "{both:?}");
         assert!(level.peak_dbfs().unwrap().abs() < 0.01, "{level:?}");
     }
@@ -105,17 +105,17 @@ mod tests {
     #[test]
     fn every_layout_is_measured_and_the_lfe_is_left_out() {
         for channels in 1..=10 {
-            let level = Level::of(&vec![tone(0.1, 1.0); channels], 48_000);
+            let level = Level::of_channels(&vec![tone(0.1, 1.0); channels], 48_000);
             assert!(level.lufs.is_some(), "{channels} channels");
         }
         let mut surround = vec![vec![0.0; 96_000]; 6];
         surround[3] = tone(0.5, 2.0);
-        assert_eq!(Level::of(&surround, 48_000).lufs, None);
+        assert_eq!(Level::of_channels(&surround, 48_000).lufs, None);
     }
 
     #[test]
     fn extremes_are_remarked_with_the_peak() {
-        let remark = |sound: Vec<f32>| Level::of(&[sound], 48_000).remark();
+        let remark = |sound: Vec<f32>| Level::of_channels(&[sound], 48_000).remark();
         assert_eq!(remark(tone(0.5, 1.0)), None);
         assert!(remark(tone(2.0, 1.0)).unwrap().contains("+6.0 dBFS"));
         assert!(remark(tone(0.001, 1.0)).unwrap().contains("-63.0 LUFS, with a peak of -60.0 dBFS"));

@@ -36,7 +36,7 @@ use crate::args::{Cli, Command};
 use crate::error::Error;
 use crate::progress::Work;
 use crate::stop::Stop;
-use crate::summary::Done;
+use crate::summary::Outcome;
 
 fn main() -> ExitCode {
     let (cli, name) = match parse() {
@@ -70,7 +70,7 @@ fn parse() -> Result<(Cli, String), clap::Error> {
 }
 
 /// Runs the command; returns its results if it writes files.
-fn run(cli: &Cli, work: &Work) -> Result<Option<Done>, Error> {
+fn run(cli: &Cli, work: &Work) -> Result<Option<Outcome>, Error> {
     match &cli.command {
         Command::Texture(args) => texture::run(args, work).map(Some),
         Command::Extend(args) => extend::run(args, work).map(Some),
@@ -94,8 +94,8 @@ fn run(cli: &Cli, work: &Work) -> Result<Option<Done>, Error> {
 }
 
 /// Prints the summary to whichever stream the sound does not use.
-fn print_summary(done: &Done, command: &str) {
-    let summary = done.to_json(command, &notes::take());
+fn print_summary(done: &Outcome, command: &str) {
+    let summary = done.to_json(command, &notes::take_notes());
     if done.output.as_deref().is_some_and(output::is_standard) {
         eprint!("{summary}");
     } else {

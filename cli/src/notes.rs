@@ -28,6 +28,6 @@ pub fn note(message: &str) {
 }
 
 /// Returns all notes so far and clears the list.
-pub fn take() -> Vec<String> {
+pub fn take_notes() -> Vec<String> {
     std::mem::take(&mut *NOTES.lock().unwrap_or_else(PoisonError::into_inner))
 }

@@ -21,7 +21,7 @@ const WAV: [&str; 3] = ["", "wav", "wave"];
 
 /// Kinds of output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum Container {
     Wav,
     Flac,
     /// WAV, to standard output.
@@ -66,8 +66,8 @@ pub fn check_file(output: &Path) -> Result<(), Error> {
 /// Rejects, once they are known, a channel count and rate that the file format does not support.
 pub fn check_format(output: &Path, channels: usize, sample_rate_hz: u32) -> Result<(), Error> {
     match kind(output)? {
-        Kind::Flac => Ok(check_flac(output, channels, sample_rate_hz)?),
-        Kind::Wav | Kind::Standard => Ok(()),
+        Container::Flac => Ok(check_flac(output, channels, sample_rate_hz)?),
+        Container::Wav | Container::Standard => Ok(()),
     }
 }
 
@@ -91,12 +91,12 @@ pub fn write_signal(
     broadcast: Option<&Broadcast>,
 ) -> Result<Sound, Error> {
     check_finite(output, &channels)?;
-    let level = Level::of(&channels, sample_rate_hz);
+    let level = Level::of_channels(&channels, sample_rate_hz);
     match (kind(output)?, broadcast) {
-        (Kind::Standard, _) => {
+        (Container::Standard, _) => {
             write_wav_f32_to(&mut std::io::stdout().lock(), "standard output", &channels, sample_rate_hz, broadcast)?;
         }
-        (Kind::Flac, _) => {
+        (Container::Flac, _) => {
             let clipped = round_to_24_bit(&mut channels);
             write_flac_24(output, &channels, sample_rate_hz, broadcast)?;
             if clipped > 0 {
@@ -105,8 +105,8 @@ pub fn write_signal(
                 ));
             }
         }
-        (Kind::Wav, Some(broadcast)) => write_broadcast_wav_f32(output, &channels, sample_rate_hz, broadcast)?,
-        (Kind::Wav, None) => write_wav_f32(output, &channels, sample_rate_hz)?,
+        (Container::Wav, Some(broadcast)) => write_broadcast_wav_f32(output, &channels, sample_rate_hz, broadcast)?,
+        (Container::Wav, None) => write_wav_f32(output, &channels, sample_rate_hz)?,
     }
     Ok(Sound {
         samples: channels.first().map_or(0, Vec::len),
@@ -117,14 +117,14 @@ pub fn write_signal(
     })
 }
 
-fn kind(output: &Path) -> Result<Kind, Error> {
+fn kind(output: &Path) -> Result<Container, Error> {
     if is_standard(output) {
-        return Ok(Kind::Standard);
+        return Ok(Container::Standard);
     }
     let extension = output.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     match extension.as_str() {
-        "flac" => Ok(Kind::Flac),
-        known if WAV.contains(&known) => Ok(Kind::Wav),
+        "flac" => Ok(Container::Flac),
+        known if WAV.contains(&known) => Ok(Container::Wav),
         other => Err(Error::Conflict(format!(
             "{}: .{} files cannot be written; name the output .wav (32-bit float) or .flac (24 bit)",
             output.display(),

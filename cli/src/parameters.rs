@@ -1,6 +1,6 @@
 //! `pyrophone parameters`: the vocabulary of presets, automation and `--set`.
 
-use pyrophone_settings::{Kind, PARAMETERS, Parameter};
+use pyrophone_settings::{PARAMETERS, Parameter, ParameterKind};
 use serde::Serialize;
 
 use crate::summary::{json, print};
@@ -53,9 +53,9 @@ pub fn run(as_json: bool) {
 fn range(parameter: &Parameter) -> String {
     let default = parameter.to_text(parameter.default_value());
     let allowed = match parameter.kind {
-        Kind::Choice { names, .. } => names.join(", "),
-        Kind::Toggle { .. } => "off, on".to_owned(),
-        Kind::Float { .. } | Kind::Int { .. } => {
+        ParameterKind::Choice { names, .. } => names.join(", "),
+        ParameterKind::Toggle { .. } => "off, on".to_owned(),
+        ParameterKind::Float { .. } | ParameterKind::Int { .. } => {
             format!("{} to {}", parameter.to_text(parameter.low()), parameter.to_text(parameter.high()))
         }
     };
@@ -65,10 +65,10 @@ fn range(parameter: &Parameter) -> String {
 impl Listed {
     fn new(parameter: &Parameter) -> Self {
         let (kind, choices, off_at_low): (_, &[&str], _) = match parameter.kind {
-            Kind::Float { off_at_low, .. } => ("float", &[], off_at_low),
-            Kind::Int { .. } => ("int", &[], false),
-            Kind::Choice { names, .. } => ("choice", names, false),
-            Kind::Toggle { .. } => ("toggle", &[], false),
+            ParameterKind::Float { off_at_low, .. } => ("float", &[], off_at_low),
+            ParameterKind::Int { .. } => ("int", &[], false),
+            ParameterKind::Choice { names, .. } => ("choice", names, false),
+            ParameterKind::Toggle { .. } => ("toggle", &[], false),
         };
         Self {
             id: parameter.id,

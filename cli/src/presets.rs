@@ -4,7 +4,7 @@ use pyrophone_settings::{Id, Library, Preset};
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::notes::{note, take};
+use crate::notes::{note, take_notes};
 use crate::summary::{json, print};
 
 /// A preset as printed by `--json`.
@@ -45,7 +45,7 @@ pub fn run(as_json: bool) -> Result<(), Error> {
         errors.iter().for_each(|error| note(&error.to_string().replace(['\n', '\r'], " ")));
     }
     if as_json {
-        print(&json(&List { command: "presets", presets, notes: take() }));
+        print(&json(&List { command: "presets", presets, notes: take_notes() }));
         return Ok(());
     }
     let widest = presets.iter().map(|preset| preset.name.chars().count()).max().unwrap_or(0);

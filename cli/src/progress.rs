@@ -69,10 +69,10 @@ enum Shown {
 
 impl Stage<'_> {
     /// Shows the finished share (0-1); returns whether to continue.
-    pub fn at(&self, done: f32) -> bool {
+    pub fn report(&self, done: f32) -> bool {
         match &self.shown {
             Shown::Bar(bar) => bar.set_position((f64::from(done.clamp(0.0, 1.0)) * STEPS as f64) as u64),
-            Shown::Lines(lines) => lines.at(done),
+            Shown::Lines(lines) => lines.report(done),
             Shown::Nothing => {}
         }
         self.work.check().is_ok()

@@ -24,11 +24,11 @@ use self::source::Source;
 use crate::args::RenderArgs;
 use crate::error::Error;
 use crate::progress::{Work, note};
-use crate::summary::Done;
+use crate::summary::Outcome;
 use crate::{input, output};
 
 /// Writes the plug-in's output for `input`, played from position 0, with the latency cut off.
-pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
+pub fn run(args: &RenderArgs, work: &Work) -> Result<Outcome, Error> {
     let values = values(args)?;
     let automation = match &args.automation {
         Some(path) => Automation::load(path)?,
@@ -66,13 +66,13 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Done, Error> {
     let score = Score { main: &main.channels, sidechain: &sidechain, outputs, values, events: &events };
     let rendered = {
         let stage = work.stage("rendering");
-        play(&mut chain, &score, BLOCK_SAMPLES, &|done| stage.at(done))?
+        play(&mut chain, &score, BLOCK_SAMPLES, &|done| stage.report(done))?
     };
     if chain.take_meters().cancels {
         note("the input's channels cancel when averaged, and their average drives the engines; invert one of them");
     }
     let sound = output::write(&args.output, rendered, main.sample_rate_hz, source.broadcast.as_ref())?;
-    Ok(Done { latency_samples: Some(chain.latency_samples()), ..Done::with_sound(&args.output, sound) })
+    Ok(Outcome { latency_samples: Some(chain.latency_samples()), ..Outcome::with_sound(&args.output, sound) })
 }
 
 /// Loads the recordings into the engines, the second one into the slot after the first.

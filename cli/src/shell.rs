@@ -6,7 +6,7 @@ use pyrophone_recording::write_file;
 use crate::args::{Cli, CompletionsArgs, ManArgs};
 use crate::error::Error;
 use crate::output::make_folder;
-use crate::summary::{Done, print};
+use crate::summary::{Outcome, print};
 
 /// Writes shell completions to standard output.
 pub fn completions(args: &CompletionsArgs) {
@@ -16,7 +16,7 @@ pub fn completions(args: &CompletionsArgs) {
 }
 
 /// Writes a manual page for the program and one for each command.
-pub fn man(args: &ManArgs) -> Result<Done, Error> {
+pub fn man(args: &ManArgs) -> Result<Outcome, Error> {
     make_folder(&args.output)?;
     let mut program = Cli::command().disable_help_subcommand(true);
     program.build();
@@ -28,5 +28,5 @@ pub fn man(args: &ManArgs) -> Result<Done, Error> {
         write_file(&path, |file| page.render(file))?;
         files.push(path);
     }
-    Ok(Done { files, ..Done::default() })
+    Ok(Outcome { files, ..Outcome::default() })
 }

@@ -22,7 +22,7 @@ use crate::input::in_range;
 use crate::output::make_folder;
 use crate::progress::{Stage, Work, note};
 use crate::report::View;
-use crate::summary::Done;
+use crate::summary::Outcome;
 
 /// Value of the burning field at the flame front.
 const ISO: f64 = 0.5;
@@ -34,12 +34,12 @@ const PICTURES: u64 = 12;
 const KEEP_STEPS: u64 = 360;
 
 /// Simulates a scene and writes the requested outputs.
-pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
+pub fn run(args: &SimulateArgs, work: &Work) -> Result<Outcome, Error> {
     let field: Vec<&Path> = args.speed_field.iter().map(|path| path.as_path()).collect();
     sound::check(&args.sound, None, &field, false)?;
     let plan = Plan::new(args)?;
     let outputs = sound::files(&args.sound).chain(args.speed_field.as_deref()).chain(args.sound.report.as_deref());
-    let Some(beside) = outputs.into_iter().next() else { return Ok(Done::default()) };
+    let Some(beside) = outputs.into_iter().next() else { return Ok(Outcome::default()) };
     let mut kept = SimulationCheckpoint::open(beside, plan.settings(), plan.regions.as_ref().map_or(0, Regions::len));
     let Simulated { steps, meshes, flow } = match plan.simulate(&mut kept, work) {
         Ok(simulated) => simulated,
@@ -54,7 +54,7 @@ pub fn run(args: &SimulateArgs, work: &Work) -> Result<Done, Error> {
     }
     let flux = Flux::from_steps(&steps)?;
     let signal = Signal::of_flux(&flux, Some(STEP_RATE_HZ));
-    let view = View::of(meshes.iter().map(|(_, mesh)| mesh));
+    let view = View::of_meshes(meshes.iter().map(|(_, mesh)| mesh));
     let label = |frame: i64| format!("frame {frame} · {:.3} s", frame as f64 / STEP_RATE_HZ);
     let surfaces = meshes.iter().map(|(frame, mesh)| (label(*frame), view.draw(mesh))).collect();
     let facts = vec![("Scene".into(), plan.options_text()), ("Box".into(), plan.box_text()?)];
@@ -197,7 +197,7 @@ impl Plan {
         let total = (self.pre_roll + self.count) as f32;
         let mut measured = vec![];
         let mut last: Option<Frame> = None;
-        while simulation.steps() < end && stage.at(simulation.steps() as f32 / total) {
+        while simulation.steps() < end && stage.report(simulation.steps() as f32 / total) {
             // While the gas takes its next step, the front of the last one is measured.
             let (_, front) = rayon::join(|| simulation.step(), || last.take().map(|frame| self.measure(&frame)));
             measured.extend(front.transpose()?);

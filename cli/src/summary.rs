@@ -11,7 +11,7 @@ use crate::level::Level;
 
 /// Results of a command.
 #[derive(Debug, Default)]
-pub struct Done {
+pub struct Outcome {
     /// The output requested with `--output`.
     pub output: Option<PathBuf>,
     /// The sound in it.
@@ -53,7 +53,7 @@ struct Summary<'a> {
     notes: &'a [String],
 }
 
-impl Done {
+impl Outcome {
     /// Results with a sound in the requested file.
     pub fn with_sound(output: &Path, sound: Sound) -> Self {
         Self { output: Some(output.to_owned()), sound: Some(sound), ..Self::default() }

@@ -11,11 +11,11 @@ use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 use crate::args::TextureArgs;
 use crate::error::Error;
 use crate::progress::{Work, note};
-use crate::summary::Done;
+use crate::summary::Outcome;
 use crate::{input, output};
 
 /// Writes the fire made from `training` that follows `input`.
-pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
+pub fn run(args: &TextureArgs, work: &Work) -> Result<Outcome, Error> {
     let shape =
         PyramidConfig { levels: args.levels, window: args.window, feature: args.feature, falloff: args.falloff };
     let options = Options { dynamic_range: !args.no_dynamic_range, scaling_alpha: args.scaling_alpha, eps: args.eps };
@@ -29,13 +29,13 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<Done, Error> {
     let drive = input::mean(&signal);
     let fire = {
         let stage = work.stage("texture");
-        synthesize(&drive, &dictionary, &options, &|done| stage.at(done)).map_err(Error::of_file(&args.input))?
+        synthesize(&drive, &dictionary, &options, &|done| stage.report(done)).map_err(Error::of_file(&args.input))?
     };
     let fire: Vec<Vec<f32>> =
         fire.into_iter().map(|samples| samples.into_iter().map(|sample| sample as f32).collect()).collect();
     work.check()?;
     let sound = output::write(&args.output, fire, signal.sample_rate_hz, broadcast.as_ref())?;
-    Ok(Done::with_sound(&args.output, sound))
+    Ok(Outcome::with_sound(&args.output, sound))
 }
 
 /// The dictionary of a training sound at its own rate, for the published program.
@@ -45,7 +45,7 @@ fn index(training: &Recording, path: &Path, shape: &PyramidConfig, work: &Work) 
     let channels = input::as_f64(&training.channels);
     let rate_hz = f64::from(training.sample_rate_hz);
     let dictionary =
-        Dictionary::new(&channels, rate_hz, shape, &|done| stage.at(done)).map_err(Error::of_file(path))?;
+        Dictionary::new(&channels, rate_hz, shape, &|done| stage.report(done)).map_err(Error::of_file(path))?;
     check_windows(&dictionary, path)?;
     Ok(Arc::new(dictionary))
 }

@@ -5,7 +5,7 @@ mod kept;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use pyrophone_flame::vortex_texture::{Kind, Origin, Progress, Recipe, speeds};
+use pyrophone_flame::vortex_texture::{FlowModel, Origin, Progress, Recipe, speeds};
 use pyrophone_recording::write_file;
 use pyrophone_synthesis::vortex::texture::{Row, VortexTexture};
 use rayon::prelude::*;
@@ -15,13 +15,13 @@ use crate::args::{FlowKind, VortexTextureArgs};
 use crate::error::Error;
 use crate::output::check_file;
 use crate::progress::{Stage, Work, note};
-use crate::summary::Done;
+use crate::summary::Outcome;
 
 /// Share of a row's work that settling is assumed to take.
 const SETTLING: f64 = 0.3;
 
 /// Records a texture and writes it.
-pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<Done, Error> {
+pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<Outcome, Error> {
     let plan = Plan::new(args)?;
     check_file(&args.output)?;
     let mut kept = TextureCheckpoint::open(&args.output, plan.settings());
@@ -37,7 +37,7 @@ pub fn run(args: &VortexTextureArgs, work: &Work) -> Result<Done, Error> {
     match written {
         Ok(()) => {
             kept.remove();
-            Ok(Done { output: Some(args.output.clone()), ..Done::default() })
+            Ok(Outcome { output: Some(args.output.clone()), ..Outcome::default() })
         }
         Err(error) => Err(kept.unfinished(error)),
     }
@@ -53,9 +53,9 @@ impl Plan {
     fn new(args: &VortexTextureArgs) -> Result<Self, Error> {
         let recipe = Recipe {
             kind: match args.kind {
-                FlowKind::Wind => Kind::Wind,
-                FlowKind::Fire => Kind::Fire,
-                FlowKind::Jet => Kind::Jet,
+                FlowKind::Wind => FlowModel::Wind,
+                FlowKind::Fire => FlowModel::Fire,
+                FlowKind::Jet => FlowModel::Jet,
             },
             voxels: args.voxels,
             voxel_size_m: args.voxel_size,
@@ -145,7 +145,7 @@ impl Meter<'_> {
     fn add(&self, steps: f64) -> bool {
         let more = (steps * 1e3) as u64;
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
-        self.stage.at((done as f64 * 1e-3 / self.total) as f32)
+        self.stage.report((done as f64 * 1e-3 / self.total) as f32)
     }
 }
 

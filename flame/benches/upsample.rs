@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use pyrophone_flame::flux::Changes;
 use pyrophone_flame::import::{Selection, Sequence};
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
-use pyrophone_flame::upsample::{Method, Source, Upsampler};
+use pyrophone_flame::upsample::{Method, Upsampler, VoxelSources};
 use pyrophone_flame::{Frame, Front};
 
 /// Value at the front.
@@ -27,7 +27,7 @@ const ENVELOPE_S: f64 = 0.1;
 struct Truth {
     name: String,
     flux: Vec<f64>,
-    sources: Vec<Source>,
+    sources: Vec<VoxelSources>,
 }
 
 fn main() {
@@ -88,7 +88,7 @@ impl Truth {
     fn add(&mut self, frame: &Frame) {
         let front = Front::new(ISO, 2).expect("in range");
         self.flux.push(front.measure(frame).expect("a front").flux);
-        self.sources.push(Source::of_front(frame, ISO).expect("finite"));
+        self.sources.push(VoxelSources::of_front(frame, ISO).expect("finite"));
     }
 }
 

@@ -61,7 +61,7 @@ fn mismatch(before: &Grid<1>, after: &Grid<1>, flow: &Velocity, voxels: &[[i32; 
     let transform = before.transform();
     let miss = |index: &[i32; 3]| {
         let world = transform.to_world(index.map(f64::from));
-        let speed = flow.at(world);
+        let speed = flow.velocity_at(world);
         // Back along the path, to where the smoke that is here now came from.
         let from = std::array::from_fn(|axis| world[axis] - time_s * speed[axis]);
         let expected = trilinear(before, transform.to_index(from))[0];

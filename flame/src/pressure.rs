@@ -16,7 +16,7 @@ const MAX_SECONDS: f64 = 3600.0;
 
 /// Result to compute from a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Kind {
+pub enum PressureKind {
     /// The flux's derivative, high-passed: a sound.
     #[default]
     Pressure,
@@ -32,7 +32,7 @@ pub struct Options {
     /// Sample rate of the sound in Hz, 8,000-384,000.
     pub sample_rate_hz: u32,
     /// Pressure or envelope.
-    pub kind: Kind,
+    pub kind: PressureKind,
     /// Corner of the high-pass in Hz, 0-1000; 0 turns it off. Envelopes have none.
     pub high_pass_hz: f64,
     /// Level of the loudest sample in dB of full scale, -100 to 0.
@@ -47,7 +47,7 @@ impl Default for Options {
         Self {
             rate_hz: 360.0,
             sample_rate_hz: 44_100,
-            kind: Kind::Pressure,
+            kind: PressureKind::Pressure,
             high_pass_hz: HIGH_PASS_HZ,
             peak_db: -6.0,
             scale: None,
@@ -148,8 +148,8 @@ pub fn render(values: &[f64], options: &Options) -> Result<Sound, Error> {
         values
     };
     let samples = match options.kind {
-        Kind::Pressure => high_passed(&derivative(values, options.rate_hz, sample_rate_hz), options)?,
-        Kind::Envelope => {
+        PressureKind::Pressure => high_passed(&derivative(values, options.rate_hz, sample_rate_hz), options)?,
+        PressureKind::Envelope => {
             let sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
             // The kernel's negative lobes may lead below zero, which no envelope may be.
             smooth(&sizes, options.rate_hz, sample_rate_hz).into_iter().map(|value| value.max(0.0)).collect()

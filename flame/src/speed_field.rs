@@ -84,7 +84,7 @@ impl Regions {
                 let place = std::array::from_fn(|axis| {
                     corner[axis] + self.edges[axis] * (at[axis] as f64 + 0.5) / self.samples[axis] as f64
                 });
-                sum += velocity.at(place).iter().map(|v| v * v).sum::<f64>().sqrt();
+                sum += velocity.velocity_at(place).iter().map(|v| v * v).sum::<f64>().sqrt();
             }
             (share * sum) as f32
         };

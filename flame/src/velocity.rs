@@ -25,7 +25,7 @@ pub enum Velocity {
 impl Velocity {
     /// Velocity at a world position, trilinear between the samples (Chadwick & James 2011, §3); zero, or the field's
     /// background, where nothing is stored.
-    pub fn at(&self, world: [f64; 3]) -> [f64; 3] {
+    pub fn velocity_at(&self, world: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Vectors(grid, Placement::Collocated) => trilinear(grid, grid.transform().to_index(world)),
             Self::Vectors(grid, Placement::Staggered) => {
@@ -118,9 +118,9 @@ impl<'a> Probe<'a> {
     }
 
     /// As [`Velocity::at`].
-    pub fn at(&mut self, index: [f64; 3]) -> [f64; 3] {
+    pub fn velocity_at(&mut self, index: [f64; 3]) -> [f64; 3] {
         match self {
-            Self::Collocated(cells) => cells.at(index),
+            Self::Collocated(cells) => cells.values_at(index),
             Self::Staggered(cells) => std::array::from_fn(|axis| cells[axis].component_at(index, axis)),
             Self::Components(cells) => std::array::from_fn(|axis| cells[axis].component_at(index, 0)),
         }
@@ -150,7 +150,7 @@ impl<'a, const N: usize> Cells<'a, N> {
         Self { grid, rows, translation, kept: [Cell { base: None, values: [[0.0; 8]; N] }; 8] }
     }
 
-    fn at(&mut self, index: [f64; 3]) -> [f64; N] {
+    fn values_at(&mut self, index: [f64; 3]) -> [f64; N] {
         match self.cell(index) {
             Some((values, fraction)) => values.map(|values| mix(&values, fraction)),
             None => self.grid.background().map(f64::from),

@@ -33,7 +33,7 @@ fn row() {
     let folder = tempfile::tempdir().expect("a folder");
     let recording = folder.path().join("fire.wav");
     let noise = White::new(1, 0);
-    let samples = (0..(RECORDING_S * RECORDING_RATE_HZ) as i64).map(|at| 0.1 * noise.at(at) as f32).collect();
+    let samples = (0..(RECORDING_S * RECORDING_RATE_HZ) as i64).map(|at| 0.1 * noise.sample_at(at) as f32).collect();
     pyrophone_recording::write_wav_f32(&recording, &[samples], RECORDING_RATE_HZ as u32).expect("a file");
     let found = RATES_HZ.map(|rate_hz| {
         let mut command = Command::new(std::env::current_exe().expect("this program"));

@@ -35,7 +35,7 @@ fn write_recording(path: &Path, seconds: usize) {
         let swell = 0.03 * (1.2 + (2.0 * time_s).sin());
         let crackle = 0.5 * (-1500.0 * time_s.rem_euclid(0.1)).exp();
         for noise in &noises {
-            let sample = (swell + crackle) * noise.at(at as i64);
+            let sample = (swell + crackle) * noise.sample_at(at as i64);
             writer.write_sample((sample.clamp(-1.0, 1.0) * 8_388_607.0) as i32).unwrap();
         }
     }
@@ -76,7 +76,7 @@ fn open_session(recording: &Path, waits_for_cache: Option<&Path>) {
     let (heard_cpu, heard_wall) = (cpu_s() - cpu, wall.elapsed().as_secs_f64());
     assert!(loader.wait(ticket, Some(PATIENCE)));
     loader.handle().shared.is_watched.store(true, std::sync::atomic::Ordering::Relaxed);
-    while loader.handle().status.view().portrait.is_none() {
+    while loader.handle().status.view().overview.is_none() {
         assert!(wall.elapsed() < PATIENCE);
         std::thread::sleep(Duration::from_millis(1));
     }

@@ -5,7 +5,7 @@
 pub mod audition;
 pub mod burst;
 pub mod engines;
-pub mod lights;
+pub mod note_bursts;
 
 use std::sync::atomic::Ordering;
 
@@ -17,7 +17,7 @@ use crate::loader::Engine;
 use crate::loader::link::{AudioLink, Retired, Update, fingerprint};
 use crate::probe::ProbeIn;
 use engines::{Built, Engines, Pending};
-use lights::Lights;
+use note_bursts::NoteBursts;
 
 /// Longest piece given to the engines at once.
 const LONGEST_PIECE: usize = 8192;
@@ -112,7 +112,7 @@ impl Audio {
                 Update::Dictionary(slot, new) => running.chain.swap_slot(slot, new).map(Retired::Dictionary),
                 Update::Distribution(new) => running.chain.swap_distribution(new).map(Retired::Distribution),
                 Update::Field(new) => running.chain.swap_field(new).map(Retired::Field),
-                Update::Tape(new) => running.audition.swap_tape(new).map(Retired::Tape),
+                Update::Clip(new) => running.audition.swap_clip(new).map(Retired::Clip),
             };
             if let Some(retired) = retired {
                 self.link.retire(retired);
@@ -149,13 +149,13 @@ impl Audio {
     }
 
     /// Processes one block in place. `main` has the output's channels, the first of which hold the input; `sidechain`
-    /// channels shorter than the block count as silent; `lights` are bursts added to both.
+    /// channels shorter than the block count as silent; `bursts` are added to both.
     pub fn process(
         &mut self,
         main: &mut [&mut [f32]],
         sidechain: &[&mut [f32]],
         values: &Values,
-        lights: &Lights,
+        bursts: &NoteBursts,
         transport: Transport,
     ) {
         let Some(running) = &mut self.engines else {
@@ -181,10 +181,10 @@ impl Audio {
         let channels = main.len().min(MAX_CHANNELS);
         let mut start = 0;
         while start < samples {
-            if let Some(level) = lights.at(start) {
+            if let Some(level) = bursts.level_at(start) {
                 running.burst.start(level);
             }
-            let end = samples.min(start + self.silence.len()).min(lights.next(start).unwrap_or(samples));
+            let end = samples.min(start + self.silence.len()).min(bursts.next_after(start).unwrap_or(samples));
             let mut pieces: [&mut [f32]; MAX_CHANNELS] = Default::default();
             for (piece, channel) in pieces.iter_mut().zip(main.iter_mut()) {
                 *piece = &mut channel[start..end];

@@ -22,9 +22,9 @@ const GRACE: Duration = Duration::from_millis(3);
 
 /// A count of tasks that have run.
 #[derive(Clone, Default)]
-pub struct Fence(Arc<AtomicU64>);
+pub struct DrainBarrier(Arc<AtomicU64>);
 
-impl Fence {
+impl DrainBarrier {
     /// Called by the task.
     pub fn pass(&self) {
         self.0.fetch_add(1, Ordering::Release);
@@ -52,11 +52,11 @@ mod tests {
 
     #[test]
     fn waits_for_the_task() {
-        let fence = Fence::default();
+        let barrier = DrainBarrier::default();
         for _ in 0..3 {
-            let task = fence.clone();
-            assert!(fence.wait(|| drop(std::thread::spawn(move || task.pass()))));
+            let task = barrier.clone();
+            assert!(barrier.wait(|| drop(std::thread::spawn(move || task.pass()))));
         }
-        assert!(!fence.wait(|| {}), "a task that never runs ends the wait at its limit");
+        assert!(!barrier.wait(|| {}), "a task that never runs ends the wait at its limit");
     }
 }

@@ -9,9 +9,9 @@ use pyrophone_settings::{ControllerFile, Recent};
 use pyrophone_synthesis::chain::{self, Channels};
 
 use crate::audio::engines::Builder;
-use crate::audio::lights::Lights;
+use crate::audio::note_bursts::NoteBursts;
 use crate::audio::{Audio, Tail};
-use crate::drain_barrier::Fence;
+use crate::drain_barrier::DrainBarrier;
 use crate::editor::Window;
 use crate::editor::frame::PyrophoneEditor;
 use crate::entry::instance::{self, Instance};
@@ -36,7 +36,7 @@ pub struct Pyrophone {
     meters: Arc<Meters>,
     probe: ProbeOut,
     clock: HostClock,
-    fence: Fence,
+    drain_barrier: DrainBarrier,
     builder: Builder,
     executor: Option<AsyncExecutor<Self>>,
     notifier: RepaintNotifier,
@@ -51,9 +51,9 @@ pub struct Pyrophone {
 }
 
 /// Task of an instance for the framework's threads.
-pub enum Errand {
-    /// On the background thread: nothing, see [`Fence`].
-    PassFence,
+pub enum EffectTask {
+    /// On the background thread: nothing, see [`DrainBarrier`].
+    PassDrainBarrier,
     /// On the host's main thread: pending requests to the host's menu.
     HostMenu,
 }
@@ -76,7 +76,7 @@ impl Default for Pyrophone {
             meters,
             probe,
             clock: HostClock::default(),
-            fence: Fence::default(),
+            drain_barrier: DrainBarrier::default(),
             builder: Builder::default(),
             executor: None,
             notifier,
@@ -113,14 +113,14 @@ fn announce_latency(context: &mut impl ActivateContext<Pyrophone>, latency_sampl
 }
 
 /// The bursts that the block's notes light, as loud as they are struck.
-fn lights(context: &mut impl ProcessContext<Pyrophone>, samples: usize) -> Lights {
-    let mut lights = Lights::default();
+fn note_bursts(context: &mut impl ProcessContext<Pyrophone>, samples: usize) -> NoteBursts {
+    let mut bursts = NoteBursts::default();
     while let Some(event) = context.next_event() {
         if let NoteEvent::NoteOn { timing, velocity, .. } = event {
-            lights.push((timing as usize).min(samples.saturating_sub(1)), velocity);
+            bursts.push((timing as usize).min(samples.saturating_sub(1)), velocity);
         }
     }
-    lights
+    bursts
 }
 
 impl Pyrophone {
@@ -224,13 +224,14 @@ impl Plugin for Pyrophone {
 
     type Editor = PyrophoneEditor;
     type SysExMessage = ();
-    type BackgroundTask = Errand;
+    type BackgroundTask = EffectTask;
 
     fn task_executor(&mut self) -> TaskExecutor<Self> {
-        let (fence, params, notifier) = (self.fence.clone(), self.params.clone(), self.notifier.clone());
-        Box::new(move |errand| match errand {
-            Errand::PassFence => fence.pass(),
-            Errand::HostMenu => {
+        let (drain_barrier, params, notifier) =
+            (self.drain_barrier.clone(), self.params.clone(), self.notifier.clone());
+        Box::new(move |task| match task {
+            EffectTask::PassDrainBarrier => drain_barrier.pass(),
+            EffectTask::HostMenu => {
                 if params.host_menu.work() {
                     notifier.request_repaint();
                 }
@@ -244,7 +245,7 @@ impl Plugin for Pyrophone {
 
     fn editor(&mut self, executor: AsyncExecutor<Self>) -> Option<Self::Editor> {
         let main_thread = executor.clone();
-        self.params.host_menu.set_caller(move || main_thread.execute_gui(Errand::HostMenu));
+        self.params.host_menu.set_caller(move || main_thread.execute_gui(EffectTask::HostMenu));
         self.executor = Some(executor);
         PyrophoneEditor::new(self.window(), self.params.window.clone(), self.notifier.clone())
     }
@@ -314,13 +315,13 @@ impl Plugin for Pyrophone {
             has_tempo: transport.tempo.is_some(),
         };
         let transport = self.clock.transport(reported, samples);
-        let lights = lights(context, samples);
+        let bursts = note_bursts(context, samples);
         let sidechain = aux.inputs.first().map_or(&[] as &[_], |port| port.as_slice_immutable());
         if self.audio.is_watched() {
             let peak = sidechain.iter().flat_map(|channel| channel.iter()).fold(0.0f32, |peak, x| peak.max(x.abs()));
             self.meters.sidechain.raise(peak);
         }
-        self.audio.process(buffer.as_slice(), sidechain, &values, &lights, transport);
+        self.audio.process(buffer.as_slice(), sidechain, &values, &bursts, transport);
 
         self.meters.publish(&self.audio.take_meters());
         if let Some(began) = began {
@@ -347,7 +348,7 @@ impl Plugin for Pyrophone {
         self.builder.finish();
         self.audio.stop_gas();
         if let Some(executor) = &self.executor
-            && !self.fence.wait(|| executor.execute_background(Errand::PassFence))
+            && !self.drain_barrier.wait(|| executor.execute_background(EffectTask::PassDrainBarrier))
         {
             nice_warn!("Pyrophone's background tasks did not end in time");
         }

@@ -20,7 +20,7 @@ impl Peak {
     }
 
     /// The peak since the last call; clears it.
-    pub fn take(&self) -> f32 {
+    pub fn take_peak(&self) -> f32 {
         self.0.swap(0.0, Ordering::Relaxed)
     }
 }
@@ -130,6 +130,6 @@ mod tests {
         for magnitude in [0.25, 0.75, 0.5, f32::NAN, -1.0] {
             peak.raise(magnitude);
         }
-        assert_eq!((peak.take(), peak.take()), (0.75, 0.0));
+        assert_eq!((peak.take_peak(), peak.take_peak()), (0.75, 0.0));
     }
 }

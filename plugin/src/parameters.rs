@@ -9,7 +9,7 @@ use std::sync::Arc;
 use nice_plug::prelude::*;
 use nice_plug_core::params::InternalParamMut;
 use nice_plug_core::plugin::ParamValue;
-use pyrophone_settings::{Kind, PARAMETERS, Parameter, Values, host_order, index_of, session};
+use pyrophone_settings::{PARAMETERS, Parameter, ParameterKind, Values, host_order, index_of, session};
 
 use crate::controllers::Controllers;
 use crate::entry::indication::Indications;
@@ -90,7 +90,7 @@ impl Slot {
         let text = move |plain: f64| parameter.to_text(plain);
         let parse = move |text: &str| parameter.parse(text).ok();
         match parameter.kind {
-            Kind::Float { low, high, default, skew, decimals, .. } => {
+            ParameterKind::Float { low, high, default, skew, decimals, .. } => {
                 let (min, max) = (low as f32, high as f32);
                 let range = if skew == 1.0 {
                     FloatRange::Linear { min, max }
@@ -103,14 +103,14 @@ impl Slot {
                     .with_string_to_value(Arc::new(move |text| parse(text).map(|plain| plain as f32)));
                 Self::Float(if parameter.automatable { float } else { float.non_automatable() })
             }
-            Kind::Int { .. } | Kind::Choice { .. } => {
+            ParameterKind::Int { .. } | ParameterKind::Choice { .. } => {
                 let range = IntRange::Linear { min: parameter.low() as i32, max: parameter.high() as i32 };
                 let int = IntParam::new(parameter.name, parameter.default_value() as i32, range)
                     .with_value_to_string(Arc::new(move |plain| text(f64::from(plain))))
                     .with_string_to_value(Arc::new(move |text| parse(text).map(|plain| plain as i32)));
                 Self::Int(if parameter.automatable { int } else { int.non_automatable() })
             }
-            Kind::Toggle { default } => {
+            ParameterKind::Toggle { default } => {
                 let toggle = BoolParam::new(parameter.name, default)
                     .with_value_to_string(Arc::new(move |on| text(f64::from(u8::from(on)))))
                     .with_string_to_value(Arc::new(move |text| parse(text).map(|plain| plain > 0.5)));
@@ -221,11 +221,11 @@ pub fn sanitize(state: &mut PluginState) {
         let Ok(index) = index_of(id) else { return false };
         let parameter = &PARAMETERS[index];
         match (parameter.kind, value) {
-            (Kind::Float { .. }, ParamValue::F32(plain)) => *plain = parameter.snap(f64::from(*plain)) as f32,
-            (Kind::Int { .. } | Kind::Choice { .. }, ParamValue::I32(plain)) => {
+            (ParameterKind::Float { .. }, ParamValue::F32(plain)) => *plain = parameter.snap(f64::from(*plain)) as f32,
+            (ParameterKind::Int { .. } | ParameterKind::Choice { .. }, ParamValue::I32(plain)) => {
                 *plain = parameter.snap(f64::from(*plain)) as i32;
             }
-            (Kind::Toggle { .. }, ParamValue::Bool(_)) => {}
+            (ParameterKind::Toggle { .. }, ParamValue::Bool(_)) => {}
             _ => return false,
         }
         true
@@ -233,9 +233,9 @@ pub fn sanitize(state: &mut PluginState) {
     for (id, plain) in session::EARLIER {
         let Ok(index) = index_of(id) else { continue };
         let value = match PARAMETERS[index].kind {
-            Kind::Float { .. } => ParamValue::F32(*plain as f32),
-            Kind::Int { .. } | Kind::Choice { .. } => ParamValue::I32(*plain as i32),
-            Kind::Toggle { .. } => ParamValue::Bool(*plain > 0.5),
+            ParameterKind::Float { .. } => ParamValue::F32(*plain as f32),
+            ParameterKind::Int { .. } | ParameterKind::Choice { .. } => ParamValue::I32(*plain as i32),
+            ParameterKind::Toggle { .. } => ParamValue::Bool(*plain > 0.5),
         };
         state.params.entry((*id).to_owned()).or_insert(value);
     }

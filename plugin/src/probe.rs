@@ -19,14 +19,14 @@ const TRACES: usize = 1 << 13;
 
 /// Drive and output at one sample; the drive is ahead by the latency.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Frame {
+pub struct ProbeFrame {
     /// Drive, one channel.
     pub drive: f32,
     /// Output by channel; [`ProbeOut::channels`] gives their number.
     pub output: [f32; MAX_CHANNELS],
 }
 
-impl Frame {
+impl ProbeFrame {
     /// Mean of the first `channels` channels of the output.
     pub fn mean(&self, channels: usize) -> f32 {
         let channels = channels.clamp(1, MAX_CHANNELS);
@@ -75,7 +75,7 @@ impl Shared {
 
 /// The audio thread's end.
 pub struct ProbeIn {
-    frames: HeapProd<Frame>,
+    frames: HeapProd<ProbeFrame>,
     traces: HeapProd<Telemetry>,
     shared: Arc<Shared>,
 }
@@ -83,7 +83,7 @@ pub struct ProbeIn {
 /// The window's end; windows come and go.
 #[derive(Clone)]
 pub struct ProbeOut {
-    frames: Arc<Mutex<HeapCons<Frame>>>,
+    frames: Arc<Mutex<HeapCons<ProbeFrame>>>,
     traces: Arc<Mutex<HeapCons<Telemetry>>>,
     shared: Arc<Shared>,
 }
@@ -133,7 +133,7 @@ impl ProbeIn {
     pub fn send(&mut self, drive: &[f32], output: &[&mut [f32]]) {
         self.shared.channels.store(output.len().min(MAX_CHANNELS) as u8, Ordering::Relaxed);
         let frames = drive.iter().enumerate().map(|(at, drive)| {
-            let mut frame = Frame { drive: *drive, ..Frame::default() };
+            let mut frame = ProbeFrame { drive: *drive, ..ProbeFrame::default() };
             for (sample, channel) in frame.output.iter_mut().zip(output) {
                 *sample = channel.get(at).copied().unwrap_or(0.0);
             }
@@ -208,7 +208,7 @@ impl ProbeOut {
     }
 
     /// Hands over the frames that have arrived, oldest first.
-    pub fn take(&self, mut with: impl FnMut(Frame)) {
+    pub fn drain(&self, mut with: impl FnMut(ProbeFrame)) {
         let mut frames = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
         // Limited to the frames present at the start, or a fast host would never let it end.
         for _ in 0..frames.occupied_len() {
@@ -286,21 +286,21 @@ mod tests {
         sent.send(&drive, &[&mut left, &mut right]);
         assert_eq!(seen.channels(), 2);
         let mut frames = vec![];
-        seen.take(|frame| frames.push(frame));
+        seen.drain(|frame| frames.push(frame));
         assert_eq!(frames.len(), 100);
         let output = [1.0, 3.0, 0.0, 0.0, 0.0, 0.0];
-        assert!(frames.iter().enumerate().all(|(n, frame)| *frame == Frame { drive: n as f32, output }));
+        assert!(frames.iter().enumerate().all(|(n, frame)| *frame == ProbeFrame { drive: n as f32, output }));
         assert_eq!(seen.take_lost(), 0);
         for _ in 0..2 * FRAMES / 100 {
             sent.send(&drive, &[&mut left]);
         }
         let mut count = 0;
-        seen.take(|_| count += 1);
+        seen.drain(|_| count += 1);
         assert_eq!(count, FRAMES);
         assert_eq!(seen.take_lost() as usize, 2 * FRAMES / 100 * 100 - FRAMES);
         sent.send(&drive, &[&mut left]);
         seen.watch(true);
-        seen.take(|_| panic!("what was under way is forgotten"));
+        seen.drain(|_| panic!("what was under way is forgotten"));
     }
 
     #[test]

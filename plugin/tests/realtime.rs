@@ -128,7 +128,7 @@ fn run(sidechain_channels: usize) {
             30 => probe.burst(),
             40 => probe.watch(false),
             _ if round % 7 == 0 => {
-                probe.take(|_| watched_frames += 1);
+                probe.drain(|_| watched_frames += 1);
                 probe.take_traces(|_| traces += 1);
             }
             _ => {}

@@ -63,7 +63,7 @@ impl Cut {
     ///
     /// # Errors
     /// As [`gain`](Self::gain).
-    pub fn of(&self, recording: &Recording) -> Result<Recording, Error> {
+    pub fn apply(&self, recording: &Recording) -> Result<Recording, Error> {
         self.check_gain()?;
         self.levelled(recording, audible(recording, self.span(recording)?))
     }
@@ -119,16 +119,16 @@ mod tests {
     #[test]
     fn the_part_is_cut_and_levelled() {
         let whole = tone();
-        assert_eq!(Cut::default().of(&whole).unwrap(), whole, "bit for bit");
-        let part = Cut { region_s: Some([1.0, 3.0]), ..Cut::default() }.of(&whole).unwrap();
+        assert_eq!(Cut::default().apply(&whole).unwrap(), whole, "bit for bit");
+        let part = Cut { region_s: Some([1.0, 3.0]), ..Cut::default() }.apply(&whole).unwrap();
         assert_eq!(part.channels[0], whole.channels[0][8000..24_000]);
         assert_eq!((part.name.as_str(), part.content_hash.as_str()), ("tone", "00"));
-        let loud = Cut { region_s: Some([1.0, 3.0]), normalise: true, gain_db: -20.0 }.of(&whole).unwrap();
+        let loud = Cut { region_s: Some([1.0, 3.0]), normalise: true, gain_db: -20.0 }.apply(&whole).unwrap();
         let peak = |channel: usize| loud.channels[channel].iter().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
         assert!((peak(0) - 0.1).abs() < 1e-6, "the part's own peak counts: {}", peak(0));
         assert!((peak(1) - 0.05).abs() < 1e-6, "channels keep their balance");
         let silent = Recording { channels: vec![vec![0.0; 10]], ..tone() };
-        assert_eq!(Cut { normalise: true, ..Cut::default() }.of(&silent).unwrap(), silent);
+        assert_eq!(Cut { normalise: true, ..Cut::default() }.apply(&silent).unwrap(), silent);
     }
 
     #[test]
@@ -138,7 +138,7 @@ mod tests {
         offset.channels.iter_mut().flatten().for_each(|sample| *sample += 0.3);
         let (plain, offset_gain) = (normal.gain(&tone()).unwrap(), normal.gain(&offset).unwrap());
         assert!((offset_gain / plain - 1.0).abs() < 0.01, "{offset_gain} instead of {plain}");
-        let part = normal.of(&offset).unwrap();
+        let part = normal.apply(&offset).unwrap();
         let mean = part.channels[0].iter().sum::<f32>() / 32_000.0;
         assert!(mean.abs() < 1e-4, "an offset of {mean}");
     }
@@ -155,6 +155,6 @@ mod tests {
             assert!(matches!(span(start_s, end_s), Err(Error::Region { .. })), "{start_s}-{end_s}");
         }
         let loud = Cut { gain_db: 61.0, ..Cut::default() };
-        assert!(matches!(loud.of(&whole), Err(Error::Gain { .. })));
+        assert!(matches!(loud.apply(&whole), Err(Error::Gain { .. })));
     }
 }

@@ -20,7 +20,7 @@ pub use automation::Automation;
 pub use controller_file::ControllerFile;
 pub use error::Error;
 pub use library::Library;
-pub use parameter::{Kind, Parameter};
+pub use parameter::{Parameter, ParameterKind};
 pub use preset::Preset;
 pub use recent::Recent;
 pub use session::Session;

@@ -125,7 +125,7 @@ impl Effect {
 
 impl Macro {
     /// The macro of a parameter.
-    pub fn of(id: Id) -> Option<&'static Self> {
+    pub fn of_id(id: Id) -> Option<&'static Self> {
         MACROS.iter().find(|line| line.id == id)
     }
 

@@ -8,7 +8,7 @@ use crate::Error;
 
 /// Kind of a parameter's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub enum ParameterKind {
     /// A continuous value.
     Float {
         /// Smallest value.
@@ -60,7 +60,7 @@ pub struct Parameter {
     /// Unit of its plain value; empty without one.
     pub unit: &'static str,
     /// Range and default.
-    pub kind: Kind,
+    pub kind: ParameterKind,
     /// True if it may change during playback.
     pub automatable: bool,
     /// True if it decides sizes and latency (see [`pyrophone_synthesis::EngineConfig`]).
@@ -75,35 +75,35 @@ impl Parameter {
     /// Smallest plain value.
     pub fn low(&self) -> f64 {
         match self.kind {
-            Kind::Float { low, .. } => low,
-            Kind::Int { low, .. } => f64::from(low),
-            Kind::Choice { .. } | Kind::Toggle { .. } => 0.0,
+            ParameterKind::Float { low, .. } => low,
+            ParameterKind::Int { low, .. } => f64::from(low),
+            ParameterKind::Choice { .. } | ParameterKind::Toggle { .. } => 0.0,
         }
     }
 
     /// Largest plain value.
     pub fn high(&self) -> f64 {
         match self.kind {
-            Kind::Float { high, .. } => high,
-            Kind::Int { high, .. } => f64::from(high),
-            Kind::Choice { names, .. } => (names.len() - 1) as f64,
-            Kind::Toggle { .. } => 1.0,
+            ParameterKind::Float { high, .. } => high,
+            ParameterKind::Int { high, .. } => f64::from(high),
+            ParameterKind::Choice { names, .. } => (names.len() - 1) as f64,
+            ParameterKind::Toggle { .. } => 1.0,
         }
     }
 
     /// Plain value of a fresh instance.
     pub fn default_value(&self) -> f64 {
         match self.kind {
-            Kind::Float { default, .. } => default,
-            Kind::Int { default, .. } => f64::from(default),
-            Kind::Choice { default, .. } => default as f64,
-            Kind::Toggle { default } => f64::from(u8::from(default)),
+            ParameterKind::Float { default, .. } => default,
+            ParameterKind::Int { default, .. } => f64::from(default),
+            ParameterKind::Choice { default, .. } => default as f64,
+            ParameterKind::Toggle { default } => f64::from(u8::from(default)),
         }
     }
 
     /// True if `plain` means "off" for a parameter that can be off.
     pub fn is_off(&self, plain: f64) -> bool {
-        matches!(self.kind, Kind::Float { low, off_at_low: true, .. } if plain <= low)
+        matches!(self.kind, ParameterKind::Float { low, off_at_low: true, .. } if plain <= low)
     }
 
     /// The nearest allowed value; NaN becomes the default.
@@ -113,7 +113,7 @@ impl Parameter {
         }
         let clamped = plain.clamp(self.low(), self.high());
         match self.kind {
-            Kind::Float { decimals, .. } => {
+            ParameterKind::Float { decimals, .. } => {
                 let per_unit = maths::powi(10.0, decimals as i32);
                 // Adding 0 turns a rounded -0 into 0.
                 (clamped * per_unit).round() / per_unit + 0.0
@@ -137,7 +137,7 @@ impl Parameter {
     pub fn to_normalised(&self, plain: f64) -> f64 {
         let share = (self.snap(plain) - self.low()) / (self.high() - self.low());
         match self.kind {
-            Kind::Float { skew, .. } if skew != 1.0 => maths::pow(share, skew),
+            ParameterKind::Float { skew, .. } if skew != 1.0 => maths::pow(share, skew),
             _ => share,
         }
     }
@@ -148,7 +148,7 @@ impl Parameter {
             return self.default_value();
         }
         let share = match self.kind {
-            Kind::Float { skew, .. } if skew != 1.0 => maths::pow(normalised.clamp(0.0, 1.0), skew.recip()),
+            ParameterKind::Float { skew, .. } if skew != 1.0 => maths::pow(normalised.clamp(0.0, 1.0), skew.recip()),
             _ => normalised.clamp(0.0, 1.0),
         };
         self.snap(self.low() + share * (self.high() - self.low()))
@@ -158,11 +158,11 @@ impl Parameter {
     pub fn to_text(&self, plain: f64) -> String {
         let plain = self.snap(plain);
         let number = match self.kind {
-            Kind::Choice { names, .. } => return names[plain as usize].to_owned(),
-            Kind::Toggle { .. } => return if plain > 0.5 { "on" } else { "off" }.to_owned(),
-            Kind::Float { .. } if self.is_off(plain) => return "off".to_owned(),
-            Kind::Float { decimals, .. } => format!("{plain:.*}", decimals as usize),
-            Kind::Int { .. } => format!("{plain}"),
+            ParameterKind::Choice { names, .. } => return names[plain as usize].to_owned(),
+            ParameterKind::Toggle { .. } => return if plain > 0.5 { "on" } else { "off" }.to_owned(),
+            ParameterKind::Float { .. } if self.is_off(plain) => return "off".to_owned(),
+            ParameterKind::Float { decimals, .. } => format!("{plain:.*}", decimals as usize),
+            ParameterKind::Int { .. } => format!("{plain}"),
         };
         if self.unit.is_empty() { number } else { format!("{number} {}", self.unit) }
     }
@@ -181,17 +181,19 @@ impl Parameter {
         };
         let wrong = || self.wrong_kind(format!("`{trimmed}`"));
         match self.kind {
-            Kind::Choice { names, .. } => {
+            ParameterKind::Choice { names, .. } => {
                 names.iter().position(|name| *name == lower).map(|index| index as f64).ok_or_else(wrong)
             }
-            Kind::Toggle { .. } => match lower.as_str() {
+            ParameterKind::Toggle { .. } => match lower.as_str() {
                 "on" | "true" | "yes" | "1" => Ok(1.0),
                 "off" | "false" | "no" | "0" => Ok(0.0),
                 _ => Err(wrong()),
             },
-            Kind::Float { low, off_at_low: true, .. } if matches!(without_unit, "off" | "-inf" | "-∞") => Ok(low),
-            Kind::Float { .. } => self.check(self.number(&lower).ok_or_else(wrong)?),
-            Kind::Int { .. } => match self.number(&lower) {
+            ParameterKind::Float { low, off_at_low: true, .. } if matches!(without_unit, "off" | "-inf" | "-∞") => {
+                Ok(low)
+            }
+            ParameterKind::Float { .. } => self.check(self.number(&lower).ok_or_else(wrong)?),
+            ParameterKind::Int { .. } => match self.number(&lower) {
                 Some(number) if number.fract() == 0.0 => self.check(number),
                 _ => Err(wrong()),
             },
@@ -231,16 +233,16 @@ impl Parameter {
     /// The error for a value of the wrong kind.
     pub(crate) fn wrong_kind(&self, found: String) -> Error {
         let (expected, example) = match self.kind {
-            Kind::Float { off_at_low, .. } => {
+            ParameterKind::Float { off_at_low, .. } => {
                 let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
                 let off = if off_at_low { " or \"off\"" } else { "" };
                 (format!("a number{unit}{off}"), format!("{}", self.default_value()))
             }
-            Kind::Int { .. } => ("a whole number".to_owned(), format!("{}", self.default_value())),
-            Kind::Choice { names, default } => {
+            ParameterKind::Int { .. } => ("a whole number".to_owned(), format!("{}", self.default_value())),
+            ParameterKind::Choice { names, default } => {
                 (format!("one of \"{}\"", names.join("\", \"")), format!("\"{}\"", names[default]))
             }
-            Kind::Toggle { default } => ("true or false".to_owned(), default.to_string()),
+            ParameterKind::Toggle { default } => ("true or false".to_owned(), default.to_string()),
         };
         Error::WrongKind { id: self.id, found, expected, example }
     }

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 use crate::names::{folded, nearest};
-use crate::{Error, Kind, Library, PARAMETERS, Parameter, Values, index_of};
+use crate::{Error, Library, PARAMETERS, Parameter, ParameterKind, Values, index_of};
 
 /// The version that [`Preset::to_toml`] writes.
 pub const VERSION: i64 = 3;
@@ -223,21 +223,25 @@ fn one_line(error: &toml::de::Error) -> String {
 /// A TOML value as the parameter's plain value; it may still be out of range.
 fn plain_value(parameter: &Parameter, value: &Value) -> Result<f64, Error> {
     match (parameter.kind, value) {
-        (Kind::Float { .. }, Value::Float(number)) if number.is_finite() => Ok(*number),
-        (Kind::Float { .. } | Kind::Int { .. }, Value::Integer(number)) => Ok(*number as f64),
-        (Kind::Float { low, off_at_low: true, .. }, Value::Float(number)) if *number == f64::NEG_INFINITY => Ok(low),
-        (Kind::Float { off_at_low: true, .. } | Kind::Choice { .. }, Value::String(text)) => parameter.parse(text),
-        (Kind::Toggle { .. }, Value::Boolean(on)) => Ok(f64::from(u8::from(*on))),
+        (ParameterKind::Float { .. }, Value::Float(number)) if number.is_finite() => Ok(*number),
+        (ParameterKind::Float { .. } | ParameterKind::Int { .. }, Value::Integer(number)) => Ok(*number as f64),
+        (ParameterKind::Float { low, off_at_low: true, .. }, Value::Float(number)) if *number == f64::NEG_INFINITY => {
+            Ok(low)
+        }
+        (ParameterKind::Float { off_at_low: true, .. } | ParameterKind::Choice { .. }, Value::String(text)) => {
+            parameter.parse(text)
+        }
+        (ParameterKind::Toggle { .. }, Value::Boolean(on)) => Ok(f64::from(u8::from(*on))),
         _ => Err(parameter.wrong_kind(value.to_string())),
     }
 }
 
 fn toml_value(parameter: &Parameter, plain: f64) -> Value {
     match parameter.kind {
-        Kind::Float { .. } if parameter.is_off(plain) => Value::String("off".to_owned()),
-        Kind::Float { .. } => Value::Float(plain),
-        Kind::Int { .. } => Value::Integer(plain as i64),
-        Kind::Choice { .. } => Value::String(parameter.to_text(plain)),
-        Kind::Toggle { .. } => Value::Boolean(plain > 0.5),
+        ParameterKind::Float { .. } if parameter.is_off(plain) => Value::String("off".to_owned()),
+        ParameterKind::Float { .. } => Value::Float(plain),
+        ParameterKind::Int { .. } => Value::Integer(plain as i64),
+        ParameterKind::Choice { .. } => Value::String(parameter.to_text(plain)),
+        ParameterKind::Toggle { .. } => Value::Boolean(plain > 0.5),
     }
 }

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use pyrophone_synthesis::controls::SLOTS;
 
-use crate::{Error, Kind, PARAMETERS, Values};
+use crate::{Error, PARAMETERS, ParameterKind, Values};
 
 /// Name of the session's field in the plugin's state.
 pub const FIELD: &str = "pyrophone";
@@ -320,9 +320,9 @@ pub(crate) fn parameters_json(values: &Values, fields: BTreeMap<&'static str, St
     }
     let params = PARAMETERS.iter().zip(values.as_slice()).map(|(parameter, plain)| {
         let value = match parameter.kind {
-            Kind::Float { .. } => StateValue::F32(*plain as f32),
-            Kind::Int { .. } | Kind::Choice { .. } => StateValue::I32(*plain as i32),
-            Kind::Toggle { .. } => StateValue::Bool(*plain > 0.5),
+            ParameterKind::Float { .. } => StateValue::F32(*plain as f32),
+            ParameterKind::Int { .. } | ParameterKind::Choice { .. } => StateValue::I32(*plain as i32),
+            ParameterKind::Toggle { .. } => StateValue::Bool(*plain > 0.5),
         };
         (parameter.id, value)
     });

@@ -4,7 +4,7 @@
 
 use crate::Error;
 use crate::names::nearest;
-use crate::parameter::{Kind, Parameter};
+use crate::parameter::{Parameter, ParameterKind};
 
 /// Indices into [`PARAMETERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -116,18 +116,18 @@ pub const FUELS: &[&str] = pyrophone_synthesis::controls::Fuel::NAMES;
 /// Names of the values of `vortex_flow`.
 pub const VORTEX_FLOWS: &[&str] = &["envelope", "field", "live"];
 
-const fn float(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> Kind {
-    Kind::Float { low, high, default, skew, decimals, off_at_low: false }
+const fn float(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> ParameterKind {
+    ParameterKind::Float { low, high, default, skew, decimals, off_at_low: false }
 }
 
-const fn float_or_off(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> Kind {
-    Kind::Float { low, high, default, skew, decimals, off_at_low: true }
+const fn float_or_off(low: f64, high: f64, default: f64, skew: f64, decimals: u32) -> ParameterKind {
+    ParameterKind::Float { low, high, default, skew, decimals, off_at_low: true }
 }
 
 /// Range of a macro.
-const AMOUNT: Kind = float(-100.0, 100.0, 0.0, 1.0, 1);
+const AMOUNT: ParameterKind = float(-100.0, 100.0, 0.0, 1.0, 1);
 
-const fn level(default: f64) -> Kind {
+const fn level(default: f64) -> ParameterKind {
     float_or_off(-72.0, 24.0, default, 1.0, 2)
 }
 
@@ -136,7 +136,7 @@ const fn control(
     name: &'static str,
     group: &'static str,
     unit: &'static str,
-    kind: Kind,
+    kind: ParameterKind,
     paper: Option<f64>,
     help: &'static str,
 ) -> Parameter {
@@ -147,7 +147,7 @@ const fn structure(
     id: &'static str,
     name: &'static str,
     unit: &'static str,
-    kind: Kind,
+    kind: ParameterKind,
     paper: f64,
     help: &'static str,
 ) -> Parameter {
@@ -226,7 +226,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Noise seed",
         "Extension",
         "",
-        Kind::Int { low: 0, high: 65_535, default: 42 },
+        ParameterKind::Int { low: 0, high: 65_535, default: 42 },
         None,
         "Seed of the noise: another number gives different noise of the same character.",
     ),
@@ -253,7 +253,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Dynamic range",
         "Texture",
         "",
-        Kind::Choice { names: DYNAMIC_RANGES, default: 2 },
+        ParameterKind::Choice { names: DYNAMIC_RANGES, default: 2 },
         Some(1.0),
         "Source of the input's loudness range: off (not mapped), learned beforehand, or estimated during playback.",
     ),
@@ -262,7 +262,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Gate",
         "Texture",
         "",
-        Kind::Toggle { default: true },
+        ParameterKind::Toggle { default: true },
         Some(0.0),
         "Silences the texture while the input is silent; without it the recording's quietest moment plays on.",
     ),
@@ -280,7 +280,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Quality",
         "Texture",
         "",
-        Kind::Choice { names: QUALITIES, default: 1 },
+        ParameterKind::Choice { names: QUALITIES, default: 1 },
         Some(3.0),
         "Effort of each search: draft, normal and high compare 256, 1024 and 4096 candidates, exact as many as it needs.",
     ),
@@ -298,7 +298,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Drive",
         "Drive",
         "",
-        Kind::Choice { names: DRIVE_MODES, default: 0 },
+        ParameterKind::Choice { names: DRIVE_MODES, default: 0 },
         Some(0.0),
         "Source that drives the fire: a flame's pressure or flux, the envelope of the sidechain or of the input, or a built-in flame that needs no input.",
     ),
@@ -336,7 +336,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Bypass",
         "Levels",
         "",
-        Kind::Toggle { default: false },
+        ParameterKind::Toggle { default: false },
         None,
         "Passes the input through unchanged, delayed by the latency.",
     ),
@@ -344,7 +344,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "levels",
         "Pyramid levels",
         "",
-        Kind::Int { low: 3, high: 8, default: 6 },
+        ParameterKind::Int { low: 3, high: 8, default: 6 },
         6.0,
         "Levels of the texture pyramid: more follow the input in a lower, slower band.",
     ),
@@ -352,7 +352,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "window",
         "Window",
         "samples",
-        Kind::Int { low: 2, high: 16, default: 4 },
+        ParameterKind::Int { low: 2, high: 16, default: 4 },
         4.0,
         "Half-width of a texture window: longer ones keep more of the recording together.",
     ),
@@ -360,7 +360,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "feature",
         "Feature",
         "windows",
-        Kind::Int { low: 1, high: 6, default: 3 },
+        ParameterKind::Int { low: 1, high: 6, default: 3 },
         3.0,
         "Number of windows to each side that a search compares: more is smoother, fewer follow more closely.",
     ),
@@ -376,7 +376,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "half_width",
         "Half-width",
         "samples",
-        Kind::Int { low: 100, high: 2000, default: 500 },
+        ParameterKind::Int { low: 100, high: 2000, default: 500 },
         500.0,
         "Half-width of an extension window, at 44.1 kHz: shorter ones follow the input faster.",
     ),
@@ -392,7 +392,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "dynamics_mode",
         "Dynamics mode",
         "",
-        Kind::Choice { names: DYNAMICS_MODES, default: 1 },
+        ParameterKind::Choice { names: DYNAMICS_MODES, default: 1 },
         0.0,
         "Companded: matched without slow loudness changes, which are then restored from the input; paper: matched at its own loudness.",
     ),
@@ -437,7 +437,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Scene",
         "Flame",
         "",
-        Kind::Choice { names: FLAME_SCENES, default: 5 },
+        ParameterKind::Choice { names: FLAME_SCENES, default: 5 },
         None,
         "Drive flame: the simulated scene that burns, in a seamless loop.",
     ),
@@ -482,7 +482,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Gas",
         "Vortex",
         "",
-        Kind::Choice { names: VORTEX_TEXTURES, default: 0 },
+        ParameterKind::Choice { names: VORTEX_TEXTURES, default: 0 },
         None,
         "Source of the whoosh: hot gas rising from a fire, or a jet.",
     ),
@@ -491,7 +491,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Flow",
         "Vortex",
         "",
-        Kind::Choice { names: VORTEX_FLOWS, default: 0 },
+        ParameterKind::Choice { names: VORTEX_FLOWS, default: 0 },
         None,
         "Source of the gas's speed: the input's loudness (envelope), a flame's simulated motion (field), or gas simulated during playback and driven by the input (live).",
     ),
@@ -536,7 +536,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Sources",
         "Vortex",
         "",
-        Kind::Int { low: 1, high: 500, default: 64 },
+        ParameterKind::Int { low: 1, high: 500, default: 64 },
         None,
         "Number of sounding regions of gas: few flutter, many roar; doubling them adds 3 dB.",
     ),
@@ -599,7 +599,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Vortex seed",
         "Vortex",
         "",
-        Kind::Int { low: 0, high: 65_535, default: 42 },
+        ParameterKind::Int { low: 0, high: 65_535, default: 42 },
         None,
         "Seed of the sources: another number places and times them differently.",
     ),
@@ -608,7 +608,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Scaling auto",
         "Texture",
         "",
-        Kind::Toggle { default: false },
+        ParameterKind::Toggle { default: false },
         Some(0.0),
         "Turns Scaling alpha down by itself while the texture buzzes, and slowly up again.",
     ),
@@ -662,7 +662,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Seed",
         "Crackle",
         "",
-        Kind::Int { low: 0, high: 65_535, default: 42 },
+        ParameterKind::Int { low: 0, high: 65_535, default: 42 },
         None,
         "Seed of the crackles: another number plays the same crackles in a different order.",
     ),
@@ -671,7 +671,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Ceiling",
         "Levels",
         "",
-        Kind::Toggle { default: true },
+        ParameterKind::Toggle { default: true },
         Some(0.0),
         "Keeps the output below full scale: soft-clips peaks above -1 dBFS and changes nothing else.",
     ),
@@ -689,7 +689,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Fuel",
         "Fuel",
         "",
-        Kind::Choice { names: FUELS, default: 0 },
+        ParameterKind::Choice { names: FUELS, default: 0 },
         None,
         "Companded mode: fuel whose crackle is made when no recording crackles; it also sets the tone of hiss and body.",
     ),
@@ -833,7 +833,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Take",
         "Character",
         "",
-        Kind::Int { low: 0, high: 65_535, default: 0 },
+        ParameterKind::Int { low: 0, high: 65_535, default: 0 },
         None,
         "Take number: every take has the same character and different events; 0 uses the seeds that are set.",
     ),
@@ -851,7 +851,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Recording slot",
         "Texture",
         "",
-        Kind::Choice { names: RECORDING_SLOTS, default: 0 },
+        ParameterKind::Choice { names: RECORDING_SLOTS, default: 0 },
         None,
         "Slot of the recording that texture and crackle are made from; a change takes effect within 50 ms.",
     ),
@@ -860,7 +860,7 @@ pub const PARAMETERS: &[Parameter] = &[
         "Second recording",
         "Texture",
         "",
-        Kind::Choice { names: RECORDING_SLOTS, default: 1 },
+        ParameterKind::Choice { names: RECORDING_SLOTS, default: 1 },
         None,
         "Slot of a second recording, which is mixed in by the recording blend.",
     ),

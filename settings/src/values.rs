@@ -85,111 +85,137 @@ impl Values {
     }
 
     fn controls_without_macros(&self) -> Controls {
-        let on = |id: Id| self.get(id) > 0.5;
-        let seed = self.seed(Id::ExtensionSeed);
         Controls {
-            drive: DriveControls {
-                mode: match self.get(Id::DriveMode) as usize {
-                    0 => DriveMode::Pressure,
-                    1 => DriveMode::Flux,
-                    2 => DriveMode::Envelope,
-                    3 => DriveMode::InputEnvelope,
-                    _ => DriveMode::Flame,
-                },
-                gain: self.factor(Id::DriveGain),
-                swell: 0.0,
-                averaging_s: self.get(Id::Averaging) / 1000.0,
-                attack_s: self.get(Id::Attack) / 1000.0,
-                release_s: self.get(Id::Release) / 1000.0,
-                threshold: self.factor(Id::Threshold),
-                high_pass_hz: self.get(Id::HighPass),
-                seed,
-                flame: FlameControls {
-                    scene: self.get(Id::FlameScene) as usize,
-                    intensity: self.get(Id::FlameIntensity),
-                    wind: self.get(Id::FlameWind),
-                    offset_s: self.get(Id::FlameOffset),
-                },
-            },
-            extend: ExtendControls {
-                alpha: self.get(Id::Alpha),
-                cutoff_hz: self.get(Id::Cutoff),
-                blend_width_hz: self.get(Id::BlendWidth),
-                noise_amount: self.get(Id::NoiseAmount),
-                seed,
-                width: self.get(Id::ExtensionWidth),
-            },
-            texture: TextureControls {
-                recordings: RecordingControls {
-                    slot: self.get(Id::RecordingSlot) as usize,
-                    second: self.get(Id::RecordingSecond) as usize,
-                    blend: self.get(Id::RecordingBlend) / 100.0,
-                },
-                scaling_alpha: self.get(Id::ScalingAlpha),
-                scaling_auto: on(Id::ScalingAuto),
-                dynamic_range: match self.get(Id::DynamicRange) as usize {
-                    0 => DynamicRange::Off,
-                    1 => DynamicRange::Learned,
-                    _ => DynamicRange::Running,
-                },
-                gate: if on(Id::Gate) { self.factor(Id::GateThreshold) } else { 0.0 },
-                quality: match self.get(Id::Quality) as usize {
-                    0 => Quality::Bounded { candidates: 256 },
-                    1 => Quality::Bounded { candidates: 1024 },
-                    2 => Quality::Bounded { candidates: 4096 },
-                    _ => Quality::Exact,
-                },
-                seed: self.seed(Id::Take),
-                variety: if self.get(Id::Take) == 0.0 { 0.0 } else { self.get(Id::TakeAmount) / 100.0 },
-                companding: CompandingControls {
-                    dynamics: self.get(Id::Dynamics),
-                    drive_match: self.factor(Id::DriveMatch),
-                    low_end_hz: self.get(Id::LowEnd),
-                    spectrum_match: self.get(Id::SpectrumMatch),
-                },
-            },
+            drive: self.drive(),
+            extend: self.extend(),
+            texture: self.texture(),
             vortex: self.vortex(),
-            crackle: CrackleControls {
-                fuel: self.fuel(),
-                density: self.get(Id::CrackleDensity),
-                sharpness: self.get(Id::CrackleSharpness),
-                spread: self.get(Id::CrackleSpread),
-                follow: self.get(Id::CrackleFollow),
-                seed: self.seed(Id::CrackleSeed),
-                ..CrackleControls::default()
+            crackle: self.crackle(),
+            fuel: self.fuel_layer(),
+            mix: self.mix(),
+        }
+    }
+
+    fn is_on(&self, id: Id) -> bool {
+        self.get(id) > 0.5
+    }
+
+    fn drive(&self) -> DriveControls {
+        DriveControls {
+            mode: match self.get(Id::DriveMode) as usize {
+                0 => DriveMode::Pressure,
+                1 => DriveMode::Flux,
+                2 => DriveMode::Envelope,
+                3 => DriveMode::InputEnvelope,
+                _ => DriveMode::Flame,
             },
-            fuel: FuelControls {
-                fuel: self.fuel(),
-                hiss_tone: self.get(Id::HissTone),
-                hiss_flutter: self.get(Id::HissFlutter),
-                body_tone: self.get(Id::BodyTone),
-                body_flutter: self.get(Id::BodyFlutter),
-                follow: self.get(Id::FuelFollow),
-                seed: self.get(Id::CrackleSeed) as u32,
-            },
-            mix: MixControls {
-                low: self.factor(Id::LowLevel),
-                extension: self.factor(Id::ExtensionLevel),
-                texture: self.factor(Id::TextureLevel),
-                vortex: self.factor(Id::VortexLevel),
-                crackle: self.factor(Id::CrackleLevel),
-                hiss: self.factor(Id::HissLevel),
-                body: self.factor(Id::BodyLevel),
-                width: self.get(Id::TextureWidth),
-                tone: ToneControls::default(),
-                output: self.factor(Id::OutputLevel),
-                loudness_lufs: {
-                    let plain = self.get(Id::Loudness);
-                    (!Id::Loudness.parameter().is_off(plain)).then_some(plain)
-                },
-                ceiling: on(Id::Ceiling),
-                bypass: on(Id::Bypass),
+            gain: self.factor(Id::DriveGain),
+            swell: 0.0,
+            averaging_s: self.get(Id::Averaging) / 1000.0,
+            attack_s: self.get(Id::Attack) / 1000.0,
+            release_s: self.get(Id::Release) / 1000.0,
+            threshold: self.factor(Id::Threshold),
+            high_pass_hz: self.get(Id::HighPass),
+            seed: self.seed(Id::ExtensionSeed),
+            flame: FlameControls {
+                scene: self.get(Id::FlameScene) as usize,
+                intensity: self.get(Id::FlameIntensity),
+                wind: self.get(Id::FlameWind),
+                offset_s: self.get(Id::FlameOffset),
             },
         }
     }
 
+    fn extend(&self) -> ExtendControls {
+        ExtendControls {
+            alpha: self.get(Id::Alpha),
+            cutoff_hz: self.get(Id::Cutoff),
+            blend_width_hz: self.get(Id::BlendWidth),
+            noise_amount: self.get(Id::NoiseAmount),
+            seed: self.seed(Id::ExtensionSeed),
+            width: self.get(Id::ExtensionWidth),
+        }
+    }
+
+    fn texture(&self) -> TextureControls {
+        TextureControls {
+            recordings: RecordingControls {
+                slot: self.get(Id::RecordingSlot) as usize,
+                second: self.get(Id::RecordingSecond) as usize,
+                blend: self.get(Id::RecordingBlend) / 100.0,
+            },
+            scaling_alpha: self.get(Id::ScalingAlpha),
+            scaling_auto: self.is_on(Id::ScalingAuto),
+            dynamic_range: match self.get(Id::DynamicRange) as usize {
+                0 => DynamicRange::Off,
+                1 => DynamicRange::Learned,
+                _ => DynamicRange::Running,
+            },
+            gate: if self.is_on(Id::Gate) { self.factor(Id::GateThreshold) } else { 0.0 },
+            quality: match self.get(Id::Quality) as usize {
+                0 => Quality::Bounded { candidates: 256 },
+                1 => Quality::Bounded { candidates: 1024 },
+                2 => Quality::Bounded { candidates: 4096 },
+                _ => Quality::Exact,
+            },
+            seed: self.seed(Id::Take),
+            variety: if self.get(Id::Take) == 0.0 { 0.0 } else { self.get(Id::TakeAmount) / 100.0 },
+            companding: CompandingControls {
+                dynamics: self.get(Id::Dynamics),
+                drive_match: self.factor(Id::DriveMatch),
+                low_end_hz: self.get(Id::LowEnd),
+                spectrum_match: self.get(Id::SpectrumMatch),
+            },
+        }
+    }
+
+    fn crackle(&self) -> CrackleControls {
+        CrackleControls {
+            fuel: self.fuel(),
+            density: self.get(Id::CrackleDensity),
+            sharpness: self.get(Id::CrackleSharpness),
+            spread: self.get(Id::CrackleSpread),
+            follow: self.get(Id::CrackleFollow),
+            seed: self.seed(Id::CrackleSeed),
+            ..CrackleControls::default()
+        }
+    }
+
+    fn fuel_layer(&self) -> FuelControls {
+        FuelControls {
+            fuel: self.fuel(),
+            hiss_tone: self.get(Id::HissTone),
+            hiss_flutter: self.get(Id::HissFlutter),
+            body_tone: self.get(Id::BodyTone),
+            body_flutter: self.get(Id::BodyFlutter),
+            follow: self.get(Id::FuelFollow),
+            seed: self.get(Id::CrackleSeed) as u32,
+        }
+    }
+
+    fn mix(&self) -> MixControls {
+        MixControls {
+            low: self.factor(Id::LowLevel),
+            extension: self.factor(Id::ExtensionLevel),
+            texture: self.factor(Id::TextureLevel),
+            vortex: self.factor(Id::VortexLevel),
+            crackle: self.factor(Id::CrackleLevel),
+            hiss: self.factor(Id::HissLevel),
+            body: self.factor(Id::BodyLevel),
+            width: self.get(Id::TextureWidth),
+            tone: ToneControls::default(),
+            output: self.factor(Id::OutputLevel),
+            loudness_lufs: {
+                let plain = self.get(Id::Loudness);
+                (!Id::Loudness.parameter().is_off(plain)).then_some(plain)
+            },
+            ceiling: self.is_on(Id::Ceiling),
+            bypass: self.is_on(Id::Bypass),
+        }
+    }
+
     fn fuel(&self) -> Fuel {
-        Fuel::at(self.get(Id::Fuel) as usize)
+        Fuel::from_index(self.get(Id::Fuel) as usize)
     }
 
     fn vortex(&self) -> VortexControls {

@@ -35,7 +35,7 @@ fn measure(rate_hz: f64, channels: usize, moving: bool) -> Figures {
     let (begin, cpu_begin) = (Instant::now(), cpu_time());
     for block in 0..SECONDS * rate_hz as usize / BLOCK {
         for (i, sample) in drive.iter_mut().enumerate() {
-            state += 0.01 * (white.at((block * BLOCK + i) as i64) - state);
+            state += 0.01 * (white.sample_at((block * BLOCK + i) as i64) - state);
             *sample = state;
         }
         let alpha = if moving { 2.0 + (block % 1000) as f64 / 500.0 } else { 2.5 };

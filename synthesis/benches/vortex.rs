@@ -53,7 +53,7 @@ fn texture() -> VortexTexture {
         gain: 10f64.powf(0.3 * index as f64 - 4.0),
         components: std::array::from_fn(|component| {
             let noise = White::new(index as u32, component as u32);
-            (0..STEPS).map(|step| 0.4 * noise.at(step as i64) as f32).collect()
+            (0..STEPS).map(|step| 0.4 * noise.sample_at(step as i64) as f32).collect()
         }),
     };
     VortexTexture::new(4000.0, (0..ROWS).map(row).collect()).expect("a texture")
@@ -87,7 +87,7 @@ fn measure(rate_hz: f64, layout: SpeakerLayout, driven: Driven, bank: Arc<Bank>)
         if driven == Driven::Moving {
             let swell = 0.5 + 0.5 * (hop as f64 * 0.01).sin();
             for (i, sample) in drive.iter_mut().enumerate() {
-                *sample = swell * white.at((hop * block + i) as i64);
+                *sample = swell * white.sample_at((hop * block + i) as i64);
             }
         }
         let mut outputs: Vec<&mut [f64]> = out.iter_mut().map(Vec::as_mut_slice).collect();

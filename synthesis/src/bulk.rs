@@ -6,6 +6,7 @@
 
 use std::io::{Error, ErrorKind, Read, Result, Write};
 
+use bitcode::{DecodeOwned, Encode};
 use bytemuck::{Pod, allocation::try_zeroed_vec, cast_slice, cast_slice_mut};
 
 /// An array of plain numbers.
@@ -113,20 +114,36 @@ macro_rules! bulk_fields {
 pub(crate) use bulk_fields;
 
 /// Writes an array after its length in bytes.
-pub(crate) fn write_array(bytes: &[u8], out: &mut dyn Write) -> Result<()> {
+fn write_array(bytes: &[u8], out: &mut dyn Write) -> Result<()> {
     out.write_all(&(bytes.len() as u64).to_le_bytes())?;
     out.write_all(bytes)
 }
 
 /// Reads the output of [`write_array`]. `left` is the largest number of bytes allowed, and is reduced by those read: a
 /// damaged length must not take all memory.
-pub(crate) fn read_array(array: &mut dyn Array, left: &mut u64, from: &mut dyn Read) -> Result<()> {
+fn read_array(array: &mut dyn Array, left: &mut u64, from: &mut dyn Read) -> Result<()> {
     let mut len = [0; 8];
     from.read_exact(&mut len)?;
     let len = u64::from_le_bytes(len);
     *left = left.checked_sub(8).and_then(|left| left.checked_sub(len)).ok_or(ErrorKind::UnexpectedEof)?;
     let len = usize::try_from(len).map_err(|_| ErrorKind::OutOfMemory)?;
     from.read_exact(array.become_zeroed(len)?)
+}
+
+/// Writes a value: what `bitcode` encodes of it, and then its arrays.
+pub(crate) fn write_value<T: Bulk + Encode>(value: &T, out: &mut dyn Write) -> Result<()> {
+    write_array(&bitcode::encode(value), out)?;
+    value.arrays().into_iter().try_for_each(|array| write_array(array.bytes(), out))
+}
+
+/// Reads the output of [`write_value`]; `left` as in [`read_array`].
+pub(crate) fn read_value<T: Bulk + DecodeOwned>(from: &mut dyn Read, left: &mut u64) -> Result<T> {
+    let mut small = Vec::<u8>::new();
+    read_array(&mut small, left, from)?;
+    let invalid = |error: bitcode::Error| Error::new(ErrorKind::InvalidData, error.to_string());
+    let mut value: T = bitcode::decode(&small).map_err(invalid)?;
+    value.arrays_mut().into_iter().try_for_each(|array| read_array(array, left, from))?;
+    Ok(value)
 }
 
 #[cfg(test)]

@@ -364,7 +364,7 @@ impl Fuel {
     pub const ALL: [Self; 6] = [Self::Off, Self::DryWood, Self::WetWood, Self::Grass, Self::Paper, Self::Coal];
 
     /// The fuel at an index of [`NAMES`](Self::NAMES); `Off` beyond its end.
-    pub fn at(place: usize) -> Self {
+    pub fn from_index(place: usize) -> Self {
         Self::ALL.get(place).copied().unwrap_or_default()
     }
 

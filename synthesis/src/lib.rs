@@ -12,7 +12,7 @@ pub mod error;
 pub mod extend;
 pub mod fuel;
 pub mod mix;
-mod recording;
+pub mod recording;
 pub mod structure;
 pub mod texture;
 pub mod tone;

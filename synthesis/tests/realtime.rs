@@ -43,7 +43,7 @@ fn reset(chain: &mut Chain) {
 }
 
 /// A dictionary, a distribution, and the slot of the dictionary.
-type Recording = (Option<Arc<pyrophone_synthesis::texture::Dictionary>>, Option<Arc<Distribution>>, usize);
+type Recording = (Option<Arc<pyrophone_synthesis::recording::RecordingDictionary>>, Option<Arc<Distribution>>, usize);
 
 /// Every block size eight times, and all that happens now and then at least once with each; more of it in the long tests.
 fn rounds() -> usize {

@@ -152,7 +152,7 @@ fn the_default_budget_is_close_to_exact_on_the_reference() {
         let dictionary =
             Dictionary::new(std::slice::from_ref(&training), 44_100.0, &PyramidConfig::default(), &|_| true);
         let dictionary = dictionary.unwrap();
-        let queries = queries::of(&read("signals"), &training, &dictionary);
+        let queries = queries::queries_of(&read("signals"), &training, &dictionary);
         let mut searcher = Searcher::new();
         let mut ratios = Vec::new();
         let (mut found_sum, mut exact_sum) = (0.0, 0.0);

@@ -124,7 +124,7 @@ impl TestDisplay {
             while began.elapsed() < PATIENCE {
                 pass();
                 window.run_for(plugin, Duration::from_millis(20));
-                if self.map().is_some_and(|map| map.frames >= 3) && Picture::of(&window).is_drawn() {
+                if self.map().is_some_and(|map| map.frames >= 3) && Picture::of_window(&window).is_drawn() {
                     return window;
                 }
             }
@@ -140,7 +140,7 @@ impl TestDisplay {
     pub fn screenshot(window: &EditorWindow, name: &str) -> Picture {
         let folder = target_dir().join("screenshots");
         std::fs::create_dir_all(&folder).expect("a folder");
-        let picture = Picture::of(window);
+        let picture = Picture::of_window(window);
         picture.save(&folder.join(format!("{name}.png")));
         picture
     }

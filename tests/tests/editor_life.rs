@@ -164,7 +164,7 @@ fn two_at_once(desk: &TestDisplay, format: Format) {
         let began = Instant::now();
         loop {
             pass(&mut lives, &mut windows);
-            if Picture::of(&windows[shown]).is_drawn() {
+            if Picture::of_window(&windows[shown]).is_drawn() {
                 break;
             }
             assert!(began.elapsed() < PATIENCE, "{format}: window {shown} of two is not drawn");

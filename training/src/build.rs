@@ -2,8 +2,9 @@
 
 use pyrophone_recording::{Cut, Recording, resample};
 use pyrophone_synthesis::EngineConfig;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::texture::PyramidConfig;
 
 /// Stage of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,17 +57,17 @@ pub fn build(
     sample_rate_hz: f64,
     structure: &EngineConfig,
     progress: &(dyn Fn(Stage, f32) -> bool + Sync),
-) -> Result<Dictionary, Error> {
+) -> Result<RecordingDictionary, Error> {
     let part = match structure.dynamics {
         MatchingMode::Paper => cut.as_recorded(recording)?,
-        MatchingMode::Companded => cut.of(recording)?,
+        MatchingMode::Companded => cut.apply(recording)?,
     };
     let resampled = resample(&part, sample_rate_hz.round() as u32, &|done| progress(Stage::Resampling, done))?;
     let in_double = |channel: &Vec<f32>| channel.iter().map(|sample| f64::from(*sample)).collect();
     let channels: Vec<Vec<f64>> = resampled.channels.iter().map(in_double).collect();
     let shape = PyramidConfig::at_rate(structure, sample_rate_hz);
     let indexing = |done: f32| progress(Stage::Indexing, done);
-    let made = Dictionary::for_dynamics(structure.dynamics, &channels, sample_rate_hz, &shape, &indexing);
+    let made = RecordingDictionary::new(structure.dynamics, &channels, sample_rate_hz, &shape, &indexing);
     made.map_err(|error| match error {
         pyrophone_synthesis::Error::Cancelled => Error::Cancelled,
         source => Error::Engine { name: recording.name.clone(), source },

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crc32fast::Hasher;
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::recording::RecordingDictionary;
 
 use crate::key::DictionaryKey;
 
@@ -21,7 +21,7 @@ pub const FOLDER_VARIABLE: &str = "PYROPHONE_CACHE";
 /// Fingerprint of the source that dictionaries depend on: files stored by a build with a different one are made again.
 const BUILD: &str = env!("PYROPHONE_BUILD_FINGERPRINT");
 /// First bytes of a file.
-const MAGIC: &[u8; 8] = b"PYRODIC2";
+const MAGIC: &[u8; 8] = b"PYRODIC3";
 /// Bytes of the checksum at the end.
 const CHECKSUM_LEN: u64 = 4;
 /// Bytes read and summed up in one go, while they are in the processor's cache.
@@ -65,7 +65,7 @@ impl Store {
     }
 
     /// The dictionary of this key, if it is stored and complete. It counts as used now.
-    pub fn read(&self, key: &DictionaryKey) -> Option<Dictionary> {
+    pub fn read(&self, key: &DictionaryKey) -> Option<RecordingDictionary> {
         let path = self.path(key);
         let file = File::open(&path).ok()?;
         let dictionary = file.metadata().and_then(|about| read(file, about.len())).ok();
@@ -85,7 +85,7 @@ impl Store {
     ///
     /// # Errors
     /// If the folder or the file cannot be written.
-    pub fn write(&self, key: &DictionaryKey, dictionary: &Dictionary) -> Result<()> {
+    pub fn write(&self, key: &DictionaryKey, dictionary: &RecordingDictionary) -> Result<()> {
         let mut size = Summed { inner: std::io::sink(), checksum: Hasher::new(), len: 0 };
         write(dictionary, &mut size)?;
         if size.len > self.most_bytes {
@@ -159,7 +159,7 @@ impl<T: Read> Read for Summed<T> {
     }
 }
 
-fn write<T: Write>(dictionary: &Dictionary, out: &mut Summed<T>) -> Result<()> {
+fn write<T: Write>(dictionary: &RecordingDictionary, out: &mut Summed<T>) -> Result<()> {
     out.write_all(MAGIC)?;
     dictionary.write_to(out)?;
     let checksum = out.checksum.clone().finalize();
@@ -167,7 +167,7 @@ fn write<T: Write>(dictionary: &Dictionary, out: &mut Summed<T>) -> Result<()> {
 }
 
 /// Reads a file of `len` bytes. Fails if it is not exactly one that [`write`] wrote.
-fn read(file: impl Read, len: u64) -> Result<Dictionary> {
+fn read(file: impl Read, len: u64) -> Result<RecordingDictionary> {
     let damaged = |what: &str| std::io::Error::new(std::io::ErrorKind::InvalidData, what);
     let mut file = Summed { inner: file, checksum: Hasher::new(), len: 0 };
     let mut magic = [0; MAGIC.len()];
@@ -175,7 +175,7 @@ fn read(file: impl Read, len: u64) -> Result<Dictionary> {
     if magic != *MAGIC {
         return Err(damaged("not a dictionary of this kind"));
     }
-    let dictionary = Dictionary::read_from(&mut file, len.saturating_sub(MAGIC.len() as u64 + CHECKSUM_LEN))?;
+    let dictionary = RecordingDictionary::read_from(&mut file, len.saturating_sub(MAGIC.len() as u64 + CHECKSUM_LEN))?;
     let expected = file.checksum.clone().finalize();
     let mut checksum = [0; CHECKSUM_LEN as usize];
     file.read_exact(&mut checksum)?;
@@ -198,7 +198,7 @@ mod tests {
         DictionaryKey::new(hash, &Cut::default(), 44_100.0, &EngineConfig::default())
     }
 
-    fn dictionary(seed: u32) -> Dictionary {
+    fn dictionary(seed: u32) -> RecordingDictionary {
         let mut state = seed;
         let mut next = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -206,10 +206,10 @@ mod tests {
         };
         let channels: Vec<Vec<f64>> = (0..2).map(|_| (0..30_000).map(|_| next()).collect()).collect();
         let shape = PyramidConfig::at_rate(&EngineConfig::default(), 44_100.0);
-        Dictionary::for_dynamics(MatchingMode::Companded, &channels, 44_100.0, &shape, &|_| true).unwrap()
+        RecordingDictionary::new(MatchingMode::Companded, &channels, 44_100.0, &shape, &|_| true).unwrap()
     }
 
-    fn bytes(dictionary: &Dictionary) -> Vec<u8> {
+    fn bytes(dictionary: &RecordingDictionary) -> Vec<u8> {
         let mut out = Summed { inner: Vec::new(), checksum: Hasher::new(), len: 0 };
         write(dictionary, &mut out).unwrap();
         out.inner

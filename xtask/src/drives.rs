@@ -16,7 +16,7 @@ use pyrophone_recording::write_file;
 use pyrophone_synthesis::vortex::{End, SpeedField};
 
 use crate::project;
-use crate::simulated::{self, Burnt, MOTION_RATE_HZ};
+use crate::simulated::{self, MOTION_RATE_HZ, SimulatedFlame};
 
 /// Length of a loop in seconds, at most: whole periods of scenes that have one.
 const LOOP_S: f64 = 10.0;
@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     for scene in if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes } {
         let wanted = if args.fields_only { 1 } else { WAYS.len() };
-        let ways: Vec<Burnt> = WAYS[..wanted]
+        let ways: Vec<SimulatedFlame> = WAYS[..wanted]
             .iter()
             .map(|(way, options)| burn(scene, way, *options, args.cells))
             .collect::<Result<_>>()?;
@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// One scene over a loop and the second for its crossfade.
-fn burn(scene: Scene, way: &str, options: Way, resolution: usize) -> Result<Burnt> {
+fn burn(scene: Scene, way: &str, options: Way, resolution: usize) -> Result<SimulatedFlame> {
     let options = options(Options { resolution, ..Options::default() });
     // A loop continues from its end, not from an unlit box.
     let pre_roll_s = scene.period_s().unwrap_or(scene.default_pre_roll_s());
@@ -87,7 +87,7 @@ fn burn(scene: Scene, way: &str, options: Way, resolution: usize) -> Result<Burn
 }
 
 /// The loop's speed field.
-fn field(burnt: &Burnt) -> Result<SpeedField> {
+fn field(burnt: &SimulatedFlame) -> Result<SpeedField> {
     let series = |region: usize| {
         let speeds: Vec<f64> = burnt.motion.iter().map(|step| f64::from(step[region])).collect();
         // An equal-power fade may undershoot the slowest speed, and even zero.

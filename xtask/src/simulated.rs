@@ -12,7 +12,7 @@ pub const RESOLUTION: usize = 40;
 const REFINE: usize = 2;
 
 /// Observations of a simulated flame.
-pub struct Burnt {
+pub struct SimulatedFlame {
     /// Flux at every step.
     pub flux: Vec<f64>,
     /// Speeds of the sub-volumes, [`MOTION_RATE_HZ`] times a second.
@@ -30,7 +30,7 @@ pub fn flux(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what:
 }
 
 /// Flux and motion over `seconds`, after `pre_roll_s` that are dropped; `what` is the name shown with progress.
-pub fn burn(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what: &str) -> Result<Burnt> {
+pub fn burn(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what: &str) -> Result<SimulatedFlame> {
     let mut simulation = Simulation::new(scene, options)?;
     let regions = Regions::of_solver(simulation.solver());
     let mut motion = vec![];
@@ -56,5 +56,5 @@ pub fn burn(scene: Scene, options: Options, pre_roll_s: f64, seconds: f64, what:
     if shown {
         eprintln!();
     }
-    Ok(Burnt { flux, motion, regions })
+    Ok(SimulatedFlame { flux, motion, regions })
 }

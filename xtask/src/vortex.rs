@@ -101,13 +101,14 @@ impl<'a> Meter<'a> {
 
 #[cfg(test)]
 mod tests {
-    use pyrophone_flame::vortex_texture::{Kind, Recipe};
+    use pyrophone_flame::vortex_texture::{FlowModel, Recipe};
 
     use super::*;
 
     #[test]
     fn a_texture_is_written_as_it_was_recorded() {
-        let recipe = Recipe { kind: Kind::Wind, voxels: [8; 3], rate_hz: 2_000.0, period_s: 0.25, ..Recipe::STANDARD };
+        let recipe =
+            Recipe { kind: FlowModel::Wind, voxels: [8; 3], rate_hz: 2_000.0, period_s: 0.25, ..Recipe::STANDARD };
         let texture = record(&Shipped { name: "wind", recipe, speeds: (1.0, 4.0, 3) }).expect("recorded");
         assert_eq!(texture.rows().iter().map(|row| row.speed_m_s).collect::<Vec<_>>(), [1.0, 2.0, 4.0]);
         for row in texture.rows() {

@@ -31,7 +31,7 @@ pub struct Character {
 
 impl Character {
     /// The character of a sound, from its samples.
-    pub fn of(samples: impl Iterator<Item = f32>, rate_hz: f64) -> Self {
+    pub fn of_samples(samples: impl Iterator<Item = f32>, rate_hz: f64) -> Self {
         let (mut crackle, mut lines) = (Crackle::new(rate_hz), Lines::new(rate_hz));
         for sample in samples {
             crackle.push(sample);
@@ -136,35 +136,36 @@ mod tests {
 
     fn noise(seed: u32) -> impl Iterator<Item = f32> {
         let white = White::new(seed, 0);
-        (0..(6.0 * RATE_HZ) as i64).map(move |n| 0.1 * white.at(n) as f32)
+        (0..(6.0 * RATE_HZ) as i64).map(move |n| 0.1 * white.sample_at(n) as f32)
     }
 
     #[test]
     fn steady_noise_has_no_crackle_and_no_lines() {
-        let character = Character::of(noise(1), RATE_HZ);
+        let character = Character::of_samples(noise(1), RATE_HZ);
         let (kurtosis, lines_db) = (character.kurtosis.unwrap(), character.lines_db.unwrap());
         // Samples that are evenly distributed have 1.8; a filter makes them a little more like a bell.
         assert!((1.7..2.6).contains(&kurtosis), "{kurtosis}");
         assert!((0.8..3.0).contains(&lines_db), "{lines_db} dB");
         // At another level it is the same.
-        let quiet = Character::of(noise(1).map(|x| 1e-3 * x), RATE_HZ);
+        let quiet = Character::of_samples(noise(1).map(|x| 1e-3 * x), RATE_HZ);
         assert!((quiet.kurtosis.unwrap() / kurtosis - 1.0).abs() < 0.02);
     }
 
     #[test]
     fn bursts_crackle_and_tones_are_lines() {
         let white = White::new(7, 1);
-        let snaps =
-            noise(2).enumerate().map(|(n, x)| if n % 4001 < 12 { x + 0.8 * white.at(n as i64) as f32 } else { x });
-        let kurtosis = Character::of(snaps, RATE_HZ).kurtosis.unwrap();
+        let snaps = noise(2)
+            .enumerate()
+            .map(|(n, x)| if n % 4001 < 12 { x + 0.8 * white.sample_at(n as i64) as f32 } else { x });
+        let kurtosis = Character::of_samples(snaps, RATE_HZ).kurtosis.unwrap();
         assert!(kurtosis > 6.0, "{kurtosis}");
         // A buzz: thirty harmonics of 172 Hz, the hop of a texture window at the top level.
         let buzz = |n: usize| {
             let at = n as f64 / RATE_HZ;
             (3..60).map(|k| (TAU * 172.3 * f64::from(k) * at).sin() as f32).sum::<f32>() * 0.004
         };
-        let clean = Character::of(noise(3), RATE_HZ).lines_db.unwrap();
-        let buzzing = Character::of(noise(3).enumerate().map(|(n, x)| x + buzz(n)), RATE_HZ).lines_db.unwrap();
+        let clean = Character::of_samples(noise(3), RATE_HZ).lines_db.unwrap();
+        let buzzing = Character::of_samples(noise(3).enumerate().map(|(n, x)| x + buzz(n)), RATE_HZ).lines_db.unwrap();
         assert!(buzzing > clean + 3.0, "{buzzing} dB, without {clean} dB");
     }
 
@@ -206,7 +207,7 @@ mod tests {
             fidelity.push(bad, bad);
         }
         for n in 0..400_000 {
-            let x = White::new(1, 0).at(n) as f32;
+            let x = White::new(1, 0).sample_at(n) as f32;
             fidelity.push(x, x);
         }
         let figures = fidelity.figures(Some(&Character { kurtosis: Some(3.0), lines_db: Some(2.0) }));

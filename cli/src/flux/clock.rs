@@ -5,10 +5,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// `yyyy-mm-dd` and `hh:mm:ss` now, in UTC.
 pub fn now() -> (String, String) {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
-    at(seconds)
+    date_and_time(seconds)
 }
 
-fn at(seconds: u64) -> (String, String) {
+fn date_and_time(seconds: u64) -> (String, String) {
     let (days, of_day) = (seconds / 86_400, seconds % 86_400);
     // Days since 0000-03-01, so that the leap day is a year's last (Hinnant, chrono-compatible low-level date
     // algorithms).
@@ -34,7 +34,7 @@ mod tests {
             (951_868_800, "2000-03-01", "00:00:00"),
             (1_709_164_800, "2024-02-29", "00:00:00"),
         ] {
-            assert_eq!(super::at(seconds), (date.to_owned(), time.to_owned()));
+            assert_eq!(super::date_and_time(seconds), (date.to_owned(), time.to_owned()));
         }
     }
 }

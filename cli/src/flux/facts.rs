@@ -19,7 +19,7 @@ pub struct CacheFacts {
 
 impl CacheFacts {
     /// Facts of a plan, with the result of its check.
-    pub fn of(plan: &Plan, input: &std::path::Path, check: Option<String>) -> Self {
+    pub fn of_plan(plan: &Plan, input: &std::path::Path, check: Option<String>) -> Self {
         let size = plan.sight.as_ref().map(|sight| {
             let (voxel, extent) = (sight.voxel_text(), sight.extent_text());
             format!("voxel {voxel}; the flame spans {extent} in the first frame (world units)")

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use pyrophone_flame::flux::{Row, Steps};
 use pyrophone_flame::front::Front;
 use pyrophone_flame::import::{PlacementChoice, Selection, Sequence};
-use pyrophone_flame::upsample::{Source, Upsampler};
+use pyrophone_flame::upsample::{Upsampler, VoxelSources};
 use pyrophone_flame::{Error as FlameError, Frame};
 use pyrophone_recording::write_file;
 use rayon::prelude::*;
@@ -96,7 +96,7 @@ impl Plan {
         let selection = selection(args);
         let look = |index: &usize| {
             work.check()?;
-            Sight::of(&sequence, *index, &selection, args)
+            Sight::of_sequence(&sequence, *index, &selection, args)
         };
         // If all are bad, the first one's reason is reported: most often a name that no frame has. A frame before
         // ignition has no field, and so nothing to report.
@@ -131,7 +131,7 @@ impl Plan {
             _ => vec![],
         };
         let mut lit = others.iter().skip_while(|index| sequence.is_unlit(**index, &selection));
-        let seen_by_others = lit.find_map(|index| Sight::of(&sequence, *index, &selection, args).ok());
+        let seen_by_others = lit.find_map(|index| Sight::of_sequence(&sequence, *index, &selection, args).ok());
         let seen = sight.as_ref().or(seen_by_others.as_ref());
         let front = Front::new(seen.map_or(args.iso.unwrap_or(0.0), |sight| sight.iso), args.refine)?;
         let selection = super::units::scaled(selection, &sequence, seen, args)?;
@@ -195,7 +195,7 @@ impl Plan {
         let total = self.indices.len().max(1) as f32;
         let finished = std::sync::atomic::AtomicUsize::new(done.len());
         // Sources of the frames that more than one change needs.
-        let mut sources: BTreeMap<usize, Source> = BTreeMap::new();
+        let mut sources: BTreeMap<usize, VoxelSources> = BTreeMap::new();
         // In portions, so that what is done is kept and the first bad frame is always the same one.
         for portion in left.chunks(PORTION * rayon::current_num_threads()) {
             sources = self.sources(portion, sources, work)?;
@@ -204,7 +204,7 @@ impl Plan {
                 .map(|index| {
                     work.check()?;
                     let measured = Measured { row: self.row(*index)?, change: self.change(*index, &sources) };
-                    stage.at((finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1) as f32 / total);
+                    stage.report((finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1) as f32 / total);
                     Ok(measured)
                 })
                 .collect();
@@ -232,16 +232,16 @@ impl Plan {
     fn sources(
         &self,
         portion: &[usize],
-        known: BTreeMap<usize, Source>,
+        known: BTreeMap<usize, VoxelSources>,
         work: &Work,
-    ) -> Result<BTreeMap<usize, Source>, Error> {
+    ) -> Result<BTreeMap<usize, VoxelSources>, Error> {
         if !self.upsampler.as_ref().is_some_and(Upsampler::needs_changes) {
             return Ok(BTreeMap::new());
         }
         let ahead =
             |index: &usize| [Some(*index), self.next(*index), self.next(*index).and_then(|next| self.next(next))];
         let needed: BTreeSet<usize> = portion.iter().flat_map(ahead).flatten().collect();
-        let mut sources: BTreeMap<usize, Source> =
+        let mut sources: BTreeMap<usize, VoxelSources> =
             known.into_iter().filter(|(index, _)| needed.contains(index)).collect();
         let new: Vec<usize> = needed.into_iter().filter(|index| !sources.contains_key(index)).collect();
         let read = |index: &usize| work.check().map(|()| self.source(*index).ok().map(|source| (*index, source)));
@@ -251,7 +251,7 @@ impl Plan {
     }
 
     /// Change from a frame to the next, if it is needed and both can be read.
-    fn change(&self, index: usize, sources: &BTreeMap<usize, Source>) -> Option<Vec<f64>> {
+    fn change(&self, index: usize, sources: &BTreeMap<usize, VoxelSources>) -> Option<Vec<f64>> {
         let next = self.next(index)?;
         let beyond = self.next(next).and_then(|beyond| sources.get(&beyond));
         let (before, after) = (sources.get(&index)?, sources.get(&next)?);
@@ -269,14 +269,14 @@ impl Plan {
     }
 
     /// Volume sources of a frame.
-    fn source(&self, index: usize) -> Result<Source, Error> {
+    fn source(&self, index: usize) -> Result<VoxelSources, Error> {
         let of_frame = |source| self.of_frame(index, source);
         match self.measure {
             Measure::Flux if !self.upsampler.as_ref().is_some_and(Upsampler::takes_field_alone) => {
-                Source::of_front(&self.read(index)?, self.front.iso()).map_err(of_frame)
+                VoxelSources::of_front(&self.read(index)?, self.front.iso()).map_err(of_frame)
             }
-            _ if self.sequence.is_unlit(index, &self.selection) => Ok(Source::default()),
-            _ => Source::of_field(&self.sequence.read_field(index, &self.selection)?).map_err(of_frame),
+            _ if self.sequence.is_unlit(index, &self.selection) => Ok(VoxelSources::default()),
+            _ => VoxelSources::of_field(&self.sequence.read_field(index, &self.selection)?).map_err(of_frame),
         }
     }
 

@@ -78,7 +78,7 @@ impl Survey {
             };
             let found: Result<Vec<_>, Error> = portion.par_iter().map(measured).collect();
             speeds.extend(found?.into_iter().flatten());
-            stage.at((n * portion.len()) as f32 / chosen.len() as f32);
+            stage.report((n * portion.len()) as f32 / chosen.len() as f32);
         }
         Ok(speeds)
     }

@@ -15,7 +15,7 @@ use super::ambisonic::{Listener, Place};
 use super::measuring::Plan;
 use super::signal::Signal;
 use super::{scale, sound};
-use crate::args::{FluxArgs, Kind, Measure};
+use crate::args::{FluxArgs, Measure, SoundKind};
 use crate::error::Error;
 use crate::output::{self, make_folder};
 use crate::progress::{Work, note};
@@ -42,7 +42,10 @@ pub fn check(args: &FluxArgs) -> Result<(), Error> {
     }
     let conflicts = [
         (args.measure != Measure::Flux, "only --measure flux has a front that separates flames"),
-        (args.sound.kind == Kind::Envelope, "the flames' envelopes do not add up to that of the whole; leave out --as"),
+        (
+            args.sound.kind == SoundKind::Envelope,
+            "the flames' envelopes do not add up to that of the whole; leave out --as",
+        ),
         (args.timeline.retime.is_some(), "positions are not retimed; leave out --retime, and retime the written files"),
     ];
     let found = conflicts.into_iter().find(|(is_given, _)| *is_given);
@@ -58,7 +61,7 @@ pub fn write(
     signal: &Signal,
     work: &Work,
 ) -> Result<Vec<PathBuf>, Error> {
-    let tracks = follow(plan, part, work)?;
+    let tracks = tracks(plan, part, work)?;
     let groups = groups(&tracks, args.clusters);
     let handover = (HANDOVER_S * signal.rate_hz).round() as u64;
     let fluxes = series(&tracks, handover);
@@ -110,12 +113,12 @@ pub fn write(
         output::write_signal(&wav, listener.into_channels(), args.sound.sample_rate, Some(&broadcast))?;
         files.push(wav);
     }
-    tell(&groups, &tracks);
+    note_tracks(&groups, &tracks);
     Ok(files)
 }
 
 /// The clusters of all fronts, followed from step to step.
-fn follow(plan: &Plan, part: &FluxShard, work: &Work) -> Result<Vec<Track>, Error> {
+fn tracks(plan: &Plan, part: &FluxShard, work: &Work) -> Result<Vec<Track>, Error> {
     let stage = work.stage("following flames");
     let measured = |index: &&usize| {
         let step = plan.sequence.numbers().nth(**index);
@@ -139,7 +142,7 @@ fn follow(plan: &Plan, part: &FluxShard, work: &Work) -> Result<Vec<Track>, Erro
             tracker.add(step, clusters);
         }
         done += portion.len();
-        stage.at(done as f32 / indices.len() as f32);
+        stage.report(done as f32 / indices.len() as f32);
     }
     Ok(tracker.finish())
 }
@@ -286,7 +289,7 @@ fn died(death: Death) -> (&'static str, Option<usize>) {
 }
 
 /// Notes the number of flames and what became of them.
-fn tell(groups: &[Group], tracks: &[Track]) {
+fn note_tracks(groups: &[Group], tracks: &[Track]) {
     let births = |is: fn(&Birth) -> bool| tracks.iter().filter(|track| is(&track.birth)).count();
     let deaths = |is: fn(&Death) -> bool| tracks.iter().filter(|track| is(&track.death)).count();
     let (ignited, split) = (births(|b| *b == Birth::Ignited), births(|b| matches!(b, Birth::Split(_))));

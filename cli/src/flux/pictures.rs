@@ -40,8 +40,8 @@ pub fn draw(
     work: &Work,
 ) -> Vec<(String, Picture)> {
     let stage = work.stage("drawing");
-    stage.at(0.5);
-    let view = View::of(fronts.iter().map(|(_, mesh)| mesh));
+    stage.report(0.5);
+    let view = View::of_meshes(fronts.iter().map(|(_, mesh)| mesh));
     let time_s = |number: i64| rate_hz.map(|rate_hz| number.saturating_sub(first) as f64 / rate_hz);
     let label =
         |number: i64| format!("frame {} · {:.3} s", numbering.label(number), time_s(number).unwrap_or_default());

@@ -35,7 +35,7 @@ pub fn peak(samples: &[f32]) -> f32 {
 }
 
 /// Description of the applied scaling.
-pub fn told(args: &SoundArgs, scale: f64, peak: f32) -> String {
+pub fn note(args: &SoundArgs, scale: f64, peak: f32) -> String {
     match &args.scale_file {
         Some(path) => {
             let peak_db = 20.0 * peak.log10();

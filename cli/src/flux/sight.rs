@@ -29,7 +29,12 @@ impl Sight {
     /// Examines a frame.
     ///
     /// Fails if the frame cannot be read, or if the value at its front is unknown.
-    pub fn of(sequence: &Sequence, index: usize, selection: &Selection, args: &FluxArgs) -> Result<Self, Error> {
+    pub fn of_sequence(
+        sequence: &Sequence,
+        index: usize,
+        selection: &Selection,
+        args: &FluxArgs,
+    ) -> Result<Self, Error> {
         let description = sequence.describe(index)?;
         let (info, velocity) = match args.measure {
             Measure::Flux => {

@@ -10,12 +10,12 @@ use pyrophone_recording::{Broadcast, write_file};
 
 use super::signal::{LIKELY_RATE_HZ, Signal};
 use super::{clock, film, scale};
-use crate::args::{Kind, SoundArgs};
+use crate::args::{SoundArgs, SoundKind};
 use crate::error::Error;
 use crate::output;
 use crate::progress::{Work, note};
 use crate::report::{self, Picture, Report};
-use crate::summary::Done;
+use crate::summary::Outcome;
 
 /// Time in which a simulation settles after its start, in seconds.
 const START_S: f64 = 0.05;
@@ -80,8 +80,8 @@ pub fn no_rate(input: &Path) -> Error {
 
 pub fn options(args: &SoundArgs, rate_hz: f64) -> Options {
     let kind = match args.kind {
-        Kind::Pressure => pressure::Kind::Pressure,
-        Kind::Envelope => pressure::Kind::Envelope,
+        SoundKind::Pressure => pressure::PressureKind::Pressure,
+        SoundKind::Envelope => pressure::PressureKind::Envelope,
     };
     let (sample_rate_hz, high_pass_hz) = (args.sample_rate, args.high_pass);
     Options { rate_hz, sample_rate_hz, kind, high_pass_hz, peak_db: args.peak_db, scale: None }
@@ -118,25 +118,25 @@ pub fn write(
     mut facts: Vec<(String, String)>,
     surfaces: Vec<(String, Picture)>,
     work: &Work,
-) -> Result<Done, Error> {
+) -> Result<Outcome, Error> {
     if args.output.is_none() && args.report.is_none() {
         return match (&args.flux_csv, flux) {
             (Some(path), Some(flux)) => {
                 write_table(path, flux, signal)?;
-                Ok(Done::default().with_files(vec![path.clone()]))
+                Ok(Outcome::default().with_files(vec![path.clone()]))
             }
-            _ => Ok(Done::default()),
+            _ => Ok(Outcome::default()),
         };
     }
     let advice = Advice::on(signal.rate_hz);
-    if advice != Advice::Full && args.kind == Kind::Pressure {
+    if advice != Advice::Full && args.kind == SoundKind::Pressure {
         let option = if matches!(advice, Advice::EnvelopeOnly { .. }) { " (--as envelope)" } else { "" };
         note(&format!("at {} steps per second {advice}{option}", signal.rate_hz));
     }
     let scale = scale::kept(args)?;
     let sound = pressure::render(&signal.flux, &Options { scale, ..options(args, signal.rate_hz) })?;
     work.check()?;
-    if args.kind == Kind::Pressure {
+    if args.kind == SoundKind::Pressure {
         note_start(&sound.samples, args.sample_rate);
     }
     let mut written = vec![];
@@ -147,51 +147,71 @@ pub fn write(
     if let Some(folder) = &args.report {
         facts.push(("Steps".into(), format!("{} at {} per second", signal.flux.len(), signal.rate_hz)));
         facts.push(("Step rate".into(), advice.to_string()));
-        facts.push(("Scale".into(), format!("{:.4e} (peak at {} dB)", sound.scale, args.peak_db)));
-        let report = Report {
-            title: "Flame signal".into(),
-            facts,
-            surfaces,
-            flux: &signal.flux,
-            area: &signal.area,
-            rate_hz: signal.rate_hz,
-            pressure: &sound.samples,
-            sample_rate_hz: args.sample_rate,
-            is_envelope: args.kind == Kind::Envelope,
-        };
+        let report = report_of(args, signal, &sound, facts, surfaces);
         report::write(folder, &report).inspect_err(|_| remove(&written))?;
     }
-    let mut done = Done::default().with_files(written.iter().map(|path| path.to_path_buf()).collect());
+    let mut done = Outcome::default().with_files(written.iter().map(|path| path.to_path_buf()).collect());
     done.files.extend(args.report.iter().map(|folder| folder.join("index.html")));
     if let Some(path) = &args.output {
-        let is_silent = sound.samples.iter().all(|sample| *sample == 0.0);
-        let place = time_reference(args, signal).inspect_err(|_| remove(&written))?;
-        let timeline = signal.timeline.as_ref();
-        let now = timeline.filter(|timeline| timeline.dated).map(|_| clock::now());
-        let broadcast = Broadcast {
-            description: format!("Flame signal, {} steps per second", signal.rate_hz),
-            time_reference_samples: place,
-            date: now.as_ref().map(|(date, _)| date.clone()),
-            time: now.map(|(_, time)| time),
-            ixml: timeline.and_then(|timeline| film::ixml(timeline, place, args.sample_rate)),
-        };
-        let (scale, peak) = (sound.scale, scale::peak(&sound.samples));
-        let result = output::write_signal(path, vec![sound.samples], args.sample_rate, Some(&broadcast));
-        let heard = result.inspect_err(|_| remove(&written))?;
-        if is_silent {
-            let reason = match (signal.flux.len(), signal.area.iter().all(|area| *area == 0.0)) {
-                (steps, _) if steps <= signal.substeps => "there is only one frame, so nothing changes",
-                (_, false) => "the flux is constant: the flame does not move, or as much gas flows in as out",
-                (_, true) => "the flux is constant; is there a flame front at this iso value?",
-            };
-            note(&format!("the output is silent: {reason}"));
-        } else {
-            scale::keep(args, scale).inspect_err(|_| remove(&written))?;
-            note(&scale::told(args, scale, peak));
-        }
-        done = Done { files: done.files, ..Done::with_sound(path, heard) };
+        let output = write_output(args, path, signal, sound).inspect_err(|_| remove(&written))?;
+        done = Outcome { files: done.files, ..output };
     }
     Ok(done)
+}
+
+/// The report of a signal; its scale is added to `facts`.
+fn report_of<'a>(
+    args: &SoundArgs,
+    signal: &'a Signal,
+    sound: &'a pressure::Sound,
+    mut facts: Vec<(String, String)>,
+    surfaces: Vec<(String, Picture)>,
+) -> Report<'a> {
+    facts.push(("Scale".into(), format!("{:.4e} (peak at {} dB)", sound.scale, args.peak_db)));
+    Report {
+        title: "Flame signal".into(),
+        facts,
+        surfaces,
+        flux: &signal.flux,
+        area: &signal.area,
+        rate_hz: signal.rate_hz,
+        pressure: &sound.samples,
+        sample_rate_hz: args.sample_rate,
+        is_envelope: args.kind == SoundKind::Envelope,
+    }
+}
+
+/// Writes the sound to `path` with its time stamp, and keeps its scale, unless it is silent.
+fn write_output(args: &SoundArgs, path: &Path, signal: &Signal, sound: pressure::Sound) -> Result<Outcome, Error> {
+    let is_silent = sound.samples.iter().all(|sample| *sample == 0.0);
+    let place = time_reference(args, signal)?;
+    let timeline = signal.timeline.as_ref();
+    let now = timeline.filter(|timeline| timeline.dated).map(|_| clock::now());
+    let broadcast = Broadcast {
+        description: format!("Flame signal, {} steps per second", signal.rate_hz),
+        time_reference_samples: place,
+        date: now.as_ref().map(|(date, _)| date.clone()),
+        time: now.map(|(_, time)| time),
+        ixml: timeline.and_then(|timeline| film::ixml(timeline, place, args.sample_rate)),
+    };
+    let (scale, peak) = (sound.scale, scale::peak(&sound.samples));
+    let written = output::write_signal(path, vec![sound.samples], args.sample_rate, Some(&broadcast))?;
+    if is_silent {
+        note(&format!("the output is silent: {}", reason_for_silence(signal)));
+    } else {
+        scale::keep(args, scale)?;
+        note(&scale::note(args, scale, peak));
+    }
+    Ok(Outcome::with_sound(path, written))
+}
+
+/// Likely reason why a signal is silent.
+fn reason_for_silence(signal: &Signal) -> &'static str {
+    match (signal.flux.len(), signal.area.iter().all(|area| *area == 0.0)) {
+        (steps, _) if steps <= signal.substeps => "there is only one frame, so nothing changes",
+        (_, false) => "the flux is constant: the flame does not move, or as much gas flows in as out",
+        (_, true) => "the flux is constant; is there a flame front at this iso value?",
+    }
 }
 
 /// Writes a table, one row per frame; one row per step if there are more steps than frames.

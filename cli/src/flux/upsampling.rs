@@ -2,7 +2,7 @@
 
 use pyrophone_flame::upsample::{Method, Upsampler};
 
-use crate::args::{FluxArgs, Kind, Measure, Upsample};
+use crate::args::{FluxArgs, Measure, SoundKind, Upsample};
 use crate::error::Error;
 use crate::progress::note;
 
@@ -19,7 +19,7 @@ const ENOUGH_HZ: f64 = 200.0;
 ///
 /// Fails if upsampling was requested and the rate is unknown.
 pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>, Error> {
-    let is_envelope = args.sound.kind == Kind::Envelope;
+    let is_envelope = args.sound.kind == SoundKind::Envelope;
     let method = match (args.upsample, rate_hz) {
         (Upsample::Off, _) => return Ok(None),
         (Upsample::Auto, Some(rate_hz)) if rate_hz >= ENOUGH_HZ || is_envelope => return Ok(None),

@@ -38,7 +38,7 @@ impl Lines {
     }
 
     /// Writes a line if one is due, for the finished share (0-1).
-    pub fn at(&self, done: f32) {
+    pub fn report(&self, done: f32) {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(percent) = last.due(Instant::now(), done) {
             let (name, unit) = self.around;
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     /// Percents told at even progress over so many seconds, looked at a hundred times a second.
-    fn told(seconds: u32) -> Vec<u8> {
+    fn percents(seconds: u32) -> Vec<u8> {
         let start = Instant::now();
         let mut last = Last { time: start, percent: 0 };
         let looks = 100 * seconds;
@@ -75,18 +75,18 @@ mod tests {
 
     #[test]
     fn short_work_leaves_no_line_in_a_log() {
-        assert!(told(1).is_empty());
+        assert!(percents(1).is_empty());
     }
 
     #[test]
     fn lines_are_two_seconds_and_ten_percent_apart() {
-        assert_eq!(told(10), [20, 40, 60, 80, 100]);
-        assert_eq!(told(200), [10, 20, 30, 40, 50, 60, 70, 80, 90, 100]);
+        assert_eq!(percents(10), [20, 40, 60, 80, 100]);
+        assert_eq!(percents(200), [10, 20, 30, 40, 50, 60, 70, 80, 90, 100]);
     }
 
     #[test]
     fn long_work_is_reported_each_minute() {
-        assert!((95..=100).contains(&told(6000).len()), "one percent a minute");
-        assert!((45..=100).contains(&told(12_000).len()));
+        assert!((95..=100).contains(&percents(6000).len()), "one percent a minute");
+        assert!((45..=100).contains(&percents(12_000).len()));
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pyrophone_recording::{Cut, Recording};
 use pyrophone_synthesis::EngineConfig;
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_training::{DictionaryKey, Stage, Store, build};
 
 use crate::error::Error;
@@ -21,26 +21,26 @@ pub fn dictionary(
     rate_hz: f64,
     structure: &EngineConfig,
     work: &Work,
-) -> Result<Arc<Dictionary>, Error> {
+) -> Result<Arc<RecordingDictionary>, Error> {
     say_if_cancelling(recording);
     let key = DictionaryKey::new(&recording.content_hash, cut, rate_hz, structure);
     let store = Store::of_user();
     if let Some(kept) = store.as_ref().and_then(|store| store.read(&key)) {
         // The plug-in keeps a part too short for a window, too: there, extension replaces texture.
-        check_windows(&kept, path)?;
+        check_windows(kept.windows(), path)?;
         return Ok(Arc::new(kept));
     }
     let shown = work.stage("learning");
     let progress = |stage: Stage, done: f32| match stage {
-        Stage::Resampling => shown.at(0.2 * done),
-        Stage::Indexing => shown.at(0.2 + 0.8 * done),
+        Stage::Resampling => shown.report(0.2 * done),
+        Stage::Indexing => shown.report(0.2 + 0.8 * done),
     };
     let made = build(recording, cut, rate_hz, structure, &progress).map_err(|error| match error {
         pyrophone_training::Error::Cancelled => Error::Cancelled,
         pyrophone_training::Error::Recording(error) => error.into(),
         pyrophone_training::Error::Engine { source, .. } => Error::of_file(path)(source),
     })?;
-    check_windows(&made, path)?;
+    check_windows(made.windows(), path)?;
     if let Some(Err(error)) = store.map(|store| store.write(&key, &made)) {
         note(&format!("the dictionary of {} cannot be stored for next time: {error}", path.display()));
     }

@@ -15,7 +15,7 @@ const LOWEST_HZ: f64 = 10.0;
 
 /// Renders the whole page; fails if a picture cannot be drawn.
 pub fn render(report: &Report<'_>) -> Result<String, String> {
-    let spectrum = Spectrum::of(&[report.pressure], report.sample_rate_hz);
+    let spectrum = Spectrum::of_channels(&[report.pressure], report.sample_rate_hz);
     let title = escaped(&report.title);
     let mut body = String::new();
     body += &format!(

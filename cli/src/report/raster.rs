@@ -48,7 +48,7 @@ pub struct View {
 
 impl View {
     /// A view that holds all meshes. The longer of the second and third axes points upwards.
-    pub fn of<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> Self {
+    pub fn of_meshes<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> Self {
         let places = || meshes.clone().flat_map(|mesh| &mesh.vertices);
         let (low, high) = bounds(places().copied());
         let (turn, raise) = CAMERA;
@@ -214,7 +214,7 @@ mod tests {
     fn a_box_covers_the_area_of_its_faces_and_stands_upright() {
         for edges in [[1.0, 1.0, 3.0], [1.0, 3.0, 1.0]] {
             let mesh = cube(edges);
-            let view = View::of([&mesh].into_iter());
+            let view = View::of_meshes([&mesh].into_iter());
             let picture = view.draw(&mesh);
             let pixel = view.scale / FINE as f64;
             // Orthographic: every face counts with the part that faces the camera.
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn nothing_is_an_empty_picture() {
-        let view = View::of([].into_iter());
+        let view = View::of_meshes([].into_iter());
         assert_eq!(covered(&view.draw(&Mesh::default())), 0);
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::{hiss, pyrophone, read, reference, refuses, rumble, succeeds, write};
 use pyrophone_flame::flux::Flux;
-use pyrophone_flame::import::Source;
+use pyrophone_flame::import::GridSource;
 use pyrophone_flame::import::npz::{DenseFrame, write_frame};
 use pyrophone_flame::import::vdb::Vdb;
 use pyrophone_flame::velocity::{Placement, Velocity};

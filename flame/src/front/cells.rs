@@ -84,7 +84,7 @@ struct Neighbourhood {
 
 /// A block, or the constant value in its place.
 #[derive(Clone, Copy)]
-enum Source<'a> {
+enum BlockValues<'a> {
     Block(&'a [[f32; 1]; BLOCK_VOXELS]),
     Constant(f32),
 }
@@ -96,17 +96,17 @@ impl Neighbourhood {
 
     /// Fills the neighbourhood of the block of cells at `key`; returns whether it contains more than one value.
     fn gather(&mut self, field: &Grid<1>, key: [i32; 3]) -> bool {
-        let sources: [Source<'_>; 27] = std::array::from_fn(|n| {
+        let sources: [BlockValues<'_>; 27] = std::array::from_fn(|n| {
             let offset = [n / 9, n / 3 % 3, n % 3];
             let key: [i32; 3] = std::array::from_fn(|axis| key[axis] + offset[axis] as i32 - 1);
             match field.block(key) {
-                Some(block) => Source::Block(block),
+                Some(block) => BlockValues::Block(block),
                 // No tile is smaller than a block.
-                None => Source::Constant(field.outside_blocks(key.map(|key| key * BLOCK))[0]),
+                None => BlockValues::Constant(field.outside_blocks(key.map(|key| key * BLOCK))[0]),
             }
         });
-        if let Source::Constant(first) = sources[0]
-            && sources.iter().all(|source| matches!(source, Source::Constant(value) if *value == first))
+        if let BlockValues::Constant(first) = sources[0]
+            && sources.iter().all(|source| matches!(source, BlockValues::Constant(value) if *value == first))
         {
             return false;
         }
@@ -115,8 +115,8 @@ impl Neighbourhood {
             let index = [n / (REACH * REACH), n / REACH % REACH, n % REACH].map(|i| i + BLOCK as usize - 1);
             let source = index.iter().fold(0, |source, i| 3 * source + i / BLOCK as usize);
             *value = match sources[source] {
-                Source::Block(block) => block[slot(index.map(|i| i as i32))][0],
-                Source::Constant(value) => value,
+                BlockValues::Block(block) => block[slot(index.map(|i| i as i32))][0],
+                BlockValues::Constant(value) => value,
             };
         }
         true

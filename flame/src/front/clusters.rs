@@ -76,9 +76,9 @@ impl Front {
         for (corner, indices) in triangles {
             let surface = apply(area_vector(&indices), &cofactors);
             let centre = std::array::from_fn(|axis| indices.iter().map(|index| index[axis]).sum::<f64>() / 3.0);
-            let flux = dot(velocity.at(centre), surface);
+            let flux = dot(velocity.velocity_at(centre), surface);
             let (area, place) = (length(surface), transform.to_world(centre));
-            let sums = sums.entry(groups.first_of(corner)).or_insert_with(|| Sums::at(indices[0]));
+            let sums = sums.entry(groups.first_of(corner)).or_insert_with(|| Sums::at_corner(indices[0]));
             sums.enclose(&indices);
             sums.passing += flux.abs();
             sums.cluster.flux += flux;
@@ -115,7 +115,7 @@ fn with_hollows(sums: impl Iterator<Item = Sums>) -> Vec<Sums> {
 
 impl Sums {
     /// Empty sums, at a corner.
-    fn at(index: [f64; 3]) -> Self {
+    fn at_corner(index: [f64; 3]) -> Self {
         Self { cluster: Cluster::default(), passing: 0.0, volume: 0.0, origin: index, bounds: [index; 2] }
     }
 

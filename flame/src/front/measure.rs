@@ -157,7 +157,7 @@ impl Front {
                     let surface = apply(area_vector(&corners), &cofactors);
                     let [a, b, c] = corners;
                     let centre = std::array::from_fn(|axis| cell[axis] + (a[axis] + b[axis] + c[axis]) / 3.0);
-                    let flux = dot(velocity.at(centre), surface);
+                    let flux = dot(velocity.velocity_at(centre), surface);
                     sums.flux += flux;
                     sums.passing += flux.abs();
                     sums.area += length(surface);

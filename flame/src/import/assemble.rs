@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use super::error::{Error, FormatFault, shown};
-use super::model::{GridInfo, PlacementChoice, Selected, Source};
+use super::model::{GridInfo, GridSource, PlacementChoice, Selected};
 use crate::grid::{Grid, Transform};
 use crate::velocity::{Placement, Velocity};
 
 /// Reader of the grids of one frame. Errors name the grid's own file, otherwise `path`.
 pub(super) struct Assembly<'a> {
-    pub source: &'a mut dyn Source,
+    pub source: &'a mut dyn GridSource,
     pub path: &'a Path,
 }
 
@@ -68,7 +68,7 @@ impl Assembly<'_> {
     fn joined<const N: usize>(
         &mut self,
         index: usize,
-        read: impl Fn(&mut dyn Source, usize) -> Result<Grid<N>, FormatFault>,
+        read: impl Fn(&mut dyn GridSource, usize) -> Result<Grid<N>, FormatFault>,
         join: fn(f32, f32) -> f32,
     ) -> Result<Grid<N>, FormatFault> {
         let mut grid = read(self.source, index)?;

@@ -12,7 +12,7 @@ pub(super) enum Format {
 
 impl Format {
     /// The format of a file, by its extension.
-    pub fn of(path: &Path) -> Option<Self> {
+    pub fn of_path(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "vdb" => Some(Self::Vdb),
             "npz" => Some(Self::Npz),

@@ -76,15 +76,15 @@ pub(super) fn of_pattern(path: &Path, pattern: &Pattern) -> Result<Listing, Erro
 }
 
 fn listing(folder: &Path, format: Format, files: &[Numbered], left_out: usize) -> Result<Listing, Error> {
-    let numbering = Numbering::of(files.iter().map(|file| &file.number));
+    let numbering = Numbering::of_numbers(files.iter().map(|file| &file.number));
     Ok(Listing { frames: frames(folder, format, files, &numbering)?, left_out, numbering })
 }
 
 /// The frame that a file belongs to: the file itself, or for `.npy` all files beside it with the same number.
 pub(super) fn of_file(path: &Path) -> Result<FrameFiles, Error> {
-    let format = Format::of(path).ok_or_else(|| Error::Kind { path: shown_path(path) })?;
+    let format = Format::of_path(path).ok_or_else(|| Error::Kind { path: shown_path(path) })?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let (stem, number) = match Name::of(&name) {
+    let (stem, number) = match Name::of_name(&name) {
         Some(name) => (name.stem(), Some(name.number.whole)),
         None => (name.clone(), None),
     };
@@ -121,10 +121,10 @@ fn sorts(folder: &Path, pattern: Option<&Pattern>) -> Result<(BTreeMap<Sort, Vec
         }
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let name = match pattern {
-            None => Name::of(&name),
+            None => Name::of_name(&name),
             Some(pattern) => pattern.name(&path.file_name().unwrap_or_default().to_string_lossy()),
         };
-        match (Format::of(&path).filter(|_| path.is_file()), name) {
+        match (Format::of_path(&path).filter(|_| path.is_file()), name) {
             (Some(format), Some(name)) => found.push((format, name, path)),
             _ => others += 1,
         }
@@ -242,10 +242,10 @@ mod tests {
     fn one_of_two_versions_is_chosen_by_a_pattern() {
         let folder = folder(&["a_v1.0001.vdb", "a_v1.0002.vdb", "a_v2.0001.vdb", "a_v2.0003.vdb", "a_v2.0003.txt"]);
         assert!(matches!(of_folder(folder.path()), Err(Error::Mixed { .. })));
-        let pattern = Pattern::of("a_v2.####.vdb").unwrap();
+        let pattern = Pattern::of_file_name("a_v2.####.vdb").unwrap();
         let listing = of_pattern(&folder.path().join("a_v2.####.vdb"), &pattern).unwrap();
         assert_eq!(listing.frames.iter().map(|frame| frame.number).collect::<Vec<_>>(), [1, 3]);
-        let pattern = Pattern::of("b.####.vdb").unwrap();
+        let pattern = Pattern::of_file_name("b.####.vdb").unwrap();
         let message = of_pattern(&folder.path().join("b.####.vdb"), &pattern).err().unwrap().to_string();
         assert!(message.contains("b.####.vdb") && message.contains("none of the 5"), "{message}");
     }

@@ -22,7 +22,7 @@ mod vocabulary;
 
 pub use description::Description;
 pub use error::{Error, FormatFault};
-pub use model::{GridInfo, PlacementChoice, Selected, Selection, Source};
+pub use model::{GridInfo, GridSource, PlacementChoice, Selected, Selection};
 pub use numbering::{Numbering, Pattern};
 pub use sequence::Sequence;
 pub use series::{Series, Timing};

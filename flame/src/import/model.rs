@@ -103,7 +103,7 @@ impl Selected {
 }
 
 /// A file (or a few files of one frame) whose grids can be read one by one.
-pub trait Source {
+pub trait GridSource {
     /// The grids, in the file's order.
     fn grids(&self) -> &[GridInfo];
 

@@ -16,7 +16,7 @@ use zip::result::ZipError;
 use self::arrays::{ORIGIN, TIME, VOXEL_SIZE};
 use super::budget::{Budget, check_file_size};
 use super::error::{FormatFault, damaged, shown};
-use super::model::{GridInfo, Source, check_components};
+use super::model::{GridInfo, GridSource, check_components};
 use super::npy::{Header, components, fault_of, grid};
 use crate::grid::{Grid, Transform};
 
@@ -157,7 +157,7 @@ impl<R: Read + Seek> Npz<R> {
     }
 }
 
-impl<R: Read + Seek> Source for Npz<R> {
+impl<R: Read + Seek> GridSource for Npz<R> {
     fn grids(&self) -> &[GridInfo] {
         &self.infos
     }

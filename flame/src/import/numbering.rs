@@ -53,7 +53,7 @@ pub(super) struct Name {
 impl Name {
     /// Splits a name (without its extension) at its last number. A minus belongs to the number unless it separates the
     /// number from a name: `fire.-5` is frame -5, `fire-5` frame 5.
-    pub fn of(name: &str) -> Option<Self> {
+    pub fn of_name(name: &str) -> Option<Self> {
         let end = name.rfind(|c: char| c.is_ascii_digit())? + 1;
         let (name, behind) = name.split_at(end);
         let unsigned = name.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -71,7 +71,7 @@ impl Name {
     /// The same name read as that of a sub-frame (`fire.12.25` as frame 12.25), if possible.
     pub fn with_fraction(&self) -> Option<Self> {
         let before = self.before.strip_suffix('.').filter(|before| before.ends_with(|c: char| c.is_ascii_digit()))?;
-        let whole = Self::of(before).filter(|_| !self.number.is_negative)?;
+        let whole = Self::of_name(before).filter(|_| !self.number.is_negative)?;
         let number = Number { fraction: self.digits.clone(), ..whole.number };
         Some(Self { number, behind: self.behind.clone(), ..whole })
     }
@@ -105,7 +105,7 @@ impl Default for Numbering {
 
 impl Numbering {
     /// The coarsest numbering in which every number is a step.
-    pub(super) fn of<'a>(numbers: impl Iterator<Item = &'a Number> + Clone) -> Self {
+    pub(super) fn of_numbers<'a>(numbers: impl Iterator<Item = &'a Number> + Clone) -> Self {
         let fits = |parts: &i64| numbers.clone().all(|number| number.fits(*parts));
         let subframes = (1..=MOST_SUBFRAMES).find(fits).unwrap_or(MOST_SUBFRAMES);
         let plain = Self { stride: 1, subframes, rest: 0 };
@@ -212,7 +212,7 @@ mod tests {
 
     fn steps(numbers: &[&str]) -> (Numbering, Vec<i64>, Vec<String>) {
         let numbers: Vec<Number> = numbers.iter().map(|text| number(text)).collect();
-        let numbering = Numbering::of(numbers.iter());
+        let numbering = Numbering::of_numbers(numbers.iter());
         let steps: Vec<i64> = numbers.iter().map(|number| numbering.step(number)).collect();
         let labels = steps.iter().map(|step| numbering.label(*step)).collect();
         (numbering, steps, labels)
@@ -231,7 +231,7 @@ mod tests {
             ("fire", None),
             ("a_99999999999999999999", None),
         ] {
-            let found = Name::of(name);
+            let found = Name::of_name(name);
             let found = found.as_ref().map(|name| (name.before.as_str(), name.number.whole, name.behind.as_str()));
             assert_eq!(found, expected, "{name}");
         }

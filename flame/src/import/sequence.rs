@@ -11,7 +11,7 @@ use super::description::Description;
 use super::error::{Error, FormatFault, shown_path};
 use super::format::Format;
 use super::listing::{self, FrameFiles, Listing};
-use super::model::{Selection, Source};
+use super::model::{GridSource, Selection};
 use super::names;
 use super::npy::Npy;
 use super::npz::Npz;
@@ -48,7 +48,7 @@ impl Sequence {
         let listing = match path.metadata() {
             Ok(metadata) if metadata.is_dir() => listing::of_folder(path)?,
             Ok(_) => listing::of_single(path)?,
-            Err(error) => match path.file_name().and_then(|name| Pattern::of(&name.to_string_lossy())) {
+            Err(error) => match path.file_name().and_then(|name| Pattern::of_file_name(&name.to_string_lossy())) {
                 Some(pattern) => listing::of_pattern(path, &pattern)?,
                 None => return Err(Error::of_system(path)(error)),
             },
@@ -207,7 +207,7 @@ impl Sequence {
     fn with_source<T>(
         &self,
         index: usize,
-        use_it: impl FnOnce(i64, &mut dyn Source) -> Result<T, Error>,
+        use_it: impl FnOnce(i64, &mut dyn GridSource) -> Result<T, Error>,
     ) -> Result<T, Error> {
         let found = self.frames.len();
         let missing = || Error::NoFrame { path: shown_path(&self.path), index, found };

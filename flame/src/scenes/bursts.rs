@@ -25,7 +25,7 @@ impl Bursts {
     }
 
     /// Value at a time: 0 between bursts, about 1 at the peak of a typical one.
-    pub fn at(&self, time_s: f64) -> f64 {
+    pub fn strength_at(&self, time_s: f64) -> f64 {
         let now = (time_s * self.rate_hz).floor() as i64;
         let before = (FALLS * self.fall_s * self.rate_hz).ceil() as i64;
         (now - before - 1..=now).map(|slot| self.burst(slot, time_s)).sum()
@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn bursts_come_at_their_rate_with_pauses() {
         let bursts = Bursts::new(3, 2.0, 0.01, 0.08);
-        let values: Vec<f64> = (0..36_000).map(|n| bursts.at(f64::from(n) / 360.0)).collect();
+        let values: Vec<f64> = (0..36_000).map(|n| bursts.strength_at(f64::from(n) / 360.0)).collect();
         let starts = values.windows(2).filter(|w| w[0] < 0.15 && w[1] >= 0.15).count();
         assert!((120..=230).contains(&starts), "{starts} in 100 s");
         let quiet = values.iter().filter(|value| **value < 0.05).count() as f64 / values.len() as f64;
@@ -64,10 +64,10 @@ mod tests {
         let bursts = Bursts::new(3, 2.0, 0.02, 0.1);
         let largest = (0..100_000)
             .map(|n| f64::from(n) * 1e-4)
-            .map(|t| (bursts.at(t + 1e-4) - bursts.at(t)).abs())
+            .map(|t| (bursts.strength_at(t + 1e-4) - bursts.strength_at(t)).abs())
             .fold(0.0, f64::max);
         assert!(largest < 0.03, "a jump of {largest}");
-        assert_ne!(bursts.at(1.3), Bursts::new(4, 2.0, 0.02, 0.1).at(1.3));
-        assert!(bursts.at(-5.0).is_finite() && bursts.at(1e9).is_finite());
+        assert_ne!(bursts.strength_at(1.3), Bursts::new(4, 2.0, 0.02, 0.1).strength_at(1.3));
+        assert!(bursts.strength_at(-5.0).is_finite() && bursts.strength_at(1e9).is_finite());
     }
 }

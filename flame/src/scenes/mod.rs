@@ -1,6 +1,7 @@
 //! Scenes: the five of Chadwick & James 2011 (§6) and the three of Dobashi et al. 2004 (§6), ready to simulate.
 
 mod bursts;
+mod script;
 mod setups;
 mod wander;
 
@@ -79,8 +80,8 @@ impl Scene {
     /// Seconds after which the scene repeats, if it does.
     pub fn period_s(self) -> Option<f64> {
         match self {
-            Self::FlameJet => Some(setups::JET_PERIOD_S),
-            Self::Explosion => Some(setups::BURST_PERIOD_S),
+            Self::FlameJet => Some(script::JET_PERIOD_S),
+            Self::Explosion => Some(script::BURST_PERIOD_S),
             _ => None,
         }
     }
@@ -137,7 +138,7 @@ impl Options {
 pub struct Simulation {
     scene: Scene,
     options: Options,
-    script: setups::Script,
+    script: script::Script,
     solver: Solver,
     steps: u64,
 }
@@ -184,7 +185,7 @@ impl Simulation {
 
     /// Forcing of the gas at the present step.
     pub fn surroundings(&self) -> Forcing {
-        self.script.at(self.steps as f64 / STEP_RATE_HZ, &self.options)
+        self.script.forcing_at(self.steps as f64 / STEP_RATE_HZ, &self.options)
     }
 
     /// Front and flow after the last step, numbered by the steps taken.

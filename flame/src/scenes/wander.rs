@@ -26,7 +26,7 @@ impl Wander {
     }
 
     /// Value at a time.
-    pub fn at(&self, time_s: f64) -> f64 {
+    pub fn value_at(&self, time_s: f64) -> f64 {
         let sum: f64 = self.waves.iter().map(|(rate, phase)| maths::sin(rate * time_s + phase)).sum();
         sum * (2.0 / WAVES as f64).sqrt()
     }

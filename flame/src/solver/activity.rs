@@ -66,7 +66,7 @@ impl Activity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::domain::{Side, at};
+    use crate::solver::domain::{Side, cell_index};
 
     const AIR: [f32; 4] = [0.0; 4];
 
@@ -74,7 +74,7 @@ mod tests {
         let shape = [12, 10, 24];
         let domain = Domain::new(shape, 0.1, sides).unwrap();
         let mut scalars = vec![AIR; domain.cells()];
-        scalars[at(shape, place[0], place[1], place[2])] = [0.0, 0.5, 0.0, 0.0];
+        scalars[cell_index(shape, place[0], place[1], place[2])] = [0.0, 0.5, 0.0, 0.0];
         let mut activity = Activity::default();
         // The previous state is forgotten.
         activity.update(&domain, &vec![[1.0; 4]; domain.cells()], AIR, reach);

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::activity::{Activity, SEGMENT};
-use super::domain::{Domain, FaceRow, Side, at};
+use super::domain::{Domain, FaceRow, Side, cell_index};
 use super::lattice::{LANES, Lattice, Positions};
 use super::parallel::{largest, planes, wide};
 
@@ -45,7 +45,7 @@ impl Trajectories {
         planes(came, ny * nz).zip(planes(goes, ny * nz)).enumerate().for_each(|(i, (came, goes))| {
             wide(|| {
                 for (j, (came, goes)) in came.chunks_exact_mut(nz).zip(goes.chunks_exact_mut(nz)).enumerate() {
-                    let row = at(domain.shape(), i, j, 0);
+                    let row = cell_index(domain.shape(), i, j, 0);
                     let parts = came.chunks_mut(LANES).zip(goes.chunks_mut(LANES));
                     for (part, (came, goes)) in parts.enumerate() {
                         let first = part * LANES;
@@ -156,7 +156,7 @@ pub(crate) fn advect<const N: usize>(
         wide(|| {
             for (j, field) in field.chunks_exact_mut(nz).enumerate() {
                 let row = PathRow::new(domain, stand, i, j);
-                let start = at(lattice.shape, i, j, 0);
+                let start = cell_index(lattice.shape, i, j, 0);
                 for (part, values) in field.chunks_mut(LANES).enumerate() {
                     let first = part * LANES;
                     let here = start + first..start + first + values.len();
@@ -202,7 +202,7 @@ impl PathRow {
     #[inline(always)]
     fn new(domain: &Domain, stand: SampleSite, i: usize, j: usize) -> Self {
         match stand {
-            SampleSite::Centres => Self::Centres(at(domain.shape(), i, j, 0)),
+            SampleSite::Centres => Self::Centres(cell_index(domain.shape(), i, j, 0)),
             SampleSite::Faces(axis) => Self::Faces(domain.face_row(axis, i, j)),
         }
     }

@@ -112,8 +112,8 @@ impl Domain {
             |of: usize, position: usize| if of == axis { self.beside(axis, position) } else { (position, position) };
         let (x, y) = (beside(0, i), beside(1, j));
         FaceRow {
-            before: at(self.shape, x.0, y.0, 0),
-            after: at(self.shape, x.1, y.1, 0),
+            before: cell_index(self.shape, x.0, y.0, 0),
+            after: cell_index(self.shape, x.1, y.1, 0),
             along: (axis == 2).then(|| (self.shape[2], self.is_periodic(2))),
         }
     }
@@ -162,6 +162,6 @@ fn beside(face: usize, size: usize, periodic: bool) -> (usize, usize) {
 
 /// Offset of element (i, j, k) in an array of `shape`.
 #[inline(always)]
-pub(crate) fn at(shape: [usize; 3], i: usize, j: usize, k: usize) -> usize {
+pub(crate) fn cell_index(shape: [usize; 3], i: usize, j: usize, k: usize) -> usize {
     (i * shape[1] + j) * shape[2] + k
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::parallel::{elements, largest, planes, wide};
 
-use super::domain::{Domain, Side, at};
+use super::domain::{Domain, Side, cell_index};
 
 /// Velocity components in m/s, each on the faces across its own axis.
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ impl Faces {
                         if end == 1 {
                             let mut first = position;
                             first[axis] = 0;
-                            let first = at(shape, first[0], first[1], first[2]);
+                            let first = cell_index(shape, first[0], first[1], first[2]);
                             self.components[axis][index] = self.components[axis][first];
                         }
                     }
@@ -51,9 +51,9 @@ impl Faces {
         planes(centres, ny * nz).enumerate().for_each(|(i, plane)| {
             wide(|| {
                 for j in 0..ny {
-                    let starts = [at(shapes[0], i, j, 0), at(shapes[0], i + 1, j, 0)];
-                    let sides = [at(shapes[1], i, j, 0), at(shapes[1], i, j + 1, 0)];
-                    let up = at(shapes[2], i, j, 0);
+                    let starts = [cell_index(shapes[0], i, j, 0), cell_index(shapes[0], i + 1, j, 0)];
+                    let sides = [cell_index(shapes[1], i, j, 0), cell_index(shapes[1], i, j + 1, 0)];
+                    let up = cell_index(shapes[2], i, j, 0);
                     for (k, centre) in plane[j * nz..(j + 1) * nz].iter_mut().enumerate() {
                         *centre = [
                             0.5 * (u[starts[0] + k] + u[starts[1] + k]),
@@ -71,9 +71,9 @@ impl Faces {
     pub fn row_to_centres(&self, domain: &Domain, [i, j, k]: [usize; 3], centres: &mut [[f32; 3]]) {
         let [u, v, w] = &self.components;
         let shapes = [0, 1, 2].map(|axis| domain.face_shape(axis));
-        let starts = [at(shapes[0], i, j, k), at(shapes[0], i + 1, j, k)];
-        let sides = [at(shapes[1], i, j, k), at(shapes[1], i, j + 1, k)];
-        let up = at(shapes[2], i, j, k);
+        let starts = [cell_index(shapes[0], i, j, k), cell_index(shapes[0], i + 1, j, k)];
+        let sides = [cell_index(shapes[1], i, j, k), cell_index(shapes[1], i, j + 1, k)];
+        let up = cell_index(shapes[2], i, j, k);
         for (n, centre) in centres.iter_mut().enumerate() {
             *centre = [
                 0.5 * (u[starts[0] + n] + u[starts[1] + n]),
@@ -110,9 +110,9 @@ impl Faces {
         planes(divergence, ny * nz).zip(source.par_chunks(ny * nz)).enumerate().for_each(|(i, (plane, source))| {
             wide(|| {
                 for j in 0..ny {
-                    let x = [at(shapes[0], i, j, 0), at(shapes[0], i + 1, j, 0)];
-                    let y = [at(shapes[1], i, j, 0), at(shapes[1], i, j + 1, 0)];
-                    let z = at(shapes[2], i, j, 0);
+                    let x = [cell_index(shapes[0], i, j, 0), cell_index(shapes[0], i + 1, j, 0)];
+                    let y = [cell_index(shapes[1], i, j, 0), cell_index(shapes[1], i, j + 1, 0)];
+                    let z = cell_index(shapes[2], i, j, 0);
                     for k in 0..nz {
                         let leaving =
                             (u[x[1] + k] - u[x[0] + k]) + (v[y[1] + k] - v[y[0] + k]) + (w[z + k + 1] - w[z + k]);
@@ -178,7 +178,7 @@ fn for_each_on_plane(shape: [usize; 3], axis: usize, plane: usize, mut each: imp
             let mut position = [plane; 3];
             position[one] = a;
             position[other] = b;
-            each(position, at(shape, position[0], position[1], position[2]));
+            each(position, cell_index(shape, position[0], position[1], position[2]));
         }
     }
 }

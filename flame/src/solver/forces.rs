@@ -6,7 +6,7 @@ use super::parallel::{planes, rows, wide};
 
 use super::activity::{Activity, SEGMENT};
 use super::combustion::{Combustion, SMOKE, TEMPERATURE};
-use super::domain::{Domain, at};
+use super::domain::{Domain, cell_index};
 use super::lattice::Lattice;
 use super::parameters::Parameters;
 use super::turbulence::Turbulence;
@@ -70,22 +70,25 @@ impl Forces {
                         *out = [0.0; 4];
                         continue;
                     }
-                    let temperature = gas.scalars[at(shape, i, j, k)][TEMPERATURE];
+                    let temperature = gas.scalars[cell_index(shape, i, j, k)][TEMPERATURE];
                     let mut sum = [0.0, 0.0, buoyancy * temperature, 0.0];
                     if confinement != 0.0 {
                         let force = confine(vorticity, &around, k);
                         // Only a flame's own eddies are sustained, not every rotation in the air around it.
-                        let share =
-                            if burns { gas.scalars[at(shape, i, j, k)][stirred_by].clamp(0.0, 1.0) } else { 1.0 };
+                        let share = if burns {
+                            gas.scalars[cell_index(shape, i, j, k)][stirred_by].clamp(0.0, 1.0)
+                        } else {
+                            1.0
+                        };
                         for axis in 0..3 {
                             sum[axis] += share * confinement * voxel_size * force[axis];
                         }
                     }
-                    let stirred = stirring * gas.scalars[at(shape, i, j, k)][stirred_by].clamp(0.0, 1.0);
+                    let stirred = stirring * gas.scalars[cell_index(shape, i, j, k)][stirred_by].clamp(0.0, 1.0);
                     if stirred > 1e-3 * stirring {
                         let cell = [i, j, k].map(|cell| cell as f32 * voxel_size);
                         let place = std::array::from_fn(|axis| (cell[axis] + first[axis]) * eddies);
-                        let noise = gas.turbulence.at(place, turnovers);
+                        let noise = gas.turbulence.velocity_at(place, turnovers);
                         for axis in 0..3 {
                             sum[axis] += stirred * noise[axis];
                         }
@@ -154,7 +157,7 @@ struct Around<'a> {
 impl<'a> Around<'a> {
     #[inline(always)]
     fn new(lattice: &'a Lattice, i: usize, j: usize) -> Self {
-        let start = |i: usize, j: usize| at(lattice.shape, i, j, 0);
+        let start = |i: usize, j: usize| cell_index(lattice.shape, i, j, 0);
         let beside = [
             [false, true].map(|upper| start(lattice.beside(0, i, upper), j)),
             [false, true].map(|upper| start(i, lattice.beside(1, j, upper))),

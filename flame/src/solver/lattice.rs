@@ -1,6 +1,6 @@
 //! Arrays of samples on a regular lattice, with interpolation between the samples.
 
-use super::domain::{Domain, at};
+use super::domain::{Domain, cell_index};
 
 /// Positions of an array's samples, and the boundary conditions of its axes.
 #[derive(Debug, Clone, Copy)]
@@ -137,7 +137,7 @@ impl Lattice {
     /// The samples of a bracket in row (i, j).
     #[inline(always)]
     fn pair<'a, const N: usize>(&self, field: &'a [[f32; N]], i: usize, j: usize, z: Bracket) -> [&'a [f32; N]; 2] {
-        let row = at(self.shape, i, j, 0);
+        let row = cell_index(self.shape, i, j, 0);
         // Usually they are adjacent, and one bounds check is enough.
         match field.get(row + z.0..row + z.0 + 2) {
             Some([a, b]) if z.1 == z.0 + 1 => [a, b],

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::parallel::{planes, rows, wide};
 
 use super::combustion::{FUEL, Fire};
-use super::domain::{Domain, at};
+use super::domain::{Domain, cell_index};
 use super::lattice::Lattice;
 
 /// Cells from the front beyond which distances are cut off.
@@ -85,7 +85,7 @@ fn each(domain: &Domain, scalars: &mut [[f32; 4]], value: impl Fn([usize; 3], us
 
 /// True if the front lies between a cell and one of its neighbours.
 fn is_beside_front(distance: &[f32], lattice: &Lattice, place: [usize; 3]) -> bool {
-    let is_unburnt = |[i, j, k]: [usize; 3]| distance[at(lattice.shape, i, j, k)] < 0.0;
+    let is_unburnt = |[i, j, k]: [usize; 3]| distance[cell_index(lattice.shape, i, j, k)] < 0.0;
     let here = is_unburnt(place);
     (0..3).any(|axis| {
         [false, true].into_iter().any(|upper| {
@@ -100,7 +100,7 @@ fn is_beside_front(distance: &[f32], lattice: &Lattice, place: [usize; 3]) -> bo
 /// (`direction` positive) or falling distance.
 #[inline(always)]
 fn slope(distance: &[f32], lattice: &Lattice, voxel_size: f32, place: [usize; 3], direction: f32) -> f32 {
-    let value = |[i, j, k]: [usize; 3]| distance[at(lattice.shape, i, j, k)];
+    let value = |[i, j, k]: [usize; 3]| distance[cell_index(lattice.shape, i, j, k)];
     let here = value(place);
     let mut square = 0.0;
     for axis in 0..3 {

@@ -80,7 +80,7 @@ impl MixingField {
         let spread = self.mixing.spread;
         wide(|| {
             for (value, waves) in self.values.iter_mut().zip(&self.waves) {
-                *value = spread as f32 * waves.at(time_s);
+                *value = spread as f32 * waves.value_at(time_s);
             }
         });
         self.offset = (maths::ln(boost.clamp(1e-3, 1e3)) - 0.5 * spread * spread) as f32;
@@ -137,7 +137,7 @@ impl Waves {
     }
 
     #[inline(always)]
-    fn at(&self, time_s: f64) -> f32 {
+    fn value_at(&self, time_s: f64) -> f32 {
         let mut sum = 0.0;
         for wave in 0..WAVES {
             let turns = self.frequency_hz[wave] * time_s + self.turns[wave];

@@ -45,7 +45,7 @@ pub use turbulence::Turbulence;
 use activity::Activity;
 use advect::{InflowBoundary, Neglect, SampleSite, Trajectories, advect};
 use combustion::{FUEL, Fire, TEMPERATURE};
-use domain::at;
+use domain::cell_index;
 use faces::Faces;
 use forces::{Forces, Gas};
 use lattice::Lattice;
@@ -399,7 +399,7 @@ impl Solver {
                 0.0
             } else {
                 let place = std::array::from_fn(|a| ((position[a] as f64 * h + origin_m[a]) / eddies) as f32);
-                turbulence.at(place, turnovers)[axis]
+                turbulence.velocity_at(place, turnovers)[axis]
             };
             sign * gust + unrest * noise
         });
@@ -430,11 +430,11 @@ fn diffuse(lattice: &Lattice, before: &[f32], after: &mut [f32], share: f32) {
     let [_, ny, nz] = lattice.shape;
     planes(after, ny * nz).enumerate().for_each(|(i, plane)| {
         for ([j, k], value) in rows(plane, nz) {
-            let here = before[at(lattice.shape, i, j, k)];
+            let here = before[cell_index(lattice.shape, i, j, k)];
             let next = |axis: usize, upper: bool| {
                 let mut place = [i, j, k];
                 place[axis] = lattice.beside(axis, place[axis], upper);
-                before[at(lattice.shape, place[0], place[1], place[2])] - here
+                before[cell_index(lattice.shape, place[0], place[1], place[2])] - here
             };
             let sum: f32 = (0..3).map(|axis| next(axis, false) + next(axis, true)).sum();
             *value = here + share * sum;

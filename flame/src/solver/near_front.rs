@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::domain::{Domain, at};
+use super::domain::{Domain, cell_index};
 use super::faces::Faces;
 use crate::error::Error;
 use crate::frame::Frame;
@@ -23,7 +23,7 @@ pub(crate) fn frame(domain: &Domain, velocity: &Faces, front: &[f32], number: i6
     let keys = (0..counts[0]).flat_map(|x| (0..counts[1]).flat_map(move |y| (0..counts[2]).map(move |z| [x, y, z])));
     for key in keys {
         let burns = runs(shape, key).any(|(cell, size)| {
-            let start = at(shape, cell[0], cell[1], cell[2]);
+            let start = cell_index(shape, cell[0], cell[1], cell[2]);
             front[start..start + size].iter().any(|value| *value != 0.0)
         });
         if !burns {
@@ -31,7 +31,7 @@ pub(crate) fn frame(domain: &Domain, velocity: &Faces, front: &[f32], number: i6
         }
         let block = field.block_mut(key.map(|key| key as i32));
         for (cell, size) in runs(shape, key) {
-            let (start, into) = (at(shape, cell[0], cell[1], cell[2]), slot(cell.map(|at| at as i32)));
+            let (start, into) = (cell_index(shape, cell[0], cell[1], cell[2]), slot(cell.map(|at| at as i32)));
             block[into..into + size].as_flattened_mut().copy_from_slice(&front[start..start + size]);
         }
         let beside = |axis: usize| key[axis].saturating_sub(1)..=(key[axis] + 1).min(counts[axis] - 1);

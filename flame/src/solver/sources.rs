@@ -1,7 +1,7 @@
 //! Effect of emitters on the gas.
 
 use super::combustion::{Combustion, FUEL, TEMPERATURE};
-use super::domain::at;
+use super::domain::cell_index;
 use super::emitter::Emitter;
 use super::parallel::elements;
 use super::{Forcing, Solver};
@@ -35,7 +35,7 @@ impl Solver {
             let hold = 1.0 - maths::exp(-emitter.drag_hz.max(0.0) * dt_s);
             for ([i, j, k], place) in self.covered(emitter) {
                 let cover = emitter.cover(place, h) as f32;
-                let scalar = &mut self.scalars[at(shape, i, j, k)];
+                let scalar = &mut self.scalars[cell_index(shape, i, j, k)];
                 if is_core {
                     if emitter.fuel > 0.5 {
                         let relative = std::array::from_fn(|axis| place[axis] - emitter.centre_m[axis]);
@@ -45,7 +45,7 @@ impl Solver {
                     let noise = if emitter.flicker > 0.0 {
                         let eddies = self.parameters.turbulence_scale_m;
                         let turnovers = (self.time_s * self.parameters.turbulence_rate_hz) as f32;
-                        self.turbulence.at(place.map(|x| (x / eddies) as f32), turnovers)[0]
+                        self.turbulence.velocity_at(place.map(|x| (x / eddies) as f32), turnovers)[0]
                     } else {
                         0.0
                     };
@@ -59,7 +59,7 @@ impl Solver {
                     for axis in 0..3 {
                         let mut face = [i, j, k];
                         for _ in 0..2 {
-                            let index = at(self.domain.face_shape(axis), face[0], face[1], face[2]);
+                            let index = cell_index(self.domain.face_shape(axis), face[0], face[1], face[2]);
                             let value = &mut self.velocity.components[axis][index];
                             *value += share * (emitter.velocity_m_s[axis] as f32 - *value);
                             face[axis] += 1;
@@ -75,7 +75,7 @@ impl Solver {
         for emitter in surroundings.emitters.iter().filter(|emitter| emitter.outflow_hz != 0.0) {
             for ([i, j, k], place) in self.covered(emitter) {
                 let cover = emitter.cover(place, self.domain.voxel_size_m());
-                self.source[at(self.domain.shape(), i, j, k)] += (cover * emitter.outflow_hz) as f32;
+                self.source[cell_index(self.domain.shape(), i, j, k)] += (cover * emitter.outflow_hz) as f32;
             }
         }
         let most = MOST_EXPANSION / dt_s as f32;

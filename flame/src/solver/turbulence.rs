@@ -98,7 +98,7 @@ impl Turbulence {
 
     /// The noise at a position, in units of the largest eddies' size, and a time, in units of their turnover.
     #[inline(always)]
-    pub fn at(&self, place: [f32; 3], time: f32) -> [f32; 3] {
+    pub fn velocity_at(&self, place: [f32; 3], time: f32) -> [f32; 3] {
         let lattice = Lattice::repeating(SIZE);
         let mut sum = [0.0; 3];
         for drift in DRIFTS {

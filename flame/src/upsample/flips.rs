@@ -5,7 +5,7 @@
 //! large as a flame's smallest parts. The mean over all such moments is the straight line from one frame to the next,
 //! which is subtracted. The remainder is zero at the frames, and its loudness depends on how many parts changed.
 
-use super::source::{Source, unpacked};
+use super::source::{VoxelSources, unpacked};
 use super::{Upsampler, filter};
 use crate::solver::Random;
 
@@ -42,8 +42,8 @@ const HALF_BELIEVED: f64 = 16.0;
 /// none); then the steps between the first two.
 pub fn change(
     number: i64,
-    [before, after]: [&Source; 2],
-    beyond: Option<&Source>,
+    [before, after]: [&VoxelSources; 2],
+    beyond: Option<&VoxelSources>,
     substeps: usize,
     seed: u64,
 ) -> Vec<f64> {
@@ -81,7 +81,7 @@ fn mixed(key: u64) -> u64 {
 }
 
 /// Mean square of the distance that flips would have, half-way between two frames, from the middle of the two.
-fn middle(before: &Source, after: &Source, seed: u64) -> f64 {
+fn middle(before: &VoxelSources, after: &VoxelSources, seed: u64) -> f64 {
     let mut sums = [0.0; DRAWS as usize];
     before.join(after, |place, before, after| {
         for (draw, sum) in sums.iter_mut().enumerate().filter(|_| before != after) {

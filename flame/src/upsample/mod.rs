@@ -15,7 +15,7 @@ mod noise;
 mod source;
 mod spline;
 
-pub use source::Source;
+pub use source::VoxelSources;
 
 use crate::error::{Error, in_range};
 use crate::flux::Changes;
@@ -101,7 +101,13 @@ impl Upsampler {
 
     /// The data about the change from step `number` to the next that [`series`](Self::series) needs; `beyond` is the
     /// step after that, if there is one.
-    pub fn change(&self, number: i64, before: &Source, after: &Source, beyond: Option<&Source>) -> Vec<f64> {
+    pub fn change(
+        &self,
+        number: i64,
+        before: &VoxelSources,
+        after: &VoxelSources,
+        beyond: Option<&VoxelSources>,
+    ) -> Vec<f64> {
         flips::change(number, [before, after], beyond, self.substeps, self.seed)
     }
 

@@ -22,7 +22,7 @@ const FLAT: f64 = 1e-6;
 
 /// The volume that every burning voxel of a frame emits per second.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Source {
+pub struct VoxelSources {
     /// The voxels' edges in world units.
     edges: [f64; 3],
     /// Positions in ascending order, with their sources.
@@ -31,7 +31,7 @@ pub struct Source {
     pub burning: f64,
 }
 
-impl Source {
+impl VoxelSources {
     /// The values of a field as volumes per second: of a rate of heat release, or of a solver's divergence input.
     ///
     /// # Errors
@@ -210,7 +210,7 @@ fn fill(field: &Grid<1>, key: [i32; 3], iso: f64) -> Vec<f64> {
         let mut sums = [0.0; 4];
         for n in 0..27usize {
             let offset = [n / 9, n / 3 % 3, n % 3];
-            let value = values[at(std::array::from_fn(|axis| within[axis] + offset[axis]))];
+            let value = values[neighbour_index(std::array::from_fn(|axis| within[axis] + offset[axis]))];
             for (sum, sloped) in sums.iter_mut().zip([None, Some(0), Some(1), Some(2)]) {
                 let weight: f64 = (0..3).map(|axis| KERNELS[usize::from(sloped == Some(axis))][offset[axis]]).product();
                 *sum += weight * value;
@@ -229,7 +229,7 @@ fn fill(field: &Grid<1>, key: [i32; 3], iso: f64) -> Vec<f64> {
 fn divergence(frame: &Frame, transform: &Transform, key: [i32; 3], fill: &[f64]) -> Vec<f64> {
     /// Weights of the neighbours to the sides.
     const SIDES: [f64; 3] = [0.125, 0.75, 0.125];
-    let flow = around(key, |index| frame.velocity.at(transform.to_world(index.map(f64::from))));
+    let flow = around(key, |index| frame.velocity.velocity_at(transform.to_world(index.map(f64::from))));
     let of = |place: usize| {
         let within = [place >> 6, (place >> 3) & 7, place & 7];
         let along: [[f64; 3]; 3] = std::array::from_fn(|axis| {
@@ -242,7 +242,9 @@ fn divergence(frame: &Frame, transform: &Transform, key: [i32; 3], fill: &[f64])
                 }
                 high[axis] += 2;
                 let weight = 0.5 * SIDES[one] * SIDES[other];
-                for (slope, (low, high)) in slope.iter_mut().zip(flow[at(low)].iter().zip(flow[at(high)])) {
+                for (slope, (low, high)) in
+                    slope.iter_mut().zip(flow[neighbour_index(low)].iter().zip(flow[neighbour_index(high)]))
+                {
                     *slope += weight * (high - low);
                 }
             }
@@ -264,6 +266,6 @@ fn around<T>(key: [i32; 3], value: impl Fn([i32; 3]) -> T) -> Vec<T> {
 }
 
 /// Index of a voxel among [`around`]'s values.
-fn at([x, y, z]: [usize; 3]) -> usize {
+fn neighbour_index([x, y, z]: [usize; 3]) -> usize {
     (x * REACH + y) * REACH + z
 }

@@ -1,6 +1,6 @@
 //! The built-in textures, `presets/vortex`.
 
-use super::recipe::{Kind, Recipe};
+use super::recipe::{FlowModel, Recipe};
 
 /// Recipe of a built-in texture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,6 @@ impl Shipped {
     pub const ALL: [Self; 2] = [
         // Seeds with which no row ends during a burst.
         Self { name: "fire", recipe: Recipe { seed: 2, ..SMALL }, speeds: (0.5, 8.0, 8) },
-        Self { name: "jet", recipe: Recipe { kind: Kind::Jet, ..SMALL }, speeds: (1.0, 16.0, 9) },
+        Self { name: "jet", recipe: Recipe { kind: FlowModel::Jet, ..SMALL }, speeds: (1.0, 16.0, 9) },
     ];
 }

@@ -1,6 +1,6 @@
 //! The flow in the recorded box: its inflow and its motion.
 
-use super::recipe::{Kind, Recipe};
+use super::recipe::{FlowModel, Recipe};
 use crate::error::Error;
 use crate::scenes::Wander;
 use crate::solver::{Domain, Emitter, EmitterShape, Forcing, Parameters, Side, Solver, Step};
@@ -46,7 +46,7 @@ const PACES: std::ops::Range<f64> = 0.5..4.0;
 pub(super) struct Flow {
     solver: Solver,
     step_s: f64,
-    sources: Vec<Source>,
+    sources: Vec<MovingEmitter>,
     steady: Emitter,
     unrest_m_s: f64,
     mean_m_s: f64,
@@ -54,9 +54,9 @@ pub(super) struct Flow {
 
 /// A source at the bottom, and the three motions that move it.
 #[derive(Debug)]
-struct Source {
+struct MovingEmitter {
     emitter: Emitter,
-    kind: Kind,
+    kind: FlowModel,
     motion: [Wander; 3],
     width_m: f64,
 }
@@ -70,14 +70,14 @@ impl Flow {
         let voxel_size_m = recipe.voxel_size_m;
         let [nx, ny, nz] = recipe.voxels;
         let width_m = nx.min(ny) as f64 * voxel_size_m;
-        let mean_m_s = if recipe.kind == Kind::Jet { JET_MEAN * speed_m_s } else { speed_m_s };
+        let mean_m_s = if recipe.kind == FlowModel::Jet { JET_MEAN * speed_m_s } else { speed_m_s };
         let sides = [[Side::Periodic; 2], [Side::Periodic; 2], [Side::Inflow(mean_m_s), Side::Open]];
         let domain = Domain::new(recipe.voxels, voxel_size_m, sides)?;
         // Buoyancy accelerates gas to this speed, here within the box. Fast gas comes from further below and is just as
         // unsteady; the box provides its share all the same.
         let buoyancy_m_s2 = maths::square(speed_m_s / RISE) / (2.0 * nz as f64 * voxel_size_m);
         let parameters = Parameters {
-            buoyancy_m_s2: if recipe.kind == Kind::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
+            buoyancy_m_s2: if recipe.kind == FlowModel::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
             confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
             // The disturbance fits the periodic sides, and moves with the gas.
             turbulence_m_s2: (STIRRING * maths::square(speed_m_s) / width_m).min(MOST_STIRRING_M_S2),
@@ -90,7 +90,7 @@ impl Flow {
         let mut solver = Solver::new(domain, parameters, seed)?;
         solver.set_velocity(|axis, _| if axis == 2 { mean_m_s } else { 0.0 });
         let pace_hz = speed_m_s / width_m;
-        let source = |number: u64, emitter: Emitter| Source {
+        let source = |number: u64, emitter: Emitter| MovingEmitter {
             emitter,
             kind: recipe.kind,
             motion: std::array::from_fn(|axis| {
@@ -123,11 +123,11 @@ impl Flow {
             ..still
         };
         let sources = match recipe.kind {
-            Kind::Wind => vec![],
-            Kind::Fire => (0..PATCHES)
+            FlowModel::Wind => vec![],
+            FlowModel::Fire => (0..PATCHES)
                 .map(|number| source(number, Emitter { temperature: 1.0, ..disc(PATCH_RADIUS, 2.0) }))
                 .collect(),
-            Kind::Jet => {
+            FlowModel::Jet => {
                 let drag_hz = 4.0 * speed_m_s / voxel_size_m;
                 let velocity_m_s = [0.0, 0.0, speed_m_s];
                 vec![source(0, Emitter { velocity_m_s, drag_hz, temperature: 1.0, ..disc(JET_RADIUS, 3.0) })]
@@ -140,7 +140,9 @@ impl Flow {
     pub fn step(&mut self) -> Step {
         let time_s = self.solver.time_s();
         let surroundings = Forcing {
-            emitters: std::iter::once(self.steady).chain(self.sources.iter().map(|source| source.at(time_s))).collect(),
+            emitters: std::iter::once(self.steady)
+                .chain(self.sources.iter().map(|source| source.emitter_at(time_s)))
+                .collect(),
             unrest_m_s: self.unrest_m_s,
             ..Forcing::default()
         };
@@ -169,19 +171,19 @@ impl Flow {
     }
 }
 
-impl Source {
-    fn at(&self, time_s: f64) -> Emitter {
-        let [x, y, strength] = self.motion.each_ref().map(|motion| motion.at(time_s));
+impl MovingEmitter {
+    fn emitter_at(&self, time_s: f64) -> Emitter {
+        let [x, y, strength] = self.motion.each_ref().map(|motion| motion.value_at(time_s));
         let mut emitter = self.emitter;
         match self.kind {
-            Kind::Wind => {}
-            Kind::Fire => {
+            FlowModel::Wind => {}
+            FlowModel::Fire => {
                 let reach = 0.2 * self.width_m;
                 emitter.centre_m[0] = (reach * x).clamp(-0.35 * self.width_m, 0.35 * self.width_m);
                 emitter.centre_m[1] = (reach * y).clamp(-0.35 * self.width_m, 0.35 * self.width_m);
                 emitter.temperature = (0.6 + 0.4 * strength).clamp(0.0, 1.0);
             }
-            Kind::Jet => {
+            FlowModel::Jet => {
                 let speed = self.emitter.velocity_m_s[2];
                 emitter.velocity_m_s =
                     [JET_SWAY * speed * x, JET_SWAY * speed * y, speed * (1.0 + JET_SWAY * strength)];

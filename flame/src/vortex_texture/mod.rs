@@ -19,7 +19,7 @@ mod vorticity;
 
 pub use factory::Shipped;
 pub use integral::{Integral, Origin};
-pub use recipe::{Kind, Recipe};
+pub use recipe::{FlowModel, Recipe};
 pub use series::{Band, COMPONENTS, Series};
 pub use vorticity::Vorticity;
 
@@ -63,7 +63,7 @@ impl Recipe {
         for step in 0..recorded {
             go_on(Progress::Recording(step as f64 / recorded as f64))?;
             flow.step();
-            values.push(integral.components(&Vorticity::of(flow.solver())));
+            values.push(integral.components(&Vorticity::of_solver(flow.solver())));
         }
         if !flow.solver().is_finite() {
             return Err(Error::NotFinite { what: "velocity" });

@@ -11,7 +11,7 @@ const FADE_SHARE: f64 = 0.25;
 
 /// Inflow through the bottom.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum FlowModel {
     /// A uniform flow with random disturbances: the paper's.
     Wind,
     /// The same with hot gas, in wandering patches that rise by themselves.
@@ -20,7 +20,7 @@ pub enum Kind {
     Jet,
 }
 
-impl Kind {
+impl FlowModel {
     /// Name in commands.
     pub fn name(self) -> &'static str {
         match self {
@@ -35,7 +35,7 @@ impl Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recipe {
     /// The flow.
-    pub kind: Kind,
+    pub kind: FlowModel,
     /// Voxels along x, y and z (up): 8-128 each.
     pub voxels: [usize; 3],
     /// Edge of a voxel in m, 0.001-0.2.
@@ -55,7 +55,7 @@ pub struct Recipe {
 impl Recipe {
     /// A fire in 16×16×24 voxels of 2 cm, with disturbances of a tenth, for 4 s at 4 kHz.
     pub const STANDARD: Self = Self {
-        kind: Kind::Fire,
+        kind: FlowModel::Fire,
         voxels: [16, 16, 24],
         voxel_size_m: 0.02,
         rate_hz: 4_000.0,

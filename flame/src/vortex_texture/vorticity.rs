@@ -13,7 +13,7 @@ impl Vorticity {
     /// Vorticity of a solver's flow: the circulation around the faces' edges, with each centre taking the mean of the
     /// four edges around it. Around an edge, the pressure gradient adds up to nothing, so the residual of the pressure
     /// solve is not included.
-    pub fn of(solver: &Solver) -> Self {
+    pub fn of_solver(solver: &Solver) -> Self {
         let (domain, faces) = (solver.domain(), solver.face_velocities());
         let curls: [Vec<f32>; 3] = std::array::from_fn(|axis| edges(domain, &faces, axis));
         let shape = domain.shape();
@@ -33,7 +33,7 @@ impl Vorticity {
                     for j in ends(b) {
                         let mut edge = place;
                         (edge[a], edge[b]) = (i, j);
-                        sum += f64::from(curls[axis][at(edge_shape(shape, axis), edge)]);
+                        sum += f64::from(curls[axis][voxel_index(edge_shape(shape, axis), edge)]);
                     }
                 }
                 0.25 * sum
@@ -71,7 +71,7 @@ fn edges(domain: &Domain, faces: &[&[f32]; 3], axis: usize) -> Vec<f32> {
         let beside = |position: usize| {
             let mut place = edge;
             place[across] = position % shape[across];
-            faces[component][at(of, place)]
+            faces[component][voxel_index(of, place)]
         };
         beside(edge[across]) - beside(edge[across] + shape[across] - 1)
     };
@@ -87,7 +87,7 @@ fn edge_shape(shape: [usize; 3], axis: usize) -> [usize; 3] {
     std::array::from_fn(|other| if other == axis { shape[other] } else { shape[other] + 1 })
 }
 
-fn at(shape: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
+fn voxel_index(shape: [usize; 3], [i, j, k]: [usize; 3]) -> usize {
     (i * shape[1] + j) * shape[2] + k
 }
 

@@ -359,7 +359,7 @@ fn sum_of_triangles(frame: &Frame, refine: usize) -> [f64; 3] {
             (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
         let surface: [f64; 3] =
             std::array::from_fn(|i| 0.5 * (ab[(i + 1) % 3] * ac[(i + 2) % 3] - ab[(i + 2) % 3] * ac[(i + 1) % 3]));
-        let velocity = frame.velocity.at(std::array::from_fn(|i| (a[i] + b[i] + c[i]) / 3.0));
+        let velocity = frame.velocity.velocity_at(std::array::from_fn(|i| (a[i] + b[i] + c[i]) / 3.0));
         let flux: f64 = (0..3).map(|i| velocity[i] * surface[i]).sum();
         sums = [sums[0] + flux, sums[1] + flux.abs(), sums[2] + distance(surface, [0.0; 3])];
     }

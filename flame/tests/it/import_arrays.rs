@@ -8,7 +8,7 @@ use half::f16;
 use proptest::prelude::*;
 use pyrophone_flame::grid::Grid;
 use pyrophone_flame::import::npz::{DenseFrame, Npz, write_frame};
-use pyrophone_flame::import::{Error, FormatFault, Selection, Sequence, Series, Source, Timing};
+use pyrophone_flame::import::{Error, FormatFault, GridSource, Selection, Sequence, Series, Timing};
 use pyrophone_flame::velocity::Velocity;
 
 /// A `.npy` of version `major`.

@@ -12,7 +12,7 @@ use crate::import_common::vdb::{ACTIVE_MASK, BLOSC, Form, Plan, VdbFile, ZIP, wr
 use pyrophone_flame::import::npy::Npy;
 use pyrophone_flame::import::npz::{DenseFrame, Npz, write_frame};
 use pyrophone_flame::import::vdb::Vdb;
-use pyrophone_flame::import::{Series, Source};
+use pyrophone_flame::import::{GridSource, Series};
 
 /// Memory that any input may take, and that it may take for each of its bytes.
 const BASE_BYTES: u64 = 64 << 20;
@@ -96,7 +96,7 @@ fn mutated(original: &[u8], random: &mut Random) -> Vec<u8> {
 }
 
 /// Reads all there is; says whether it was whole.
-fn read_all(source: &mut dyn Source) -> bool {
+fn read_all(source: &mut dyn GridSource) -> bool {
     (0..source.grids().len()).fold(true, |whole, index| {
         let scalar = source.scalar(index).map(|grid| grid.is_finite());
         whole & (scalar.is_ok() || source.vectors(index).is_ok())

@@ -5,7 +5,7 @@ use crate::import_common::trees::{Written, components};
 use crate::import_common::vdb::{ACTIVE_MASK, BLOSC, Form, Plan, VdbFile, ZIP, doubles, text, write};
 use pyrophone_flame::grid::Grid;
 use pyrophone_flame::import::vdb::Vdb;
-use pyrophone_flame::import::{FormatFault, PlacementChoice, Selection, Sequence, Source};
+use pyrophone_flame::import::{FormatFault, GridSource, PlacementChoice, Selection, Sequence};
 use pyrophone_flame::velocity::Velocity;
 
 fn assert_same<const N: usize>(found: &Grid<N>, written: &Written, what: &str) {

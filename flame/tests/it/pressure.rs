@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use proptest::prelude::*;
 use pyrophone_flame::Error;
 use pyrophone_flame::flux::{Flux, FluxShard, Row, Steps};
-use pyrophone_flame::pressure::{Advice, Kind, Options, derivative, render};
+use pyrophone_flame::pressure::{Advice, Options, PressureKind, derivative, render};
 
 fn row(frame: i64, flux: f64) -> Row {
     Row { frame, flux, area: 2.0 * flux.abs(), mean_curvature: Some(0.1 * flux) }
@@ -168,14 +168,14 @@ fn steps_denser_than_samples_do_not_alias() {
 #[test]
 fn the_peak_is_as_asked_for_and_its_scale_is_stated() {
     let flux: Vec<f64> = (0..360).map(|step| (TAU * 60.0 * f64::from(step) / 360.0).sin() * 1e-3).collect();
-    for kind in [Kind::Pressure, Kind::Envelope] {
+    for kind in [PressureKind::Pressure, PressureKind::Envelope] {
         let quiet = Options { kind, high_pass_hz: 0.0, peak_db: -12.0, ..Options::default() };
         let sound = render(&flux, &quiet).unwrap();
         let peak = sound.samples.iter().fold(0.0f32, |peak, sample| peak.max(sample.abs()));
         assert!((20.0 * peak.log10() + 12.0).abs() < 1e-4, "{peak}");
         let louder = render(&flux.iter().map(|value| 3.0 * value).collect::<Vec<_>>(), &quiet).unwrap();
         assert!((sound.scale / louder.scale - 3.0).abs() < 1e-9);
-        if kind == Kind::Pressure {
+        if kind == PressureKind::Pressure {
             let plain = derivative(&flux, 360.0, 44_100.0);
             let scaled = plain.iter().map(|sample| (sample * sound.scale) as f32);
             assert!(scaled.zip(&sound.samples).all(|(a, b)| (a - b).abs() < 1e-6));
@@ -199,7 +199,7 @@ fn the_high_pass_takes_what_is_slow() {
 #[test]
 fn an_envelope_follows_the_size_of_the_flux() {
     let flux: Vec<f64> = (0..48).map(|step| if step < 24 { -2.0 } else { 1.0 }).collect();
-    let options = Options { rate_hz: 24.0, kind: Kind::Envelope, peak_db: 0.0, ..Options::default() };
+    let options = Options { rate_hz: 24.0, kind: PressureKind::Envelope, peak_db: 0.0, ..Options::default() };
     let sound = render(&flux, &options).unwrap();
     assert!(sound.samples.iter().all(|sample| *sample >= 0.0));
     let (early, late) = (sound.samples[22_050], sound.samples[66_150]);

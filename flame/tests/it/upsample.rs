@@ -2,7 +2,7 @@
 
 use pyrophone_flame::flux::Changes;
 use pyrophone_flame::grid::{Grid, Transform};
-use pyrophone_flame::upsample::{Method, Source, Upsampler};
+use pyrophone_flame::upsample::{Method, Upsampler, VoxelSources};
 use pyrophone_flame::velocity::{Placement, Velocity};
 use pyrophone_flame::{Frame, Front};
 
@@ -32,8 +32,8 @@ fn outwards(place: [f64; 3]) -> [f64; 3] {
     place
 }
 
-fn source(frame: &Frame) -> Source {
-    Source::of_front(frame, 0.5).unwrap()
+fn source(frame: &Frame) -> VoxelSources {
+    VoxelSources::of_front(frame, 0.5).unwrap()
 }
 
 /// Sources inside and flux through the surface are one, by Gauss's theorem.
@@ -55,11 +55,11 @@ fn sources_sum_up_to_the_flux() {
 fn a_field_alone_is_summed_in_world_units() {
     let frame = ball(5.0, [0.0; 3], outwards, [0.0; 3]);
     let volume: f64 = frame.field.blocks().flat_map(|(_, block)| block.iter()).map(|[x]| 1e-3 * f64::from(*x)).sum();
-    let source = Source::of_field(&frame.field).unwrap();
+    let source = VoxelSources::of_field(&frame.field).unwrap();
     assert!((source.total() / volume - 1.0).abs() < 1e-6);
     assert_eq!(source.difference(&source), 0.0);
     let transform = Transform::uniform(1.0, [0.0; 3]).unwrap();
-    assert!(Source::of_field(&Grid::new([1.0], transform)).is_err(), "it has no bounds");
+    assert!(VoxelSources::of_field(&Grid::new([1.0], transform)).is_err(), "it has no bounds");
 }
 
 /// A box that is cropped anew for every frame, as adaptive domains are, does not move what is in it.
@@ -67,19 +67,19 @@ fn a_field_alone_is_summed_in_world_units() {
 fn boxes_that_move_by_whole_voxels_keep_their_places() {
     let here = source(&ball(5.0, [0.0; 3], outwards, [0.0; 3]));
     let moved = source(&ball(5.0, [0.0; 3], outwards, [-0.2, 0.1, 0.3]));
-    let all = here.difference(&Source::default());
+    let all = here.difference(&VoxelSources::default());
     assert!(all > 0.0 && here.difference(&moved) < 1e-3 * all, "{} of {all}", here.difference(&moved));
 }
 
 /// A flame that changes in all its parts: balls of random sizes.
-fn changing(frames: usize) -> Vec<Source> {
+fn changing(frames: usize) -> Vec<VoxelSources> {
     let size = |n: usize| 6.0 + 1.5 * ((n * n * 7) as f64).sin();
     (0..frames)
         .map(|n| source(&ball(size(n), [(n as f64).sin(), 0.0, (2.0 * n as f64).cos()], outwards, [0.0; 3])))
         .collect()
 }
 
-fn changes(upsampler: &Upsampler, sources: &[Source], numbers: std::ops::Range<usize>) -> Changes {
+fn changes(upsampler: &Upsampler, sources: &[VoxelSources], numbers: std::ops::Range<usize>) -> Changes {
     numbers
         .filter(|n| n + 1 < sources.len())
         .map(|n| (n as i64, upsampler.change(n as i64, &sources[n], &sources[n + 1], sources.get(n + 2))))
@@ -89,7 +89,7 @@ fn changes(upsampler: &Upsampler, sources: &[Source], numbers: std::ops::Range<u
 #[test]
 fn steps_go_through_the_frames_and_move_between_them() {
     let sources = changing(24);
-    let values: Vec<f64> = sources.iter().map(Source::total).collect();
+    let values: Vec<f64> = sources.iter().map(VoxelSources::total).collect();
     let rough = |series: &[f64]| series.windows(3).map(|x| (x[0] - 2.0 * x[1] + x[2]).powi(2)).sum::<f64>();
     let made = |method, seed| {
         let upsampler = Upsampler::new(method, 15, seed).unwrap();

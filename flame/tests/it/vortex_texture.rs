@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use pyrophone_flame::scenes::Wander;
 use pyrophone_flame::solver::Random;
-use pyrophone_flame::vortex_texture::{Band, Integral, Kind, Origin, Recipe, Series, Vorticity, speeds};
+use pyrophone_flame::vortex_texture::{Band, FlowModel, Integral, Origin, Recipe, Series, Vorticity, speeds};
 use pyrophone_synthesis::vortex::texture::{VortexTexture, directivity};
 
 const SHAPE: [usize; 3] = [24, 24, 16];
@@ -14,7 +14,7 @@ const VOXEL_M: f64 = 0.02;
 const RECEIVER: [f64; 3] = [2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0];
 
 /// Small and short, so that a test can record several.
-fn recipe(kind: Kind) -> Recipe {
+fn recipe(kind: FlowModel) -> Recipe {
     Recipe { kind, voxels: [8, 8, 12], rate_hz: 2_000.0, period_s: 0.25, ..Recipe::default() }
 }
 
@@ -148,7 +148,7 @@ fn the_papers_cells_cancel_in_the_interior() {
 
 #[test]
 fn an_even_flow_is_silent() {
-    let gain = |perturbation| Recipe { perturbation, ..recipe(Kind::Wind) }.record(4.0, |_| true).unwrap().gain;
+    let gain = |perturbation| Recipe { perturbation, ..recipe(FlowModel::Wind) }.record(4.0, |_| true).unwrap().gain;
     let (even, disturbed) = (gain(0.0), gain(0.1));
     println!("even {even:.2e} Pa, disturbed by a tenth {disturbed:.2e} Pa");
     assert!(disturbed > 0.0 && even < 1e-6 * disturbed, "{even} beside {disturbed}");
@@ -156,7 +156,7 @@ fn an_even_flow_is_silent() {
 
 #[test]
 fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
-    for kind in [Kind::Fire, Kind::Jet] {
+    for kind in [FlowModel::Fire, FlowModel::Jet] {
         let bytes = |seed: u64, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
@@ -184,7 +184,8 @@ fn a_period_has_no_seam() {
         .collect();
     let rate_hz = 1_000.0;
     let at = |step: usize| -> [f64; 5] {
-        let wave = |octave: usize, c: usize| waves[octave][c].at(step as f64 / rate_hz) * 0.125f64.powi(octave as i32);
+        let wave =
+            |octave: usize, c: usize| waves[octave][c].value_at(step as f64 / rate_hz) * 0.125f64.powi(octave as i32);
         std::array::from_fn(|c| 7.0 + (0..6).map(|octave| wave(octave, c)).sum::<f64>())
     };
     let values: Vec<[f64; 5]> = (0..5_000).map(at).collect();
@@ -202,7 +203,7 @@ fn a_period_has_no_seam() {
 
 #[test]
 fn senseless_recipes_are_refused() {
-    let good = recipe(Kind::Fire);
+    let good = recipe(FlowModel::Fire);
     let says = |recipe: Recipe, part: &str| {
         let error = recipe.record(1.0, |_| true).unwrap_err().to_string();
         assert!(error.contains(part), "{error}");

@@ -1,6 +1,6 @@
 //! No window: this host cannot create one on this system.
 
-type Done = Result<(), &'static str>;
+type EditorResult = Result<(), &'static str>;
 
 const WHY: &str = "this host makes windows on Linux and Windows only";
 
@@ -16,7 +16,7 @@ impl NativeWindow {
         match *self {}
     }
 
-    pub fn fit(&self, _: (u32, u32)) -> Done {
+    pub fn fit(&self, _: (u32, u32)) -> EditorResult {
         match *self {}
     }
 
@@ -24,11 +24,11 @@ impl NativeWindow {
         match *self {}
     }
 
-    pub fn raise(&self) -> Done {
+    pub fn raise(&self) -> EditorResult {
         match *self {}
     }
 
-    pub fn destroy(&self) -> Done {
+    pub fn destroy(&self) -> EditorResult {
         match *self {}
     }
 }

@@ -10,7 +10,7 @@ use windows_sys::Win32::UI::WindowsAndMessaging::{
     TranslateMessage, WS_CLIPCHILDREN, WS_OVERLAPPEDWINDOW,
 };
 
-type Done = Result<(), Error>;
+type EditorResult = Result<(), Error>;
 
 /// A window class that every process has; it shows its child windows.
 const CLASS: &str = "STATIC";
@@ -22,7 +22,7 @@ fn utf16(text: &str) -> Vec<u16> {
     text.encode_utf16().chain([0]).collect()
 }
 
-fn checked(is_done: i32) -> Done {
+fn checked(is_done: i32) -> EditorResult {
     if is_done == 0 { Err(Error::last_os_error()) } else { Ok(()) }
 }
 
@@ -48,7 +48,7 @@ impl NativeWindow {
         self.0 as usize as u32
     }
 
-    pub fn fit(&self, (width, height): (u32, u32)) -> Done {
+    pub fn fit(&self, (width, height): (u32, u32)) -> EditorResult {
         let edge = |length: u32| i32::try_from(length).unwrap_or(i32::MAX);
         let mut outside =
             windows_sys::Win32::Foundation::RECT { left: 0, top: 0, right: edge(width), bottom: edge(height) };
@@ -72,12 +72,12 @@ impl NativeWindow {
         }
     }
 
-    pub fn raise(&self) -> Done {
+    pub fn raise(&self) -> EditorResult {
         // SAFETY: a window of this thread; if it no longer exists, the system reports that.
         checked(unsafe { SetWindowPos(self.0, HWND_TOP, 0, 0, 0, 0, SWP_NOMOVE | SWP_NOSIZE | SWP_NOACTIVATE) })
     }
 
-    pub fn destroy(&self) -> Done {
+    pub fn destroy(&self) -> EditorResult {
         // SAFETY: a window of this thread; if it no longer exists, the system reports that.
         checked(unsafe { DestroyWindow(self.0) })
     }

@@ -7,7 +7,7 @@ use x11rb::protocol::xproto::{
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-type Done = Result<(), Box<dyn std::error::Error>>;
+type EditorResult = Result<(), Box<dyn std::error::Error>>;
 
 /// A window with nothing in it.
 pub(super) struct NativeWindow {
@@ -49,7 +49,7 @@ impl NativeWindow {
         self.window
     }
 
-    pub fn fit(&self, (width, height): (u32, u32)) -> Done {
+    pub fn fit(&self, (width, height): (u32, u32)) -> EditorResult {
         let fit = ConfigureWindowAux::new().width(width).height(height);
         self.connection.configure_window(self.window, &fit)?;
         Ok(self.connection.sync()?)
@@ -59,13 +59,13 @@ impl NativeWindow {
         while matches!(self.connection.poll_for_event(), Ok(Some(_))) {}
     }
 
-    pub fn raise(&self) -> Done {
+    pub fn raise(&self) -> EditorResult {
         let above = ConfigureWindowAux::new().stack_mode(StackMode::ABOVE);
         self.connection.configure_window(self.window, &above)?;
         Ok(self.connection.sync()?)
     }
 
-    pub fn destroy(&self) -> Done {
+    pub fn destroy(&self) -> EditorResult {
         self.connection.destroy_window(self.window)?;
         Ok(self.connection.sync()?)
     }

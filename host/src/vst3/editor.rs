@@ -26,7 +26,7 @@ use ::vst3::Steinberg::kPlatformTypeX11EmbedWindowID as PLATFORM;
 /// An open editor.
 pub(super) struct Editor {
     view: ComPtr<IPlugView>,
-    frame: ComWrapper<Frame>,
+    frame: ComWrapper<PlugFrame>,
     is_forgotten: bool,
 }
 
@@ -41,7 +41,7 @@ impl Editor {
             return Err(failed("created for this system's windows"));
         }
         // From here on, `drop` undoes what was set up.
-        let editor = Self { view, frame: ComWrapper::new(Frame::default()), is_forgotten: false };
+        let editor = Self { view, frame: ComWrapper::new(PlugFrame::default()), is_forgotten: false };
         let frame = editor.frame.as_com_ref::<IPlugFrame>().map_or(std::ptr::null_mut(), |frame| frame.as_ptr());
         // SAFETY: a live view; the frame is removed from it before the frame is dropped.
         if unsafe { editor.view.setFrame(frame) } != kResultOk {
@@ -140,13 +140,13 @@ struct Timer {
 
 /// Frame around a view, for its requests; on the main thread only.
 #[derive(Default)]
-struct Frame {
+struct PlugFrame {
     wanted_size: Cell<Option<(u32, u32)>>,
     handlers: RefCell<Vec<(ComPtr<IEventHandler>, FileDescriptor)>>,
     timers: RefCell<Vec<Timer>>,
 }
 
-impl Frame {
+impl PlugFrame {
     fn run_loop(&self) {
         // Handlers may register or unregister others, so nothing is borrowed while they are called.
         let handlers = self.handlers.borrow().clone();
@@ -182,11 +182,11 @@ fn is_readable(descriptor: FileDescriptor) -> bool {
     unsafe { libc::poll(&mut asked, 1, 0) > 0 && asked.revents & libc::POLLIN != 0 }
 }
 
-impl Class for Frame {
+impl Class for PlugFrame {
     type Interfaces = (IPlugFrame, IRunLoop);
 }
 
-impl IPlugFrameTrait for Frame {
+impl IPlugFrameTrait for PlugFrame {
     unsafe fn resizeView(&self, _: *mut IPlugView, size: *mut ViewRect) -> tresult {
         // SAFETY: null or a rectangle of the plugin's.
         let Some(size) = (unsafe { size.as_ref() }) else {
@@ -197,7 +197,7 @@ impl IPlugFrameTrait for Frame {
     }
 }
 
-impl IRunLoopTrait for Frame {
+impl IRunLoopTrait for PlugFrame {
     unsafe fn registerEventHandler(&self, handler: *mut IEventHandler, descriptor: FileDescriptor) -> tresult {
         // SAFETY: null or a live handler.
         let Some(handler) = (unsafe { ComRef::from_raw(handler) }) else {

@@ -17,8 +17,8 @@ pub struct Audition {
     /// The drive over the latency, and the index of its next sample.
     past: Vec<f32>,
     next: usize,
-    tape: Option<AuditionClip>,
-    /// The tape's next sample.
+    clip: Option<AuditionClip>,
+    /// The clip's next sample.
     at: usize,
     /// Shares of the drive and of the recording; the output has the rest.
     shares: [f32; 2],
@@ -33,7 +33,7 @@ impl Audition {
         Self {
             past: vec![0.0; latency_samples.max(1)],
             next: 0,
-            tape: None,
+            clip: None,
             at: 0,
             shares: [0.0; 2],
             step: 1.0 / (FADE_S * sample_rate_hz as f32),
@@ -42,9 +42,9 @@ impl Audition {
     }
 
     /// Exchanges the recording that can be listened to.
-    pub fn swap_tape(&mut self, tape: Option<AuditionClip>) -> Option<AuditionClip> {
+    pub fn swap_clip(&mut self, clip: Option<AuditionClip>) -> Option<AuditionClip> {
         self.at = 0;
-        std::mem::replace(&mut self.tape, tape)
+        std::mem::replace(&mut self.clip, clip)
     }
 
     /// Restores the output alone.
@@ -88,21 +88,21 @@ impl Audition {
     }
 
     fn recorded(&self, channel: usize) -> f32 {
-        let Some(tape) = &self.tape else { return 0.0 };
-        let count = tape.len().max(1);
-        tape.get(channel % count).and_then(|samples| samples.get(self.at)).copied().unwrap_or(0.0)
+        let Some(clip) = &self.clip else { return 0.0 };
+        let count = clip.len().max(1);
+        clip.get(channel % count).and_then(|samples| samples.get(self.at)).copied().unwrap_or(0.0)
     }
 
     /// The level at the recording's position: it fades in and out.
     fn edge(&self) -> f32 {
-        let length = self.tape.as_ref().and_then(|tape| tape.first()).map_or(0, Vec::len);
+        let length = self.clip.as_ref().and_then(|clip| clip.first()).map_or(0, Vec::len);
         let from_end = self.at.min(length.saturating_sub(self.at + 1));
         (from_end as f32 * self.step).min(1.0)
     }
 
     /// Advances to the recording's next sample, from its end to its start.
     fn turn(&mut self) {
-        let length = self.tape.as_ref().and_then(|tape| tape.first()).map_or(0, Vec::len);
+        let length = self.clip.as_ref().and_then(|clip| clip.first()).map_or(0, Vec::len);
         self.at = if self.at + 1 < length { self.at + 1 } else { 0 };
     }
 }
@@ -111,10 +111,10 @@ impl Audition {
 mod tests {
     use super::*;
 
-    /// The result for 3,000 samples in blocks of `block`. The drive counts up, the output is -1, the tape 0.25 and 0.5.
+    /// The result for 3,000 samples in blocks of `block`. The drive counts up, the output is -1, the clip 0.25 and 0.5.
     fn heard(listen: Listen, block: usize, effects: Option<usize>) -> [Vec<f32>; 2] {
         let mut audition = Audition::new(1000.0, 100, effects);
-        audition.swap_tape(Some(Arc::new(vec![vec![0.25; 700], vec![0.5; 700]])));
+        audition.swap_clip(Some(Arc::new(vec![vec![0.25; 700], vec![0.5; 700]])));
         let drive: Vec<f32> = (0..3000).map(|n| n as f32).collect();
         let mut outputs = [vec![-1.0; 3000], vec![-1.0; 3000]];
         let [left, right] = &mut outputs;

@@ -29,7 +29,7 @@ impl Burst {
         let part = 1.0 - maths::exp(-TAU * CUTOFF_HZ / sample_rate_hz);
         let mut poles = [0.0f64; 4];
         let sample = |n: usize| {
-            let mut value = noise.at(n as i64);
+            let mut value = noise.sample_at(n as i64);
             for pole in &mut poles {
                 *pole += part * (value - *pole);
                 value = *pole;

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use egui::{Frame, Margin, RichText, ScrollArea, Ui};
-use pyrophone_settings::{Kind, PARAMETERS};
+use pyrophone_settings::{PARAMETERS, ParameterKind};
 
 use super::param_editor::ParamEditor;
 use super::theme;
@@ -122,8 +122,9 @@ impl Group {
     fn new(name: &'static str, note: &'static str) -> Self {
         let members =
             (0..PARAMETERS.len()).filter(|index| PARAMETERS[*index].group == name && PARAMETERS[*index].id != "bypass");
-        let (picks, knobs) =
-            members.partition(|index| matches!(PARAMETERS[*index].kind, Kind::Choice { .. } | Kind::Toggle { .. }));
+        let (picks, knobs) = members.partition(|index| {
+            matches!(PARAMETERS[*index].kind, ParameterKind::Choice { .. } | ParameterKind::Toggle { .. })
+        });
         Self { head: name.to_uppercase(), note, picks, knobs }
     }
 
@@ -151,7 +152,7 @@ impl Group {
                             ui.vertical(|ui| {
                                 ui.set_width(PICK_WIDTH);
                                 self.picks.iter().for_each(|index| match PARAMETERS[*index].kind {
-                                    Kind::Choice { names, .. } => choice(ui, *index, names, hand),
+                                    ParameterKind::Choice { names, .. } => choice(ui, *index, names, hand),
                                     _ => toggle(ui, *index, hand),
                                 });
                             });

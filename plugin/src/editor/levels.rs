@@ -113,7 +113,7 @@ impl Levels {
         let layers = layers.into_iter().chain([&meters.crackle, &meters.hiss, &meters.body]);
         let peaks = [&meters.input, &meters.drive].into_iter().chain(layers).chain([&meters.output, &meters.sidechain]);
         for (level, peak) in self.meters.iter_mut().zip(peaks) {
-            let magnitude = peak.take();
+            let magnitude = peak.take_peak();
             level.follow(magnitude, fall_db, now_s);
             self.has_clipped |= std::ptr::eq(peak, &meters.output) && magnitude >= 1.0;
         }

@@ -240,7 +240,7 @@ pub fn monitoring(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &
     ] {
         let is_there = listen != Listen::Recording || view.recording.is_some();
         let is_heard = heard == listen;
-        let waits = is_heard && listen == Listen::Recording && !view.has_tape;
+        let waits = is_heard && listen == Listen::Recording && !view.has_clip;
         let button = ui.add_enabled(is_there, Button::new(if waits { "…" } else { name }).selected(is_heard));
         map::note(ui, format_args!("button.Hear {name}"), button.rect);
         if button.on_hover_text(format!("{hint}, until the window closes. Not saved, not automated.")).clicked() {

@@ -225,9 +225,9 @@ impl Window {
         let mut hand = ParamEditor { params: &self.params, setter, history: &mut self.history, inert: &inert };
         part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
 
-        let portrait = view.portrait.as_deref();
-        self.monitor.follow_traces(portrait.map(|portrait| [portrait.duration_s, portrait.start_s]), now_s);
-        let figures = self.monitor.figures(portrait.map(|portrait| &portrait.character));
+        let overview = view.overview.as_deref();
+        self.monitor.follow_traces(overview.map(|overview| [overview.duration_s, overview.start_s]), now_s);
+        let figures = self.monitor.figures(overview.map(|overview| &overview.character));
         let fault = figures.fault().or_else(|| foreseen(&mut self.monitor, &view, &hand, now_s));
         let told = Advice { figures, fault, scaling_alpha: self.meters.scaling_alpha() };
         let mut parts = play::Parts {

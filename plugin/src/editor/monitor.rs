@@ -134,14 +134,14 @@ impl Monitor {
             });
         }
         let Some(sides) = &mut self.sides else {
-            self.probe.take(|_| {});
+            self.probe.drain(|_| {});
             return;
         };
         let (spectra, drive_course, output_course) = (&mut self.spectra, &mut self.drive, &mut self.output);
         let (take, channels) = (&mut self.take, self.probe.channels());
         let (trace, rate_hz) = (&mut self.trace, self.engine.map_or(44_100.0, |(_, rate_hz)| f64::from(rate_hz)));
         take.lose(self.probe.take_lost());
-        self.probe.take(|frame| {
+        self.probe.drain(|frame| {
             sides.waiting.push_back(frame.drive);
             if sides.waiting.len() <= sides.latency_samples {
                 return;

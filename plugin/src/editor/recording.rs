@@ -199,7 +199,7 @@ impl RecordingPanel {
 
     /// The part used for learning, and its level.
     fn cutting(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
-        let duration_s = view.portrait.as_ref().map_or(0.0, |portrait| portrait.duration_s);
+        let duration_s = view.overview.as_ref().map_or(0.0, |overview| overview.duration_s);
         let cut = self.held.unwrap_or(view.cut);
         let [mut start_s, mut end_s] = cut.region_s.unwrap_or([0.0, duration_s]);
         let (mut gain_db, mut normalise) = (cut.gain_db, cut.normalise);
@@ -210,7 +210,7 @@ impl RecordingPanel {
             is_held |= response.changed() || response.dragged();
             is_done |= response.drag_stopped() || response.lost_focus();
         };
-        ui.add_enabled_ui(view.portrait.is_some(), |ui| {
+        ui.add_enabled_ui(view.overview.is_some(), |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             ui.spacing_mut().interact_size.x = 48.0;
             let seconds = |value, name| DragValue::new(value).prefix(name).suffix(" s").fixed_decimals(2).speed(0.01);
@@ -248,8 +248,8 @@ impl RecordingPanel {
     pub fn show_pictures(&mut self, ui: &Ui, [above, below]: [Rect; 2], loader: &LoaderHandle, view: &View) {
         ui.painter().rect_filled(below, 3.0, theme::WELL);
         self.show_outline(ui, above, loader, view);
-        if let Some(portrait) = &view.portrait {
-            self.course.show(ui, below, portrait);
+        if let Some(overview) = &view.overview {
+            self.course.show(ui, below, overview);
             // In a low plot the name would cover the picture.
             if let Some(recording) = view.recording.as_ref().filter(|_| above.height() >= ROOM_FOR_LABEL) {
                 label(ui, above, recording, theme::ASH);
@@ -261,10 +261,10 @@ impl RecordingPanel {
     pub fn show_outline(&mut self, ui: &Ui, above: Rect, loader: &LoaderHandle, view: &View) {
         let painter = ui.painter();
         painter.rect_filled(above, 3.0, theme::WELL);
-        if let Some(portrait) = &view.portrait {
-            outline::show(ui, above, portrait);
+        if let Some(overview) = &view.overview {
+            outline::show(ui, above, overview);
             let shown = self.held.unwrap_or(view.cut).region_s;
-            let change = self.region.show(ui, above, portrait.duration_s, shown);
+            let change = self.region.show(ui, above, overview.duration_s, shown);
             if let Some(change) = change {
                 let region_s = if let Change::Part(region_s) = change { Some(region_s) } else { None };
                 loader.set_cut(Cut { region_s, ..view.cut });

@@ -5,7 +5,7 @@
 
 use nice_plug::prelude::PluginState;
 use nice_plug_core::plugin::ParamValue;
-use pyrophone_settings::{Kind, PARAMETERS};
+use pyrophone_settings::{PARAMETERS, ParameterKind};
 
 use crate::parameters::sanitize;
 
@@ -19,9 +19,9 @@ pub fn normalise(json: &[u8], pending: &[Pending]) -> Vec<u8> {
     for (index, plain) in pending {
         let parameter = &PARAMETERS[*index];
         let value = match parameter.kind {
-            Kind::Float { .. } => ParamValue::F32(*plain as f32),
-            Kind::Int { .. } | Kind::Choice { .. } => ParamValue::I32(*plain as i32),
-            Kind::Toggle { .. } => ParamValue::Bool(*plain > 0.5),
+            ParameterKind::Float { .. } => ParamValue::F32(*plain as f32),
+            ParameterKind::Int { .. } | ParameterKind::Choice { .. } => ParamValue::I32(*plain as i32),
+            ParameterKind::Toggle { .. } => ParamValue::Bool(*plain > 0.5),
         };
         state.params.insert(parameter.id.to_owned(), value);
     }

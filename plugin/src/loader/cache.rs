@@ -7,7 +7,7 @@ use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 use pyrophone_recording::Recording;
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_training::DictionaryKey;
 
 /// Polling interval for cancellation of a loader that waits for another one.
@@ -17,7 +17,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(20);
 pub static RECORDINGS: LazyLock<Cache<String, Recording>> = LazyLock::new(Cache::default);
 
 /// Dictionaries by their origin.
-pub static DICTIONARIES: LazyLock<Cache<DictionaryKey, Dictionary>> = LazyLock::new(Cache::default);
+pub static DICTIONARIES: LazyLock<Cache<DictionaryKey, RecordingDictionary>> = LazyLock::new(Cache::default);
 
 enum Entry<V> {
     /// Some loader is at it.

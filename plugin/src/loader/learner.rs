@@ -68,8 +68,8 @@ impl Learner {
     ) -> Result<bool, Failure> {
         let Some(path) = &self.file else { return Ok(false) };
         let learned = learned_from(path, engine, values, job);
-        if matches!(learned, Err(Failure::CalledOff)) {
-            return Err(Failure::CalledOff);
+        if matches!(learned, Err(Failure::Cancelled)) {
+            return Err(Failure::Cancelled);
         }
         self.file = None;
         session.learned = Some(learned?);
@@ -179,7 +179,7 @@ fn learned_from(path: &Path, engine: &Engine, values: &Values, job: &Job) -> Res
     let resampling = |done: f32| job.goes_on("Resampling", 0.5 + 0.3 * done);
     let sound = resample(&sound, engine.sample_rate_hz.round() as u32, &resampling)?;
     if !job.goes_on("Learning", 0.8) {
-        return Err(Failure::CalledOff);
+        return Err(Failure::Cancelled);
     }
     let distribution = learn(engine.sample_rate_hz, &engine.structure, &values.controls(), &sound.channels, &[])
         .map_err(|error| Failure::Message(format!("{}: {error}", sound.name)))?;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
 use pyrophone_synthesis::EngineConfig;
-use pyrophone_synthesis::texture::{Dictionary, Distribution};
+use pyrophone_synthesis::recording::RecordingDictionary;
+use pyrophone_synthesis::texture::Distribution;
 use pyrophone_synthesis::vortex::SpeedField;
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
@@ -16,25 +17,25 @@ use crate::audio::audition::AuditionClip;
 /// New object for the engines.
 pub enum Update {
     /// The dictionary of a slot's recording, or none.
-    Dictionary(usize, Option<Arc<Dictionary>>),
+    Dictionary(usize, Option<Arc<RecordingDictionary>>),
     /// The learned distribution, or none.
     Distribution(Option<Arc<Distribution>>),
     /// The speed field, or none.
     Field(Option<Arc<SpeedField>>),
     /// The recording for monitoring, or none.
-    Tape(Option<AuditionClip>),
+    Clip(Option<AuditionClip>),
 }
 
 /// Object that the audio thread no longer needs.
 pub enum Retired {
     /// A dictionary.
-    Dictionary(Arc<Dictionary>),
+    Dictionary(Arc<RecordingDictionary>),
     /// A distribution.
     Distribution(Arc<Distribution>),
     /// A speed field.
     Field(Arc<SpeedField>),
     /// A recording.
-    Tape(AuditionClip),
+    Clip(AuditionClip),
 }
 
 /// Maximum number of pending updates; a few suffice, since the loader tries again.

@@ -121,7 +121,7 @@ impl Mailbox {
     }
 
     /// Takes all orders; waits for one for at most `patience`.
-    pub fn take(&self, patience: Duration) -> Batch {
+    pub fn take_batch(&self, patience: Duration) -> Batch {
         let waits = |inner: &mut Inner| inner.orders.is_empty() && !inner.quit;
         let waited = self.arrived.wait_timeout_while(self.lock(), patience, waits);
         let mut inner = waited.unwrap_or_else(PoisonError::into_inner).0;

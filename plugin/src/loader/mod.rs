@@ -11,11 +11,12 @@
 //! | [`cache`] | things shared by instances of one process |
 //! | [`learner`] | the learned distribution |
 //! | [`motion`] | the speed field |
-//! | [`tape`] | the recording for monitoring |
+//! | [`clip_loader`] | the recording for monitoring |
 //! | [`link`] | rings between the thread and the audio thread |
 //! | [`status`] | the thread's state as shown by the editor |
 
 pub mod cache;
+pub mod clip_loader;
 pub mod engine;
 pub mod exchange;
 pub mod job;
@@ -26,7 +27,6 @@ pub mod motion;
 pub mod slot;
 pub mod source;
 pub mod status;
-pub mod tape;
 pub mod worker;
 
 use std::path::PathBuf;

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyrophone_recording::Recording;
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_training::DictionaryKey;
 
-use pyrophone_analysis::Portrait;
+use pyrophone_analysis::RecordingOverview;
 
 /// Recording to be fetched.
 pub enum Pending {
@@ -25,11 +25,11 @@ pub struct Slot {
     /// The decoded recording.
     pub recording: Option<Arc<Recording>>,
     /// Picture of the recording, and whether it is outdated.
-    pub portrait: Option<Arc<Portrait>>,
-    /// See `portrait`.
-    pub portrait_is_due: bool,
+    pub overview: Option<Arc<RecordingOverview>>,
+    /// See `overview`.
+    pub overview_is_due: bool,
     /// The dictionary built last.
-    pub dictionary: Option<(DictionaryKey, Arc<Dictionary>)>,
+    pub dictionary: Option<(DictionaryKey, Arc<RecordingDictionary>)>,
     /// True if the dictionary was built here and is not on disk yet.
     pub is_unkept: Cell<bool>,
     /// Key of a dictionary that could not be built, so that it is not tried again.
@@ -43,8 +43,8 @@ impl Default for Slot {
         Self {
             pending: None,
             recording: None,
-            portrait: None,
-            portrait_is_due: false,
+            overview: None,
+            overview_is_due: false,
             dictionary: None,
             is_unkept: Cell::new(false),
             failed: None,

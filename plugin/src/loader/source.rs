@@ -33,7 +33,7 @@ pub struct Found {
 #[derive(Debug, PartialEq)]
 pub enum Failure {
     /// A later order made it useless.
-    CalledOff,
+    Cancelled,
     /// It cannot be used; message for the user.
     Message(String),
 }
@@ -41,7 +41,7 @@ pub enum Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         match error {
-            Error::Cancelled => Self::CalledOff,
+            Error::Cancelled => Self::Cancelled,
             error => Self::Message(error.to_string()),
         }
     }
@@ -50,7 +50,7 @@ impl From<Error> for Failure {
 impl From<pyrophone_training::Error> for Failure {
     fn from(error: pyrophone_training::Error) -> Self {
         match error {
-            pyrophone_training::Error::Cancelled => Self::CalledOff,
+            pyrophone_training::Error::Cancelled => Self::Cancelled,
             error => Self::Message(error.to_string()),
         }
     }
@@ -123,6 +123,6 @@ fn decode(bytes: &[u8], content_hash: &str, name: &str, job: &Job) -> Result<Arc
     let make = || decode_known(bytes, content_hash, name, &|done| job.goes_on("Reading", 0.2 * done));
     match RECORDINGS.get_or_make(&content_hash.to_owned(), || job.is_called_off(), make) {
         Some(made) => Ok(made?),
-        None => Err(Failure::CalledOff),
+        None => Err(Failure::Cancelled),
     }
 }

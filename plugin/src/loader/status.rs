@@ -6,7 +6,7 @@ use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::session::Cut;
 use pyrophone_synthesis::controls::SLOTS;
 
-use pyrophone_analysis::Portrait;
+use pyrophone_analysis::RecordingOverview;
 
 /// A moment of the loader.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -20,7 +20,7 @@ pub struct View {
     /// The recording that sounds: name, length, rate, channels.
     pub recording: Option<String>,
     /// Its picture.
-    pub portrait: Option<Arc<Portrait>>,
+    pub overview: Option<Arc<RecordingOverview>>,
     /// Part of it used for learning.
     pub cut: Cut,
     /// Matched amplitudes at equal steps of probability: those of the recording, and of the drive if learned.
@@ -28,7 +28,7 @@ pub struct View {
     /// Crackles a second separated from it, if any.
     pub crackles_per_s: Option<f32>,
     /// True if it is ready for monitoring.
-    pub has_tape: bool,
+    pub has_clip: bool,
     /// Recently loaded recordings, the latest first.
     pub recent: Vec<String>,
     /// Path of the session's recording, whether or not it was found.

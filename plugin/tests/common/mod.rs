@@ -3,7 +3,7 @@
 use nice_plug::prelude::*;
 use nice_plug_core::context::process::SendEventError;
 use pyrophone::Pyrophone;
-use pyrophone::effect::Errand;
+use pyrophone::effect::EffectTask;
 
 /// A host that listens and answers nothing.
 pub struct Context {
@@ -15,8 +15,8 @@ impl ProcessContext<Pyrophone> for Context {
     fn plugin_api(&self) -> PluginApi {
         PluginApi::Clap
     }
-    fn execute_background(&self, _: Errand) {}
-    fn execute_gui(&self, _: Errand) {}
+    fn execute_background(&self, _: EffectTask) {}
+    fn execute_gui(&self, _: EffectTask) {}
     fn transport(&self) -> &Transport {
         &self.transport
     }
@@ -38,7 +38,7 @@ impl ActivateContext<Pyrophone> for Context {
     fn plugin_api(&self) -> PluginApi {
         PluginApi::Clap
     }
-    fn execute(&self, _: Errand) {}
+    fn execute(&self, _: EffectTask) {}
     fn set_latency_samples(&self, _: u32) {}
     fn set_current_voice_capacity(&self, _: u32) {}
 }

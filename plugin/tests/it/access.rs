@@ -7,7 +7,7 @@ use egui::Vec2;
 use egui::accesskit::Role;
 use pyrophone::Pyrophone;
 use pyrophone::editor::controls::Page;
-use pyrophone_settings::{Kind, PARAMETERS};
+use pyrophone_settings::{PARAMETERS, ParameterKind};
 
 /// Tall enough that no page scrolls.
 const SIZE: Vec2 = Vec2::new(1600.0, 3000.0);
@@ -40,8 +40,8 @@ fn every_parameter_is_named_and_has_a_value() {
     for parameter in PARAMETERS.iter().filter(|parameter| !["bypass", "take"].contains(&parameter.id)) {
         let value = parameter.to_text(parameter.default_value());
         let found = match parameter.kind {
-            Kind::Choice { .. } => lists.get(parameter.name).cloned(),
-            Kind::Toggle { .. } => switches.get(parameter.name).map(|_| value.clone()),
+            ParameterKind::Choice { .. } => lists.get(parameter.name).cloned(),
+            ParameterKind::Toggle { .. } => switches.get(parameter.name).map(|_| value.clone()),
             _ => sliders.get(parameter.name).or_else(|| values.get(parameter.name)).cloned(),
         };
         if found.as_ref() != Some(&value) {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
 use pyrophone::audio::engines::{Builder, Built, Engines};
-use pyrophone::audio::lights::Lights;
+use pyrophone::audio::note_bursts::NoteBursts;
 use pyrophone::audio::{Audio, Tail};
 use pyrophone::loader::{Engine, Loader};
 use pyrophone::probe::{self, Listen};
@@ -64,7 +64,7 @@ fn blocks_longer_than_announced_come_out_the_same() {
     let (left, right) = (noise(10_000, 1), noise(10_000, 2));
     let (mut a, mut b) = ([left.clone(), right.clone()], [left, right]);
     let [x, y] = &mut a;
-    audio.process(&mut [x, y], &[], &values, &Lights::default(), PLAYING);
+    audio.process(&mut [x, y], &[], &values, &NoteBursts::default(), PLAYING);
     let [x, y] = &mut b;
     direct.process(&mut [x, y], &[], &values.controls(), PLAYING);
     assert_eq!(a, b);
@@ -79,7 +79,7 @@ fn a_sidechain_of_another_length_is_silent() {
         let (_loader, mut audio) = audio(&values, 2, 512);
         let mut main = [noise(6000, 1), noise(6000, 2)];
         let [x, y] = &mut main;
-        audio.process(&mut [x, y], side, &values, &Lights::default(), PLAYING);
+        audio.process(&mut [x, y], side, &values, &NoteBursts::default(), PLAYING);
         main
     };
     let (mut zero, mut short, mut full) = (vec![0.0; 6000], vec![0.5; 17], noise(6000, 3));
@@ -98,7 +98,7 @@ fn without_engines_the_input_passes_through() {
     for inputs in [1, 2] {
         audio.pass_through(Channels { input: inputs, sidechain: 0, output: 2 }, 64);
         let (mut left, mut right) = (input.clone(), vec![0.0; 100]);
-        audio.process(&mut [&mut left, &mut right], &[], &values, &Lights::default(), PLAYING);
+        audio.process(&mut [&mut left, &mut right], &[], &values, &NoteBursts::default(), PLAYING);
         assert_eq!(left, input);
         // One channel is heard on both sides; of two, the second was silent.
         assert_eq!(right, if inputs == 1 { input.clone() } else { vec![0.0; 100] });
@@ -112,7 +112,7 @@ fn played(audio: &mut Audio, values: &Values) -> Vec<f32> {
     for block in 0..100 {
         let (mut left, mut right) = (noise(512, block as u32), noise(512, block as u32 + 7));
         let transport = Transport { playing: true, position: Some(block * 512) };
-        audio.process(&mut [&mut left, &mut right], &[], values, &Lights::default(), transport);
+        audio.process(&mut [&mut left, &mut right], &[], values, &NoteBursts::default(), transport);
         all.extend(left);
     }
     all
@@ -128,7 +128,7 @@ fn engines_that_arrive_late_sound_from_then_on() {
     assert!(matches!(built, Built::Pending(_)), "no engines are built in no time");
     audio.run(built, channels(0), 512);
     let (mut left, mut right) = (noise(512, 1), noise(512, 2));
-    audio.process(&mut [&mut left, &mut right], &[], &values, &Lights::default(), PLAYING);
+    audio.process(&mut [&mut left, &mut right], &[], &values, &NoteBursts::default(), PLAYING);
     assert_eq!((left, audio.tail()), (vec![0.0; 512], Tail::Endless), "until then it is silent, but not over");
     builder.finish();
     audio.receive_updates();
@@ -188,7 +188,13 @@ fn burst_drives_input_and_sidechain_modes() {
                 let (mut x, mut y) = (vec![0.0; 512], vec![0.0; 512]);
                 let side: [&mut [f32]; 2] = [&mut x, &mut y];
                 let transport = Transport { playing: true, position: Some(block * 512) };
-                audio.process(&mut [&mut left, &mut right], &side[..sidechain], &values, &Lights::default(), transport);
+                audio.process(
+                    &mut [&mut left, &mut right],
+                    &side[..sidechain],
+                    &values,
+                    &NoteBursts::default(),
+                    transport,
+                );
                 all.extend(left);
             }
             all
@@ -216,13 +222,13 @@ fn notes_light_bursts_at_their_sample_as_loud_as_they_are_struck() {
         let (mut start, mut number) = (0, 0);
         while start < 40_000 {
             let end = (start + blocks[number % blocks.len()]).min(40_000);
-            let mut lights = Lights::default();
+            let mut bursts = NoteBursts::default();
             for (at, level) in notes.iter().filter(|(at, _)| (start..end).contains(at)) {
-                lights.push(at - start, *level);
+                bursts.push(at - start, *level);
             }
             let [left, right] = &mut sound;
             let transport = Transport { playing: true, position: Some(start as i64) };
-            audio.process(&mut [&mut left[start..end], &mut right[start..end]], &[], &values, &lights, transport);
+            audio.process(&mut [&mut left[start..end], &mut right[start..end]], &[], &values, &bursts, transport);
             (start, number) = (end, number + 1);
         }
         sound

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use pyrophone::parameters::{EffectParams, sanitize};
 use pyrophone::persist::SessionStore;
 use pyrophone_settings::session::plugin_state;
-use pyrophone_settings::{COUNT, Kind, PARAMETERS, Session, Values, host_order};
+use pyrophone_settings::{COUNT, PARAMETERS, ParameterKind, Session, Values, host_order};
 use pyrophone_synthesis::structure::MatchingMode;
 
 fn params() -> EffectParams {
@@ -47,7 +47,7 @@ fn ids_names_groups_ranges_defaults_and_texts_are_the_tables() {
             let default = parameter.to_normalised(parameter.default_value());
             assert!((f64::from(pointer.default_normalized_value()) - default).abs() < 1e-6, "{id}");
             let steps = match parameter.kind {
-                Kind::Float { .. } => None,
+                ParameterKind::Float { .. } => None,
                 _ => Some((parameter.high() - parameter.low()) as usize),
             };
             assert_eq!(pointer.step_count(), steps, "{id}");

@@ -74,7 +74,7 @@ impl Instance {
     fn engines(&mut self) -> [Option<u32>; SLOTS] {
         while let Some(update) = self.link.receive() {
             if let Update::Dictionary(slot, dictionary) = update {
-                self.engines[slot] = dictionary.map(|dictionary| dictionary.seconds());
+                self.engines[slot] = dictionary.map(|dictionary| dictionary.windows().seconds());
             }
         }
         self.engines.map(|seconds| seconds.map(|seconds| (100.0 * seconds).round() as u32))

@@ -1,6 +1,6 @@
 //! AIFF and AIFF-C: the layout in `COMM`, the sound in `SSND`, in either order; numbers are big-endian.
 
-use super::chunk::{Chunk, Kind, UNKNOWN_SIZE, chunks};
+use super::chunk::{Chunk, ChunkLayout, UNKNOWN_SIZE, chunks};
 use super::described::{Described, check_layout, damaged, unsupported};
 use super::sound::Sound;
 use crate::pcm::{Coding, Pcm};
@@ -19,7 +19,7 @@ struct Common {
 pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<'a>), Error> {
     let is_compressed = bytes.get(8..12) == Some(b"AIFC");
     let (mut common, mut sound) = (None, None);
-    for chunk in chunks(bytes, 12, Kind::Iff, &[b"COMM", b"SSND"]) {
+    for chunk in chunks(bytes, 12, ChunkLayout::Iff, &[b"COMM", b"SSND"]) {
         match &chunk.id {
             b"COMM" if common.is_none() => common = Some(Common::read(&chunk, is_compressed, name)?),
             b"SSND" if sound.is_none() => sound = Some(chunk),

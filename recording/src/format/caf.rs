@@ -1,6 +1,6 @@
 //! CAF (Apple's Core Audio Format): 64-bit big-endian sizes; -1 for sound up to the end of the file.
 
-use super::chunk::{Chunk, Kind, chunks};
+use super::chunk::{Chunk, ChunkLayout, chunks};
 use super::described::{Described, check_layout, damaged, unsupported};
 use super::sound::Sound;
 use crate::pcm::{Coding, Pcm, padded};
@@ -27,7 +27,7 @@ struct Format {
 /// Reads the chunks up to the sound.
 pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<'a>), Error> {
     let mut format = None;
-    for chunk in chunks(bytes, 8, Kind::Caf, &[b"desc", b"data"]) {
+    for chunk in chunks(bytes, 8, ChunkLayout::Caf, &[b"desc", b"data"]) {
         match (&chunk.id, &format) {
             (b"desc", None) => format = Some(Format::read(&chunk, name)?),
             (b"data", Some(format)) => return format.sound(&chunk, name),

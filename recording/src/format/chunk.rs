@@ -38,7 +38,7 @@ impl Chunk<'_> {
 
 /// Layout of chunks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum ChunkLayout {
     /// WAV: little-endian sizes, even.
     Riff,
     /// AIFF: big-endian sizes, even.
@@ -47,7 +47,7 @@ pub(crate) enum Kind {
     Caf,
 }
 
-impl Kind {
+impl ChunkLayout {
     /// Length of a chunk's header and the size it declares.
     fn header(self, bytes: &[u8]) -> Option<(usize, u64)> {
         let size = bytes.get(4..)?;
@@ -66,7 +66,7 @@ impl Kind {
 pub(crate) fn chunks<'a>(
     bytes: &'a [u8],
     start: usize,
-    kind: Kind,
+    kind: ChunkLayout,
     needed: &'a [&'a [u8; 4]],
 ) -> impl Iterator<Item = Chunk<'a>> + 'a {
     let mut at = start.min(bytes.len());
@@ -78,7 +78,7 @@ pub(crate) fn chunks<'a>(
         let size = usize::try_from(declared).unwrap_or(usize::MAX).min(rest.len());
         let chunk = Chunk { id, body: &rest[..size], declared, rest };
         let body_at = at + header_len;
-        let is_odd = kind != Kind::Caf && size % 2 == 1;
+        let is_odd = kind != ChunkLayout::Caf && size % 2 == 1;
         at = after(bytes, body_at + size, is_odd);
         let is_needed = needed.contains(&&id);
         if !is_needed && (!chunk.is_complete() || !is_name_or_end(&bytes[at..])) {
@@ -110,7 +110,7 @@ mod tests {
 
     fn names(bytes: &[u8]) -> Vec<String> {
         let needed: &[&[u8; 4]] = &[b"fmt ", b"data"];
-        chunks(bytes, 0, Kind::Riff, needed).map(|chunk| String::from_utf8_lossy(&chunk.id).into()).collect()
+        chunks(bytes, 0, ChunkLayout::Riff, needed).map(|chunk| String::from_utf8_lossy(&chunk.id).into()).collect()
     }
 
     #[test]

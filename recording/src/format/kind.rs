@@ -6,7 +6,7 @@ use crate::Error;
 
 /// Formats that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ContainerKind {
     Wav,
     Wave64,
     Aiff,
@@ -38,15 +38,15 @@ const NOT_AUDIO: &[(&[u8], &str)] = &[
 ];
 
 /// The format; the error for an unsupported format states what the bytes appear to be.
-pub(super) fn of(bytes: &[u8], name: &str) -> Result<Kind, Error> {
+pub(super) fn recognise(bytes: &[u8], name: &str) -> Result<ContainerKind, Error> {
     match (bytes.get(..4), bytes.get(8..12)) {
-        (Some(b"RIFF" | b"RF64" | b"BW64"), Some(b"WAVE")) => return Ok(Kind::Wav),
+        (Some(b"RIFF" | b"RF64" | b"BW64"), Some(b"WAVE")) => return Ok(ContainerKind::Wav),
         (Some(b"RIFF" | b"RF64" | b"BW64" | b"FORM"), None) => return Err(damaged(name, "the header is truncated")),
-        (Some(b"FORM"), Some(b"AIFF" | b"AIFC")) => return Ok(Kind::Aiff),
-        (Some(b"caff"), _) => return Ok(Kind::Caf),
-        (Some(b"fLaC"), _) => return Ok(Kind::Flac),
-        (Some(b"OggS"), _) => return Ok(Kind::Ogg),
-        _ if bytes.starts_with(w64::MARK) => return Ok(Kind::Wave64),
+        (Some(b"FORM"), Some(b"AIFF" | b"AIFC")) => return Ok(ContainerKind::Aiff),
+        (Some(b"caff"), _) => return Ok(ContainerKind::Caf),
+        (Some(b"fLaC"), _) => return Ok(ContainerKind::Flac),
+        (Some(b"OggS"), _) => return Ok(ContainerKind::Ogg),
+        _ if bytes.starts_with(w64::MARK) => return Ok(ContainerKind::Wave64),
         _ => {}
     }
     let starts_with = |(mark, _): &&(&[u8], &'static str)| bytes.starts_with(mark);
@@ -63,7 +63,7 @@ pub(super) fn of(bytes: &[u8], name: &str) -> Result<Kind, Error> {
         return Err(unsupported(name, "AAC"));
     }
     if mpeg::first(bytes).is_some() {
-        return Ok(Kind::Mp3);
+        return Ok(ContainerKind::Mp3);
     }
     let is_text = bytes.iter().take(512).all(|byte| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e | 0x80..));
     let found = match is_text {

@@ -28,7 +28,7 @@ mod vorbis_clock;
 mod w64;
 mod wav;
 
-use self::kind::Kind;
+use self::kind::ContainerKind;
 use crate::Error;
 
 pub(crate) use self::described::{Described, check_layout, damaged};
@@ -39,13 +39,13 @@ pub(crate) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
     // The tags of FLAC or MP3 files may also precede other formats.
     let start = tags::all_at_start(bytes);
     let sound = &bytes[start..];
-    match kind::of(sound, name)? {
-        Kind::Wav => wav::read(sound, name),
-        Kind::Wave64 => w64::read(sound, name),
-        Kind::Aiff => aiff::read(sound, name),
-        Kind::Caf => caf::read(sound, name),
-        Kind::Flac => flac::read(sound, name),
-        Kind::Ogg => ogg::read(sound, name),
-        Kind::Mp3 => mp3::read(sound, name),
+    match kind::recognise(sound, name)? {
+        ContainerKind::Wav => wav::read(sound, name),
+        ContainerKind::Wave64 => w64::read(sound, name),
+        ContainerKind::Aiff => aiff::read(sound, name),
+        ContainerKind::Caf => caf::read(sound, name),
+        ContainerKind::Flac => flac::read(sound, name),
+        ContainerKind::Ogg => ogg::read(sound, name),
+        ContainerKind::Mp3 => mp3::read(sound, name),
     }
 }

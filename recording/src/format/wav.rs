@@ -1,6 +1,6 @@
 //! WAV, with 32-bit sizes (RIFF) or additional 64-bit ones (RF64, BW64: EBU Tech 3306).
 
-use super::chunk::{Chunk, Kind, UNKNOWN_SIZE, chunks};
+use super::chunk::{Chunk, ChunkLayout, UNKNOWN_SIZE, chunks};
 use super::described::{Described, check_layout, damaged, unsupported};
 use super::sound::Sound;
 use crate::pcm::{Coding, Pcm, padded};
@@ -22,7 +22,7 @@ pub(super) fn read<'a>(bytes: &'a [u8], name: &str) -> Result<(Described, Sound<
     let is_wide = !bytes.starts_with(b"RIFF");
     let mut format = None;
     let mut wide_data_bytes = None;
-    for chunk in chunks(bytes, 12, Kind::Riff, &[b"fmt ", b"data"]) {
+    for chunk in chunks(bytes, 12, ChunkLayout::Riff, &[b"fmt ", b"data"]) {
         match (&chunk.id, format) {
             (b"ds64", _) if is_wide => wide_data_bytes = chunk.body.get(8..16).map(le_u64),
             (b"fmt ", None) => format = Some(Format::read(&chunk, name)?),

@@ -1,7 +1,7 @@
 //! A ramp as a series of steps for engines and hosts.
 
 use super::Event;
-use crate::{Kind, PARAMETERS};
+use crate::{PARAMETERS, ParameterKind};
 
 /// Shortest step of a ramp in seconds.
 ///
@@ -14,7 +14,7 @@ pub(super) fn between(from: Event, to: Event, sample_rate_hz: f64) -> impl Doubl
     let parameter = &PARAMETERS[from.parameter];
     let samples = to.sample.saturating_sub(from.sample);
     let unit = match parameter.kind {
-        Kind::Float { decimals, .. } => maths::powi(10.0, -(decimals as i32)),
+        ParameterKind::Float { decimals, .. } => maths::powi(10.0, -(decimals as i32)),
         _ => 1.0,
     };
     let most_by_value = ((to.value - from.value).abs() / unit).round() as u64;

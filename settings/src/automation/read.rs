@@ -3,7 +3,7 @@
 use csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::{Curve, Row, Time};
-use crate::{Error, Kind, PARAMETERS, index_of};
+use crate::{Error, PARAMETERS, ParameterKind, index_of};
 
 /// The latest time allowed in seconds: a day, so that no row can be beyond the range of samples.
 const LATEST_S: f64 = 86_400.0;
@@ -93,7 +93,7 @@ impl Curve {
         let parameter = &PARAMETERS[parameter];
         match text {
             "" | "step" => Ok(Self::Step),
-            "linear" if matches!(parameter.kind, Kind::Choice { .. } | Kind::Toggle { .. }) => {
+            "linear" if matches!(parameter.kind, ParameterKind::Choice { .. } | ParameterKind::Toggle { .. }) => {
                 Err(format!("{} has no intermediate values, so its curve must be `step`", parameter.id))
             }
             "linear" => Ok(Self::Linear),

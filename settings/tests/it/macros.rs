@@ -7,7 +7,8 @@ use pyrophone_settings::macros::{MACROS, Macro};
 use pyrophone_settings::{Id, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::dsp::White;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::recording::RecordingDictionary;
+use pyrophone_synthesis::texture::PyramidConfig;
 
 const RATE_HZ: f64 = 44_100.0;
 const SAMPLES: usize = 9 * 44_100;
@@ -24,7 +25,7 @@ fn rumble(seed: u32, corner_hz: f64, samples: usize) -> Vec<f64> {
     let part = 1.0 - (-std::f64::consts::TAU * corner_hz / RATE_HZ).exp();
     let mut poles = [0.0; 2];
     let sample = |n: usize| {
-        poles[0] += part * (noise.at(n as i64) - poles[0]);
+        poles[0] += part * (noise.sample_at(n as i64) - poles[0]);
         poles[1] += part * (poles[0] - poles[1]);
         poles[1] / part.sqrt()
     };
@@ -45,18 +46,18 @@ fn recording() -> Vec<f64> {
         rumble(5, 500.0, samples).iter().zip(rumble(6, 9000.0, samples)).map(|(a, b)| 0.02 * a + 0.004 * b).collect();
     let (place, tone) = (White::new(7, 0), White::new(8, 0));
     for click in 0..60 {
-        let at = ((0.5 + place.at(click) / 3.5).clamp(0.0, 0.98) * samples as f64) as usize;
-        let level = 0.05 * (0.6 * place.at(1000 + click)).exp2();
+        let at = ((0.5 + place.sample_at(click) / 3.5).clamp(0.0, 0.98) * samples as f64) as usize;
+        let level = 0.05 * (0.6 * place.sample_at(1000 + click)).exp2();
         for n in 0..400usize.min(samples - at) {
-            fire[at + n] += level * tone.at(click * 1000 + n as i64) * (-(n as f64) / 60.0).exp();
+            fire[at + n] += level * tone.sample_at(click * 1000 + n as i64) * (-(n as f64) / 60.0).exp();
         }
     }
     fire
 }
 
-static DICTIONARY: LazyLock<Arc<Dictionary>> = LazyLock::new(|| {
+static DICTIONARY: LazyLock<Arc<RecordingDictionary>> = LazyLock::new(|| {
     let shape = PyramidConfig::at_rate(&Values::default().structure(), RATE_HZ);
-    Arc::new(Dictionary::companded(&[recording()], RATE_HZ, &shape, &|_| true).expect("a dictionary"))
+    Arc::new(RecordingDictionary::companded(&[recording()], RATE_HZ, &shape, &|_| true).expect("a dictionary"))
 });
 
 /// What is heard of a flame, and the flame itself, in time with it.
@@ -169,7 +170,7 @@ fn amounts() -> &'static [f64] {
 
 /// The stated figure of a macro at each of the amounts.
 fn figures(id: Id, mut of: impl FnMut(&Macro, f64) -> f64) -> Vec<f64> {
-    let line = Macro::of(id).unwrap();
+    let line = Macro::of_id(id).unwrap();
     let found: Vec<f64> = amounts().iter().map(|amount| of(line, *amount)).collect();
     println!("{} ({}): {found:.4?}", line.name, line.figure);
     found

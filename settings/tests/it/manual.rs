@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use pyrophone_settings::macros::MACROS;
-use pyrophone_settings::{Kind, PARAMETERS, Parameter};
+use pyrophone_settings::{PARAMETERS, Parameter, ParameterKind};
 
 const BEGIN: &str = "<!-- parameters -->\n";
 const END: &str = "<!-- end of parameters -->";
@@ -14,13 +14,13 @@ const GROUPS: [&str; 10] =
 
 fn range(parameter: &Parameter) -> String {
     match parameter.kind {
-        Kind::Choice { names, .. } => names.join(", "),
-        Kind::Toggle { .. } => "off, on".to_owned(),
-        Kind::Float { off_at_low: true, .. } => {
+        ParameterKind::Choice { names, .. } => names.join(", "),
+        ParameterKind::Toggle { .. } => "off, on".to_owned(),
+        ParameterKind::Float { off_at_low: true, .. } => {
             let [low, high] = [parameter.low(), parameter.high()];
             format!("off ({low}) to {high} {}", parameter.unit).trim_end().to_owned()
         }
-        Kind::Float { .. } | Kind::Int { .. } => {
+        ParameterKind::Float { .. } | ParameterKind::Int { .. } => {
             format!("{} to {} {}", parameter.low(), parameter.high(), parameter.unit).trim_end().to_owned()
         }
     }

@@ -1,7 +1,7 @@
 //! The table: its promise, and that its three spellings of a value agree.
 
 use proptest::prelude::*;
-use pyrophone_settings::{COUNT, Error, Id, Kind, PARAMETERS, Parameter, Values, index_of};
+use pyrophone_settings::{COUNT, Error, Id, PARAMETERS, Parameter, ParameterKind, Values, index_of};
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Fuel, Quality, VortexControls};
 use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::{Controls, EngineConfig};
@@ -12,12 +12,12 @@ fn ids_kinds_ranges_and_defaults_stay() {
         .iter()
         .map(|p| {
             let kind = match p.kind {
-                Kind::Float { skew, decimals, off_at_low, .. } => {
+                ParameterKind::Float { skew, decimals, off_at_low, .. } => {
                     format!("float skew={skew} decimals={decimals}{}", if off_at_low { " off" } else { "" })
                 }
-                Kind::Int { .. } => "int".to_owned(),
-                Kind::Choice { names, .. } => format!("choice {}", names.join("|")),
-                Kind::Toggle { .. } => "toggle".to_owned(),
+                ParameterKind::Int { .. } => "int".to_owned(),
+                ParameterKind::Choice { names, .. } => format!("choice {}", names.join("|")),
+                ParameterKind::Toggle { .. } => "toggle".to_owned(),
             };
             let automatable = if p.automatable { "" } else { " fixed" };
             format!("{} [{}, {}] default {} {} {kind}{automatable}", p.id, p.low(), p.high(), p.default_value(), p.unit)

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use pyrophone_settings::Values;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::dsp::White;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::recording::RecordingDictionary;
+use pyrophone_synthesis::texture::PyramidConfig;
 
 const RATE_HZ: f64 = 44_100.0;
 const SAMPLES: usize = 6 * 44_100;
@@ -17,14 +18,14 @@ fn noise(seed: u32, corner_hz: f64, samples: usize) -> Vec<f64> {
     let part = 1.0 - (-std::f64::consts::TAU * corner_hz / RATE_HZ).exp();
     let mut pole = 0.0;
     let sample = |n: usize| {
-        pole += part * (white.at(n as i64) - pole);
+        pole += part * (white.sample_at(n as i64) - pole);
         pole
     };
     (0..samples).map(sample).collect()
 }
 
 /// A take of texture alone, which has no noise of its own, at an amount in percent.
-fn take(dictionary: &Arc<Dictionary>, number: u32, amount: f64) -> Vec<f32> {
+fn take(dictionary: &Arc<RecordingDictionary>, number: u32, amount: f64) -> Vec<f32> {
     let mut values = Values::default();
     for (id, text) in [("crackle_level", "off"), ("low_end", "0"), ("ceiling", "off"), ("loudness", "off")] {
         values.set_text(id, text).unwrap();
@@ -61,7 +62,7 @@ fn takes_have_other_events_and_the_same_loudness() {
     let recording: Vec<f64> =
         noise(5, 700.0, SAMPLES).iter().zip(noise(6, 9000.0, SAMPLES)).map(|(a, b)| 0.2 * a + 0.04 * b).collect();
     let shape = PyramidConfig::at_rate(&Values::default().structure(), RATE_HZ);
-    let dictionary = Arc::new(Dictionary::companded(&[recording], RATE_HZ, &shape, &|_| true).unwrap());
+    let dictionary = Arc::new(RecordingDictionary::companded(&[recording], RATE_HZ, &shape, &|_| true).unwrap());
     let set = take(&dictionary, 0, 50.0);
     assert!(take(&dictionary, 0, 100.0) == set, "take 0 has no amount");
     let takes = [7, 8, 9].map(|number| take(&dictionary, number, 50.0));

@@ -6,8 +6,9 @@ use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::ExtendControls;
 use pyrophone_synthesis::dsp::White;
 use pyrophone_synthesis::extend::Extend;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::texture::PyramidConfig;
 use pyrophone_synthesis::{Controls, EngineConfig};
 
 use crate::pairs::Pair;
@@ -79,7 +80,7 @@ fn chain(pair: &Pair, rate_hz: f64, channels: usize, controls: &Controls) -> Vec
     let shape = PyramidConfig::at_rate(&structure, rate_hz);
     let recording = std::slice::from_ref(&pair.training);
     let dictionary =
-        Arc::new(Dictionary::for_dynamics(structure.dynamics, recording, rate_hz, &shape, &|_| true).unwrap());
+        Arc::new(RecordingDictionary::new(structure.dynamics, recording, rate_hz, &shape, &|_| true).unwrap());
     let blocks = (SECONDS * rate_hz) as usize / BLOCK;
     least(blocks, |took| {
         let sizes = Channels { input: channels, sidechain: 0, output: channels };
@@ -108,7 +109,7 @@ fn extension(rate_hz: f64) -> Vec<f64> {
         let (mut state, mut drive, mut low, mut noise) = (0.0, [0.0; BLOCK], [0.0; BLOCK], [[0.0; BLOCK]; 2]);
         for block in 0..blocks {
             for (i, sample) in drive.iter_mut().enumerate() {
-                state += 0.01 * (white.at((block * BLOCK + i) as i64) - state);
+                state += 0.01 * (white.sample_at((block * BLOCK + i) as i64) - state);
                 *sample = state;
             }
             let along = (block % 1000) as f64 / 1000.0;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use pyrophone_synthesis::controls::{ExtendControls, Quality, TextureControls};
 use pyrophone_synthesis::extend::Extend;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::{Dictionary, PyramidConfig, Texture};
 use pyrophone_synthesis::{Controls, EngineConfig};
@@ -78,7 +79,7 @@ fn companded() -> EngineConfig {
 fn default_preset(drive: &[f64]) {
     let structure = companded();
     let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
-    let dictionary = Dictionary::companded(&[bursts(0.9)], RATE_HZ, &shape, &|_| true).unwrap();
+    let dictionary = RecordingDictionary::companded(&[bursts(0.9)], RATE_HZ, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(RATE_HZ, Channels { input: 2, sidechain: 0, output: 2 }, &structure).unwrap();
     chain.swap_dictionary(Some(Arc::new(dictionary)));
     let mut controls = Controls::default();
@@ -99,7 +100,9 @@ fn load() {
     let signal = signal(&mut Random::new(2), 1, LOADED);
     let shape = PyramidConfig::at_rate(&companded(), RATE_HZ);
     counted_on_one_thread(|| {
-        std::hint::black_box(Dictionary::companded(std::slice::from_ref(&signal), RATE_HZ, &shape, &|_| true).unwrap());
+        std::hint::black_box(
+            RecordingDictionary::companded(std::slice::from_ref(&signal), RATE_HZ, &shape, &|_| true).unwrap(),
+        );
     });
 }
 

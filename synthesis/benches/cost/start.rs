@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::texture::PyramidConfig;
 
 use crate::pairs::Pair;
 use crate::{Row, cpu_s, row};
@@ -25,8 +26,9 @@ pub fn rows() -> Vec<Row> {
                 let mut bytes = Vec::new();
                 dictionary.write_to(&mut bytes).unwrap();
                 let (_, chain_s) = cpu(|| drop(chain(dictionary)));
-                let (_, kept_s) =
-                    cpu(|| drop(chain(Dictionary::read_from(&mut bytes.as_slice(), bytes.len() as u64).unwrap())));
+                let (_, kept_s) = cpu(|| {
+                    drop(chain(RecordingDictionary::read_from(&mut bytes.as_slice(), bytes.len() as u64).unwrap()))
+                });
                 format!("{:.2}; {kept_s:.2}", made_s + chain_s)
             },
         ),
@@ -66,16 +68,16 @@ fn structure() -> EngineConfig {
     EngineConfig { dynamics: MatchingMode::Companded, falloff: FALLOFF, ..EngineConfig::default() }
 }
 
-fn companded(recording: &[f64]) -> Dictionary {
+fn companded(recording: &[f64]) -> RecordingDictionary {
     let shape = PyramidConfig::at_rate(&structure(), RATE_HZ);
-    Dictionary::for_dynamics(MatchingMode::Companded, &[recording.to_vec()], RATE_HZ, &shape, &|_| true).unwrap()
+    RecordingDictionary::new(MatchingMode::Companded, &[recording.to_vec()], RATE_HZ, &shape, &|_| true).unwrap()
 }
 
-fn chain(dictionary: Dictionary) -> Chain {
+fn chain(dictionary: RecordingDictionary) -> Chain {
     chain_of(Arc::new(dictionary))
 }
 
-fn chain_of(dictionary: Arc<Dictionary>) -> Chain {
+fn chain_of(dictionary: Arc<RecordingDictionary>) -> Chain {
     let mut chain = Chain::new(RATE_HZ, Channels { input: 2, sidechain: 0, output: 2 }, &structure()).unwrap();
     chain.swap_dictionary(Some(dictionary));
     chain

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use pyrophone_synthesis::chain::{Chain, Channels, Transport, learn};
 use pyrophone_synthesis::controls::Quality;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
 use pyrophone_synthesis::{Controls, EngineConfig};
@@ -77,7 +78,7 @@ fn play(drive: &[f64], recording: &Vec<f64>, dynamics: MatchingMode, rate_hz: f6
     let structure = EngineConfig { dynamics, falloff, ..EngineConfig::default() };
     let shape = PyramidConfig::at_rate(&structure, rate_hz);
     let recording = std::slice::from_ref(recording);
-    let dictionary = Dictionary::for_dynamics(dynamics, recording, rate_hz, &shape, &|_| true).unwrap();
+    let dictionary = RecordingDictionary::new(dynamics, recording, rate_hz, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(rate_hz, Channels { input: 2, sidechain: 0, output: 2 }, &structure).unwrap();
     chain.swap_dictionary(Some(Arc::new(dictionary)));
     let input: Vec<f32> = drive.iter().map(|x| *x as f32).collect();

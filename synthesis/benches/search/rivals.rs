@@ -23,7 +23,7 @@ struct Times {
 }
 
 impl Times {
-    fn of(queries: &[Query], every: usize, mut search: impl FnMut(&Query)) -> Self {
+    fn measure(queries: &[Query], every: usize, mut search: impl FnMut(&Query)) -> Self {
         let sampled = queries.iter().step_by(every);
         let mut microseconds: Vec<f64> = sampled.map(|query| timed(|| search(query)).1.as_secs_f64() * 1e6).collect();
         microseconds.sort_by(f64::total_cmp);
@@ -51,12 +51,12 @@ pub fn table(pairs: &[Pair]) {
     println!("|---|---|---|---|---|---|");
     for pair in pairs {
         let dictionary = pair.dictionary();
-        let queries = queries::of(&pair.input, &pair.training, &dictionary);
+        let queries = queries::queries_of(&pair.input, &pair.training, &dictionary);
         let finest = queries.iter().filter(|query| query.level == 0).count();
         let seconds = (finest * dictionary.shape().window) as f64 / RATE_HZ;
         let mut searcher = Searcher::new();
         let mut ours = |budget: Budget| {
-            Times::of(&queries, 1, |query| {
+            Times::measure(&queries, 1, |query| {
                 let (index, features) = (dictionary.index(query.level).unwrap(), dictionary.features(query.level));
                 std::hint::black_box(searcher.nearest(index, &features, &query.feature, query.hint, budget));
             })
@@ -64,13 +64,21 @@ pub fn table(pairs: &[Pair]) {
         ours(Budget::Exact { eps: 0.0 }).print(&pair.name, "exact", seconds);
         ours(Budget::Bounded { candidates: 1024 }).print(&pair.name, "bounded, 1024", seconds);
         let levels: Vec<Rivals> = (0..dictionary.shape().top()).map(|level| Rivals::new(&dictionary, level)).collect();
-        Times::of(&queries, SPARSE, |query| levels[query.level].components(query)).print(
+        Times::measure(&queries, SPARSE, |query| levels[query.level].components(query)).print(
             &pair.name,
             "`kiddo`, 8 principal components, re-checked",
             seconds,
         );
-        Times::of(&queries, SPARSE, |query| levels[query.level].raw(query)).print(&pair.name, "`kiddo`, raw", seconds);
-        Times::of(&queries, SPARSE, |query| levels[query.level].scan(query)).print(&pair.name, "brute force", seconds);
+        Times::measure(&queries, SPARSE, |query| levels[query.level].raw(query)).print(
+            &pair.name,
+            "`kiddo`, raw",
+            seconds,
+        );
+        Times::measure(&queries, SPARSE, |query| levels[query.level].scan(query)).print(
+            &pair.name,
+            "brute force",
+            seconds,
+        );
     }
     println!();
 }

@@ -37,7 +37,7 @@ impl Input {
     }
 
     /// Takes the samples from `start` to `end` of a call, at most a chunk; returns their largest magnitude.
-    pub fn take(&mut self, main: &[&mut [f32]], sidechain: &[&[f32]], start: usize, end: usize) -> f32 {
+    pub fn read_chunk(&mut self, main: &[&mut [f32]], sidechain: &[&[f32]], start: usize, end: usize) -> f32 {
         let samples = end - start;
         let mut peak = 0.0f32;
         for (channel, delay) in self.delays.iter_mut().enumerate() {

@@ -6,9 +6,12 @@
 //! second takes over in a crossfade of 10 ms. Two passes from one place therefore sound the same, whatever was played
 //! before.
 
+mod blocks;
 mod bus;
+mod companded;
 mod input;
 mod meters;
+mod recordings;
 mod silence;
 mod telemetry;
 mod voice;
@@ -23,18 +26,20 @@ use crate::error::in_range;
 use crate::extend;
 use crate::fuel;
 use crate::mix::{Layers, Mix};
+use crate::recording::RecordingDictionary;
 use crate::structure::MatchingMode;
-use crate::texture::{Dictionary, Distribution, PyramidConfig, offline};
+use crate::texture::{Distribution, PyramidConfig, offline};
 use crate::vortex::{Simulator, SpeakerLayout, SpeedField};
 use crate::{Controls, EngineConfig, Error, drive::Drive};
 pub use bus::{Channels, Transport};
 pub use meters::Meters;
 pub use telemetry::Telemetry;
 
+use blocks::MAX_CHANNELS;
 use bus::CHUNK;
 use input::{Input, clean};
 use silence::Silence;
-use voice::{MAX_CHANNELS, Voice};
+use voice::Voice;
 use voices::Voices;
 
 /// Length in seconds of the crossfade after a jump.
@@ -59,7 +64,7 @@ pub struct Chain {
 }
 
 /// Most samples of drive and top-level magnitudes that one call hands out: all of a call of up to 8192 samples.
-const TOLD_CAPACITY: usize = 8192;
+const REPORTED_CAPACITY: usize = 8192;
 
 /// Output delay in samples of a [`Chain`] with this structure at a sample rate in Hz (8-384 kHz), without building one:
 /// that of the slower of extension and texture.
@@ -94,8 +99,8 @@ impl Chain {
             has_dictionary: false,
             silence: Silence::default(),
             meters: Meters::default(),
-            top_magnitudes: Vec::with_capacity(TOLD_CAPACITY),
-            drive: Vec::with_capacity(TOLD_CAPACITY),
+            top_magnitudes: Vec::with_capacity(REPORTED_CAPACITY),
+            drive: Vec::with_capacity(REPORTED_CAPACITY),
             channels,
             sample_rate_hz,
         })
@@ -138,17 +143,24 @@ impl Chain {
     }
 
     /// Exchanges the dictionary of the first slot's recording, as [`swap_slot`](Self::swap_slot) does.
-    pub fn swap_dictionary(&mut self, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+    pub fn swap_dictionary(
+        &mut self,
+        dictionary: Option<Arc<RecordingDictionary>>,
+    ) -> Option<Arc<RecordingDictionary>> {
         self.swap_slot(0, dictionary)
     }
 
     /// Exchanges the dictionary of the recording in a slot; the caller drops the old one outside the audio thread. A
     /// dictionary made for another sample rate or structure, or for a slot that does not exist, is returned unused.
-    pub fn swap_slot(&mut self, slot: usize, dictionary: Option<Arc<Dictionary>>) -> Option<Arc<Dictionary>> {
+    pub fn swap_slot(
+        &mut self,
+        slot: usize,
+        dictionary: Option<Arc<RecordingDictionary>>,
+    ) -> Option<Arc<RecordingDictionary>> {
         let is_companded = self.dynamics == MatchingMode::Companded;
-        let fits = |x: &Arc<Dictionary>| {
-            *x.shape() == self.shape
-                && x.sample_rate_hz() == self.sample_rate_hz
+        let fits = |x: &Arc<RecordingDictionary>| {
+            *x.windows().shape() == self.shape
+                && x.windows().sample_rate_hz() == self.sample_rate_hz
                 && x.profile().is_some() == is_companded
         };
         if slot >= SLOTS || dictionary.as_ref().is_some_and(|x| !fits(x)) {
@@ -215,13 +227,13 @@ impl Chain {
         self.silence.burns = voice.is_self_driven(controls);
         self.silence.is_endless = voice.is_endless(controls) || (self.has_dictionary && controls.texture.gate <= 0.0);
         let controls = &self.levelled(controls);
-        self.voices.follow(transport);
+        self.voices.follow_transport(transport);
         let mut start = 0;
         while start < samples {
             // A takeover ends at its exact sample, however the host divides its blocks.
             let until_takeover = self.voices.until_takeover().unwrap_or(CHUNK);
             let end = samples.min(start + CHUNK.min(until_takeover));
-            self.take_input(main, sidechain, start, end);
+            self.read_input(main, sidechain, start, end);
             self.process_voices(controls, end - start);
             self.mix_down(main, controls, start, end);
             self.voices.finish_takeover();
@@ -245,8 +257,8 @@ impl Chain {
         levelled
     }
 
-    fn take_input(&mut self, main: &[&mut [f32]], sidechain: &[&[f32]], start: usize, end: usize) {
-        let peak = self.input.take(main, sidechain, start, end);
+    fn read_input(&mut self, main: &[&mut [f32]], sidechain: &[&[f32]], start: usize, end: usize) {
+        let peak = self.input.read_chunk(main, sidechain, start, end);
         self.meters.input = self.meters.input.max(peak);
         self.silence.hear_input(peak);
     }
@@ -269,25 +281,25 @@ impl Chain {
         self.meters.scaling_alpha = newest.scaling_alpha() as f32;
         self.meters.cancels |= newest.cancels();
         for magnitude in newest.top_magnitudes() {
-            if self.top_magnitudes.len() < TOLD_CAPACITY {
+            if self.top_magnitudes.len() < REPORTED_CAPACITY {
                 self.top_magnitudes.push(*magnitude);
             }
         }
-        let room = TOLD_CAPACITY - self.drive.len();
+        let room = REPORTED_CAPACITY - self.drive.len();
         self.drive.extend(drive.iter().take(room).map(|x| *x as f32));
     }
 
     fn mix_down(&mut self, main: &mut [&mut [f32]], controls: &Controls, start: usize, end: usize) {
         let samples = end - start;
-        let heard = &self.voices.heard().layers;
+        let audible = &self.voices.audible().layers;
         let layers = Layers {
-            low: &heard.low[..samples],
-            extension: &heard.extension,
-            texture: &heard.texture,
-            vortex: &heard.vortex,
-            crackle: &heard.crackle,
-            hiss: &heard.hiss,
-            body: &heard.body,
+            low: &audible.low[..samples],
+            extension: &audible.extension,
+            texture: &audible.texture,
+            vortex: &audible.vortex,
+            crackle: &audible.crackle,
+            hiss: &audible.hiss,
+            body: &audible.body,
             dry: &self.input.dry,
         };
         let mut outputs: [&mut [f32]; MAX_CHANNELS] = Default::default();
@@ -321,8 +333,8 @@ impl Chain {
 
     /// Passes on the telemetry of the audible engines since the last call; real-time safe.
     pub fn take_traces(&mut self, with: impl FnMut(Telemetry)) {
-        let (heard, other) = self.voices.heard_and_other();
-        heard.take_traces().for_each(with);
+        let (audible, other) = self.voices.audible_and_other();
+        audible.take_traces().for_each(with);
         drop(other.take_traces());
     }
 

@@ -46,12 +46,12 @@ impl Voices {
     }
 
     /// The audible one.
-    pub fn heard(&self) -> &Voice {
+    pub fn audible(&self) -> &Voice {
         &self.voices[self.active]
     }
 
     /// The audible one, and the other.
-    pub fn heard_and_other(&mut self) -> (&mut Voice, &mut Voice) {
+    pub fn audible_and_other(&mut self) -> (&mut Voice, &mut Voice) {
         let [first, second] = &mut self.voices;
         if self.active == 0 { (first, second) } else { (second, first) }
     }
@@ -62,17 +62,17 @@ impl Voices {
     }
 
     /// Anchors the position, or notices a jump.
-    pub fn follow(&mut self, transport: Transport) {
+    pub fn follow_transport(&mut self, transport: Transport) {
         let Some(position) = self.position else {
             let position = transport.position.unwrap_or(0);
             self.voices[self.active].reset(position);
             self.position = Some(position);
             return;
         };
-        if let (true, Some(told)) = (transport.playing, transport.position)
-            && told.abs_diff(position) > POSITION_TOLERANCE_SAMPLES
+        if let (true, Some(reported)) = (transport.playing, transport.position)
+            && reported.abs_diff(position) > POSITION_TOLERANCE_SAMPLES
         {
-            self.position = Some(told);
+            self.position = Some(reported);
             if self.takeover.is_some() {
                 self.restart_pending = true;
             } else {
@@ -90,12 +90,12 @@ impl Voices {
     pub fn process(&mut self, main: &[&[f64]], sidechain: &[&[f64]], controls: &Controls, samples: usize) -> &Voice {
         let (latency, fade) = (self.latency_samples(), self.crossfade_samples);
         let takeover = self.takeover;
-        let (heard, next) = self.heard_and_other();
-        heard.process(main, sidechain, controls, samples);
+        let (audible, next) = self.audible_and_other();
+        audible.process(main, sidechain, controls, samples);
         if let Some(age) = takeover {
             next.process(main, sidechain, controls, samples);
             let ramp = |i: usize| ((age + i) as f64 - latency as f64 + 1.0) / fade as f64;
-            heard.layers.fade_to(&next.layers, samples, ramp);
+            audible.layers.fade_to(&next.layers, samples, ramp);
             self.takeover = Some(age + samples);
         }
         self.position = self.position.map(|position| position.wrapping_add(samples as i64));

@@ -42,7 +42,7 @@ pub struct VortexLayer {
     scenes: &'static [Arc<SpeedField>],
     own: Option<Arc<SpeedField>>,
     /// The field that the renderer has.
-    told: FlowState,
+    loaded: FlowState,
     /// True if it has a simulation.
     is_live: bool,
     delays: Vec<Delay<f64>>,
@@ -68,7 +68,7 @@ impl VortexLayer {
             playing: 0,
             scenes: factory::fields()?,
             own: None,
-            told: FlowState::Nothing,
+            loaded: FlowState::Nothing,
             is_live: false,
             delays: vec![Delay::new(rest_samples); channels],
             hold_samples: 2 * latency_samples + (HOLD_S * sample_rate_hz) as usize,
@@ -80,10 +80,10 @@ impl VortexLayer {
 
     /// Exchanges the user's field; sources beyond the renderer's capacity are not heard.
     pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
-        if self.told == FlowState::Own {
+        if self.loaded == FlowState::Own {
             drop(self.vortex.swap_field(field.clone()));
             if field.is_none() {
-                self.told = FlowState::Nothing;
+                self.loaded = FlowState::Nothing;
             }
         }
         std::mem::replace(&mut self.own, field)
@@ -144,7 +144,7 @@ impl VortexLayer {
         }
         if effective.flow == Flow::Field {
             let wanted = self.wanted(controls);
-            if std::mem::replace(&mut self.told, wanted) != wanted {
+            if std::mem::replace(&mut self.loaded, wanted) != wanted {
                 drop(self.vortex.swap_field(self.field(wanted).cloned()));
             }
         }
@@ -163,8 +163,8 @@ impl VortexLayer {
         }
     }
 
-    fn field(&self, told: FlowState) -> Option<&Arc<SpeedField>> {
-        match told {
+    fn field(&self, state: FlowState) -> Option<&Arc<SpeedField>> {
+        match state {
             FlowState::Nothing => None,
             FlowState::Own => self.own.as_ref(),
             FlowState::Scene(scene) => self.scenes.get(scene),
@@ -177,13 +177,13 @@ impl VortexLayer {
         let is_due = std::mem::replace(&mut self.viewed, number) != number;
         let is_on = self.left_samples > 0;
         // The absence of sources is reported only once.
-        let is_told = is_due && (is_on || self.was_seen);
+        let is_reported = is_due && (is_on || self.was_seen);
         if is_due {
             self.was_seen = is_on;
         }
-        let most = if is_told && is_on { VIEW_SOURCES } else { 0 };
+        let most = if is_reported && is_on { VIEW_SOURCES } else { 0 };
         let seen = || self.vortex.seen(VIEW_SOURCES).take(most);
-        let count = is_told.then(|| Telemetry::Sources(seen().count()));
+        let count = is_reported.then(|| Telemetry::Sources(seen().count()));
         count.into_iter().chain(seen().map(Telemetry::Source))
     }
 

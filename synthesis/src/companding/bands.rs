@@ -72,11 +72,11 @@ impl Analyser {
 
 impl Power {
     /// Powers of `signal`. A signal shorter than a window is padded with silence.
-    pub fn of(signal: &[f64], sample_rate_hz: f64) -> Self {
+    pub fn of_signal(signal: &[f64], sample_rate_hz: f64) -> Self {
         Analyser::new(sample_rate_hz).power(signal)
     }
 
-    /// The spectra of single windows, overlapping by half, whose mean is [`of`](Self::of).
+    /// The spectra of single windows, overlapping by half, whose mean is [`of_signal`](Self::of_signal).
     fn windows(signal: &[f64], sample_rate_hz: f64) -> impl Iterator<Item = Self> {
         let mut analyser = Analyser::new(sample_rate_hz);
         let len = analyser.window.len();
@@ -181,7 +181,7 @@ mod tests {
     fn white_noise_is_flat_and_has_its_power() {
         let mut noise = vec![0.0; 441_000];
         White::new(1, 2).fill(0, &mut noise);
-        let power = Power::of(&noise, 44_100.0);
+        let power = Power::of_signal(&noise, 44_100.0);
         assert!((power.rms_below(22_050.0) - 1.0).abs() < 0.01);
         assert!((power.rms_below(150.0) - (150.0f64 / 22_050.0).sqrt()).abs() < 0.02);
         let levels = power.third_octaves_db(44_100.0);
@@ -194,7 +194,7 @@ mod tests {
     fn a_band_limit_is_found_where_there_is_one() {
         let mut noise = vec![0.0; 200_000];
         White::new(1, 2).fill(0, &mut noise);
-        assert_eq!(Power::of(&noise, 44_100.0).band_limit_hz(), None);
+        assert_eq!(Power::of_signal(&noise, 44_100.0).band_limit_hz(), None);
         let taps = super::super::equalizer::design_low_pass(11_000.0, 44_100.0);
         let mut low = noise.clone();
         for _ in 0..3 {
@@ -202,9 +202,9 @@ mod tests {
             let samples = low.len();
             equalizer.process(&taps, 1.0, &mut [&mut low], 0..samples);
         }
-        let found = Power::of(&low, 44_100.0).band_limit_hz().unwrap();
+        let found = Power::of_signal(&low, 44_100.0).band_limit_hz().unwrap();
         assert!((10_500.0..12_000.0).contains(&found), "{found} Hz");
-        assert_eq!(Power::of(&[0.0; 50_000], 44_100.0).band_limit_hz(), None);
+        assert_eq!(Power::of_signal(&[0.0; 50_000], 44_100.0).band_limit_hz(), None);
     }
 
     #[test]
@@ -214,8 +214,8 @@ mod tests {
         let taps = super::super::equalizer::design_low_pass(6_000.0, 44_100.0);
         super::super::equalizer::Equalizer::new(44_100.0, 1).process(&taps, 1.0, &mut [&mut low], 0..200_000);
         let noise = White::new(3, 4);
-        low.iter_mut().enumerate().for_each(|(i, x)| *x += 1e-3 * noise.at(i as i64));
-        let power = Power::of(&low, 44_100.0);
+        low.iter_mut().enumerate().for_each(|(i, x)| *x += 1e-3 * noise.sample_at(i as i64));
+        let power = Power::of_signal(&low, 44_100.0);
         let floor = power.floor_above(power.band_limit_hz().unwrap());
         assert!((0.9e-3..1.1e-3).contains(&floor), "{floor}");
         assert_eq!(power.floor_above(19_000.0), 0.0);
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn short_and_silent_signals_have_levels() {
         for signal in [vec![], vec![0.5], vec![0.0; 100_000]] {
-            assert!(Power::of(&signal, 44_100.0).third_octaves_db(44_100.0).iter().all(|x| x.is_finite()));
+            assert!(Power::of_signal(&signal, 44_100.0).third_octaves_db(44_100.0).iter().all(|x| x.is_finite()));
         }
     }
 }

@@ -5,13 +5,16 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::Companding;
 use super::bands::{Power, distance_db, typical_third_octaves_db};
 use super::equalizer::{Equalizer, LIMIT_DB, design};
 use super::image::{Levels, side_of, side_taps};
 use super::level::NOMINAL;
-use super::{Companding, MATCH_FUTURE_S};
+use super::loudness_meter::MATCH_FUTURE_S;
+use super::profile::Profile;
 use crate::Error;
 use crate::controls::{CompandingControls, DynamicRange, TextureControls};
+use crate::crackle::Crackles;
 use crate::dsp::{Svf, White, mean_of, section_gain};
 use crate::texture::dictionary::{Dictionary, Progress};
 use crate::texture::engine::Texture;
@@ -43,7 +46,7 @@ pub struct Goal {
 
 impl Goal {
     /// The target for a recording's `bed`; `is_crackling` if crackles were split off. `power` is that of its mean.
-    pub fn of(bed: &[Vec<f64>], power: &Power, sample_rate_hz: f64, is_crackling: bool) -> Self {
+    pub fn of_bed(bed: &[Vec<f64>], power: &Power, sample_rate_hz: f64, is_crackling: bool) -> Self {
         let mean = mean_of(bed);
         let mean_db = match is_crackling {
             true => typical_third_octaves_db(&mean, sample_rate_hz),
@@ -64,7 +67,7 @@ impl Goal {
 fn levels_db(signal: &[f64], sample_rate_hz: f64, is_crackling: bool) -> Vec<f64> {
     match is_crackling {
         true => typical_third_octaves_db(signal, sample_rate_hz),
-        false => Power::of(signal, sample_rate_hz).third_octaves_db(sample_rate_hz),
+        false => Power::of_signal(signal, sample_rate_hz).third_octaves_db(sample_rate_hz),
     }
 }
 
@@ -73,31 +76,36 @@ fn side_levels(channels: &[Vec<f64>], mean_db: &[f64], sample_rate_hz: f64, is_c
     Some(Levels { mean_db: mean_db.to_vec(), side_db: levels_db(&side, sample_rate_hz, is_crackling) })
 }
 
-/// Completes a companded `dictionary`, so that its texture comes near to `goal`. Fails only if `progress` cancels it.
-pub fn calibrate(mut dictionary: Dictionary, goal: &Goal, progress: Progress<'_>) -> Result<Dictionary, Error> {
+/// Completes the `profile` of a companded `dictionary` and its `crackles`, so that its texture comes near to `goal`.
+///
+/// # Errors
+/// Only [`Error::Cancelled`], if `progress` cancels it.
+pub fn calibrate(
+    dictionary: &Arc<Dictionary>,
+    profile: &mut Profile,
+    crackles: Option<&mut Crackles>,
+    goal: &Goal,
+    progress: Progress<'_>,
+) -> Result<(), Error> {
     let rate_hz = dictionary.sample_rate_hz();
     let levels_db = |signal: &[f64]| levels_db(signal, rate_hz, goal.is_crackling);
     let goal_db = &goal.mean_db;
-    let shared = Arc::new(dictionary);
+    let plain_profile = &*profile;
     let trials: Vec<Trial> =
-        SEEDS.par_iter().map(|seed| trial(&shared, *seed, progress)).collect::<Result<_, Error>>()?;
+        SEEDS.par_iter().map(|seed| trial(dictionary, plain_profile, *seed, progress)).collect::<Result<_, Error>>()?;
     let swell = trials.last().map_or(1.0, |trial| trial.swell);
-    let heard: Vec<Vec<Vec<f64>>> = trials.into_iter().map(|trial| trial.channels).collect();
-    let mut trials: Vec<Vec<f64>> = heard.iter().map(|channels| mean_of(channels).into_owned()).collect();
-    // The engine of each trial has given its reference back.
-    let Some(inner) = Arc::into_inner(shared) else { return Err(Error::Cancelled) };
-    dictionary = inner;
+    let channels: Vec<Vec<Vec<f64>>> = trials.into_iter().map(|trial| trial.channels).collect();
+    let mut trials: Vec<Vec<f64>> = channels.iter().map(|channels| mean_of(channels).into_owned()).collect();
     let is_silent = |signal: &Vec<f64>| signal.iter().all(|x| *x == 0.0);
-    let Some(profile) = dictionary.profile_mut() else { return Ok(dictionary) };
     if trials.iter().any(is_silent) || goal.is_silent {
-        return Ok(dictionary);
+        return Ok(());
     }
     let found_db = levels_db(&trials[0]);
     let mean = goal_db.iter().zip(&found_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len() as f64;
     let gains: Vec<f64> =
         goal_db.iter().zip(&found_db).map(|(a, b)| (a - b - mean).clamp(-LIMIT_DB, LIMIT_DB)).collect();
     let taps = design(&gains, rate_hz);
-    let found = side_levels(&heard[0], &found_db, rate_hz, goal.is_crackling);
+    let found = side_levels(&channels[0], &found_db, rate_hz, goal.is_crackling);
     let side_taps = match (&goal.side, found) {
         (Some(goal), Some(found)) => side_taps(goal, &found, rate_hz),
         _ => Vec::new(),
@@ -109,24 +117,24 @@ pub fn calibrate(mut dictionary: Dictionary, goal: &Goal, progress: Progress<'_>
     equalizer.process(&taps, 1.0, &mut [&mut equalized], 0..samples);
     let distance = |signal: &[f64]| distance_db(&levels_db(signal), goal_db);
     let helps = distance(&equalized) < distance(&plain);
-    let (heard, taps) = if helps { (equalized, taps) } else { (plain, Vec::new()) };
+    let (output, taps) = if helps { (equalized, taps) } else { (plain, Vec::new()) };
     let level = match goal.is_crackling {
-        true => typical_level(goal_db, &heard, swell, rate_hz),
-        false => goal.rms / rms(&heard),
+        true => typical_level(goal_db, &output, swell, rate_hz),
+        false => goal.rms / rms(&output),
     };
     let level = if level.is_finite() { level } else { 1.0 };
     profile.set_calibration(level, taps, side_taps);
-    if let Some(crackles) = dictionary.crackles_mut() {
-        let bed: Vec<f64> = heard.iter().map(|sample| sample * level / swell).collect();
+    if let Some(crackles) = crackles {
+        let bed: Vec<f64> = output.iter().map(|sample| sample * level / swell).collect();
         crackles.calibrate(&bed, rate_hz);
     }
-    Ok(dictionary)
+    Ok(())
 }
 
-/// The factor that brings the median level `heard` in a trial, at a steady drive, to the recording's median level.
-fn typical_level(goal_db: &[f64], heard: &[f64], swell: f64, rate_hz: f64) -> f64 {
-    let heard_db = typical_third_octaves_db(heard, rate_hz);
-    let mean_db = goal_db.iter().zip(&heard_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len().max(1) as f64;
+/// The factor that brings the median level of the `output` of a trial, at a steady drive, to the recording's median level.
+fn typical_level(goal_db: &[f64], output: &[f64], swell: f64, rate_hz: f64) -> f64 {
+    let output_db = typical_third_octaves_db(output, rate_hz);
+    let mean_db = goal_db.iter().zip(&output_db).map(|(a, b)| a - b).sum::<f64>() / goal_db.len().max(1) as f64;
     swell * maths::pow(10.0, mean_db / 20.0)
 }
 
@@ -138,7 +146,7 @@ struct Trial {
 }
 
 /// Companded texture of a flame-like drive, without equaliser and low end.
-fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Result<Trial, Error> {
+fn trial(dictionary: &Arc<Dictionary>, profile: &Profile, seed: u32, progress: Progress<'_>) -> Result<Trial, Error> {
     let rate_hz = dictionary.sample_rate_hz();
     let drive = flame(rate_hz, seed);
     // With more than two channels, no image is matched.
@@ -162,12 +170,12 @@ fn trial(dictionary: &Arc<Dictionary>, seed: u32, progress: Progress<'_>) -> Res
     for (number, drive) in drive.chunks(BLOCK).enumerate() {
         let samples = drive.len();
         let (flat, loudness) = (&mut flat[..samples], &mut loudness[..samples]);
-        companding.compress(drive, None, &controls, dictionary.profile(), flat, loudness);
+        companding.compress(drive, None, &controls, Some(profile), flat, loudness);
         let mut blocks: Vec<&mut [f64]> =
             channels.iter_mut().map(|channel| &mut channel[number * BLOCK..][..samples]).collect();
         texture.process(flat, Some(loudness), &controls, &mut blocks);
-        companding.expand_one(dictionary.profile(), &mut blocks);
-        swells.extend(companding.heard(samples).first().filter(|heard| **heard > 0.0));
+        companding.expand_one(Some(profile), &mut blocks);
+        swells.extend(companding.relative_loudness(samples).first().filter(|loudness| **loudness > 0.0));
         if !progress((number * BLOCK) as f32 / (TRIAL_S * rate_hz) as f32) {
             return Err(Error::Cancelled);
         }

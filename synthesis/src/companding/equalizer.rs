@@ -97,7 +97,7 @@ struct Spectrum {
 impl Spectrum {
     const ZERO: Self = Self { re: [0.0; BINS], im: [0.0; BINS] };
 
-    fn of(transform: &mut Transform) -> Self {
+    fn prepared(transform: &mut Transform) -> Self {
         transform.forward();
         let mut spectrum = Self::ZERO;
         for (bin, value) in transform.spectrum.iter().enumerate() {
@@ -241,7 +241,7 @@ impl Equalizer {
         if !is_silent {
             let every = !std::mem::replace(&mut self.is_followed, true);
             for channel in &mut self.channels {
-                channel.follow(&mut self.transform, every);
+                channel.update_spectra(&mut self.transform, every);
                 channel.set_tail(&mut self.transform, &self.parts);
             }
         }
@@ -255,7 +255,7 @@ impl Equalizer {
             for (value, tap) in self.transform.time.iter_mut().zip(taps) {
                 *value = tap / (2 * BLOCK) as f64;
             }
-            *part = Spectrum::of(&mut self.transform);
+            *part = Spectrum::prepared(&mut self.transform);
         }
     }
 
@@ -310,13 +310,13 @@ impl Channel {
     }
 
     /// Adds the last block to the spectra, or `every` block of the past.
-    fn follow(&mut self, transform: &mut Transform, every: bool) {
+    fn update_spectra(&mut self, transform: &mut Transform, every: bool) {
         let (parts, end) = (self.spectra.len(), self.begin());
         self.newest = (self.newest + parts - 1) % parts;
         for age in 0..if every { parts } else { 1 } {
             let from = end - (age + 2) * BLOCK;
             transform.time.copy_from_slice(&self.line[from..from + 2 * BLOCK]);
-            self.spectra[(self.newest + age) % parts] = Spectrum::of(transform);
+            self.spectra[(self.newest + age) % parts] = Spectrum::prepared(transform);
         }
     }
 

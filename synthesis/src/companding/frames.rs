@@ -82,26 +82,26 @@ pub struct FrameHistory {
     /// Value before the first one.
     initial: f64,
     /// Number of frames since reset.
-    told: i64,
+    count: i64,
 }
 
 impl FrameHistory {
     /// History of the last `frames` values; returns `initial` before the first.
     pub fn new(frames: usize, frame_samples: usize, initial: f64) -> Self {
-        Self { values: vec![initial; frames.max(2)], frame_samples: frame_samples as i64, initial, told: 0 }
+        Self { values: vec![initial; frames.max(2)], frame_samples: frame_samples as i64, initial, count: 0 }
     }
 
     /// Forgets everything.
     pub fn reset(&mut self) {
         self.values.fill(self.initial);
-        self.told = 0;
+        self.count = 0;
     }
 
     /// Appends the next frame's value.
     pub fn push(&mut self, value: f64) {
         let length = self.values.len() as i64;
-        self.values[(self.told % length) as usize] = value;
-        self.told += 1;
+        self.values[(self.count % length) as usize] = value;
+        self.count += 1;
     }
 
     /// The frames' centres between which `sample` and the following samples lie; sample 0 is the first of frame 0.
@@ -114,7 +114,7 @@ impl FrameHistory {
 
     /// The most recent value.
     pub fn newest(&self) -> f64 {
-        self.frame(self.told - 1)
+        self.frame(self.count - 1)
     }
 
     /// The value of a frame: the initial value before the first one, the most recent value after the last.
@@ -123,7 +123,7 @@ impl FrameHistory {
             return self.initial;
         }
         let length = self.values.len() as i64;
-        self.values[(frame.min(self.told - 1).max(0) % length) as usize]
+        self.values[(frame.min(self.count - 1).max(0) % length) as usize]
     }
 }
 

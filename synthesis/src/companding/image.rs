@@ -25,16 +25,16 @@ pub(super) fn side_of(channels: &[Vec<f64>]) -> Option<Vec<f64>> {
     Some(left.iter().zip(right).map(|(left, right)| 0.5 * (left - right)).collect())
 }
 
-/// Taps for the difference of the channels `heard` in a trial, which bring it to the `recording`'s level relative to
+/// Taps for the difference of the channels in the `output` of a trial, which bring it to the `recording`'s level relative to
 /// the mean; empty if the channels of either are equal.
-pub(super) fn side_taps(recording: &Levels, heard: &Levels, sample_rate_hz: f64) -> Vec<f64> {
+pub(super) fn side_taps(recording: &Levels, output: &Levels, sample_rate_hz: f64) -> Vec<f64> {
     let is_silent = |levels: &Levels| levels.side_db.iter().all(|db| *db <= SILENT_DB);
-    if is_silent(recording) || is_silent(heard) {
+    if is_silent(recording) || is_silent(output) {
         return Vec::new();
     }
     let width_db = |levels: &Levels, band: usize| levels.side_db[band] - levels.mean_db[band];
-    let gains_db: Vec<f64> = (0..recording.side_db.len().min(heard.side_db.len()))
-        .map(|band| (width_db(recording, band) - width_db(heard, band)).clamp(-LIMIT_DB, LIMIT_DB))
+    let gains_db: Vec<f64> = (0..recording.side_db.len().min(output.side_db.len()))
+        .map(|band| (width_db(recording, band) - width_db(output, band)).clamp(-LIMIT_DB, LIMIT_DB))
         .collect();
     design(&gains_db, sample_rate_hz)
 }

@@ -24,7 +24,7 @@ pub fn loudnesses(drive: &[f64], envelope: Option<DriveEnvelope<'_>>, sample_rat
             .map(|whole| DriveEnvelope { values: &whole.values[number * LEARN_BLOCK..][..drive.len()], ..whole });
         let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
         companding.compress(drive, envelope, &TextureControls::default(), None, flat, loudness);
-        all.extend_from_slice(companding.told());
+        all.extend_from_slice(companding.measured_loudnesses());
     }
     Ok(all)
 }

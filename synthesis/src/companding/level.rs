@@ -1,9 +1,9 @@
 //! The overall level of a drive, the reference for its loudness.
 
+use crate::dsp::MEAN_EXPONENT;
+
 /// Level assumed for an unknown drive: that of the flames used in development.
 pub const NOMINAL: f64 = 0.085;
-/// Exponent of the mean over time: about twice that of the restored loudness, so that its mean power is preserved.
-const MEAN_EXPONENT: f64 = 1.4;
 /// Seconds after which past loudness counts 1/e.
 const MEMORY_S: f64 = 30.0;
 /// Seconds of drive that weigh as much as the prior: for an unsteady drive near [`NOMINAL`]. Following the first seconds
@@ -21,8 +21,6 @@ const QUIET_S: f64 = 3.0;
 /// Standard deviation of the loudness, in nepers, from which a drive counts as unsteady: 3 dB. A band of noise has 1 dB,
 /// flames 6 to 16. The first seconds of a steady drive say all about its level, so that it does not drift.
 const UNSTEADY: f64 = 0.345;
-/// Share of the loudest below which a learned drive counts as silent.
-const SILENT_PART: f64 = 1e-3;
 
 /// The loudness of the drive so far: a mean that forgets, silence not counted. Starts at
 /// [`NOMINAL`].
@@ -30,7 +28,7 @@ const SILENT_PART: f64 = 1e-3;
 pub struct RunningLevel {
     frame_s: f64,
     decay: f64,
-    heard_s: f64,
+    elapsed_s: f64,
     sum: f64,
     /// Integrals of the loudness in nepers over the nominal level, and of its square.
     log: [f64; 2],
@@ -40,24 +38,24 @@ impl RunningLevel {
     /// A level for loudnesses at `frame_rate_hz`.
     pub fn new(frame_rate_hz: f64) -> Self {
         let frame_s = 1.0 / frame_rate_hz;
-        Self { frame_s, decay: maths::exp(-frame_s / MEMORY_S), heard_s: 0.0, sum: 0.0, log: [0.0; 2] }
+        Self { frame_s, decay: maths::exp(-frame_s / MEMORY_S), elapsed_s: 0.0, sum: 0.0, log: [0.0; 2] }
     }
 
     /// Forgets everything.
     pub fn reset(&mut self) {
-        self.heard_s = 0.0;
+        self.elapsed_s = 0.0;
         self.sum = 0.0;
         self.log = [0.0; 2];
     }
 
     /// True before the first loudness.
     pub fn is_fresh(&self) -> bool {
-        self.heard_s == 0.0
+        self.elapsed_s == 0.0
     }
 
     /// Adds a frame's loudness, which must not be silence.
     pub fn push(&mut self, loudness: f64) {
-        self.heard_s = self.heard_s * self.decay + self.frame_s;
+        self.elapsed_s = self.elapsed_s * self.decay + self.frame_s;
         self.sum = self.sum * self.decay + self.frame_s * maths::pow(loudness, MEAN_EXPONENT);
         let log = maths::ln(loudness / NOMINAL);
         let [mean, square] = self.log;
@@ -66,38 +64,30 @@ impl RunningLevel {
 
     /// The level. Measurement and prior are mixed in decibels, so that quiet drives are found as fast as loud ones.
     pub fn level(&self) -> f64 {
-        if self.heard_s <= 0.0 || self.sum <= 0.0 {
+        if self.elapsed_s <= 0.0 || self.sum <= 0.0 {
             return NOMINAL;
         }
-        let heard = maths::ln(self.sum / self.heard_s) / MEAN_EXPONENT;
-        let thought = maths::ln(NOMINAL);
-        let prior_s = self.prior_s(heard - thought);
-        maths::exp((prior_s * thought + self.heard_s * heard) / (prior_s + self.heard_s))
+        let measured = maths::ln(self.sum / self.elapsed_s) / MEAN_EXPONENT;
+        let prior = maths::ln(NOMINAL);
+        let prior_s = self.prior_s(measured - prior);
+        maths::exp((prior_s * prior + self.elapsed_s * measured) / (prior_s + self.elapsed_s))
     }
 
     /// Seconds of drive that weigh as much as the prior, for a drive that lies this many nepers above it so far.
     fn prior_s(&self, above: f64) -> f64 {
         let near = PRIOR_S * maths::exp(-maths::square(above / NEAR));
-        let quiet = if above < 0.0 { QUIET_PRIOR_S * maths::exp(-self.heard_s / QUIET_S) } else { 0.0 };
-        LEAST_PRIOR_S * maths::exp(-self.heard_s / LEAST_S) + self.unsteadiness() * near.max(quiet)
+        let quiet = if above < 0.0 { QUIET_PRIOR_S * maths::exp(-self.elapsed_s / QUIET_S) } else { 0.0 };
+        LEAST_PRIOR_S * maths::exp(-self.elapsed_s / LEAST_S) + self.unsteadiness() * near.max(quiet)
     }
 
     /// Share, 0-1, to which the drive counts as unsteady.
     fn unsteadiness(&self) -> f64 {
-        let [mean, square] = self.log.map(|sum| sum / self.heard_s);
+        let [mean, square] = self.log.map(|sum| sum / self.elapsed_s);
         let ratio = (square - mean * mean).max(0.0) / maths::square(UNSTEADY);
         // A steep step: what is steady counts as such although no noise has a constant loudness.
         let cube = ratio * ratio * ratio;
         cube / (cube + 1.0)
     }
-}
-
-/// The level of a drive whose loudnesses are known beforehand.
-pub fn level_of(loudnesses: &[f64]) -> Option<f64> {
-    let silent = SILENT_PART * loudnesses.iter().fold(0.0f64, |most, x| most.max(*x));
-    let audible = || loudnesses.iter().filter(|x| **x > silent);
-    let mean = audible().map(|x| maths::pow(*x, MEAN_EXPONENT)).sum::<f64>() / audible().count().max(1) as f64;
-    (mean > 0.0 && mean.is_finite()).then(|| maths::pow(mean, 1.0 / MEAN_EXPONENT))
 }
 
 #[cfg(test)]
@@ -146,16 +136,6 @@ mod tests {
     fn quiet_flame_is_found_within_eight_seconds() {
         let [_, level] = levels_db([1, 8], |frame| -40.0 + 13.0 * (0.01 * frame as f64).sin());
         assert!(level < -30.0, "{level} dB");
-    }
-
-    #[test]
-    fn learned_level_leaves_silence_out() {
-        let mut loudnesses = vec![0.2; 1000];
-        assert!((level_of(&loudnesses).unwrap() - 0.2).abs() < 1e-12);
-        loudnesses.extend([0.0; 5000]);
-        assert!((level_of(&loudnesses).unwrap() - 0.2).abs() < 1e-12);
-        assert_eq!(level_of(&[0.0; 9]), None);
-        assert_eq!(level_of(&[]), None);
     }
 
     #[test]

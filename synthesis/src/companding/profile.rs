@@ -3,8 +3,8 @@
 use super::bands::Power;
 use super::equalizer::design_low_pass;
 use super::frames::frame_samples;
-use crate::bulk::bulk_fields;
 use crate::dsp::{Svf, mean_of, section_gain};
+use crate::texture::RemovedLoudness;
 use bitcode::{Decode, Encode};
 
 /// Exponent with which both loudnesses are removed before matching. Removing all of it (1) was tried, and doubled the
@@ -30,15 +30,9 @@ const MOST_GAIN_DB: f64 = 40.0;
 const LOW_STEP_HZ: f64 = 20.0;
 const LOW_STEPS: usize = 20;
 
-/// Data about a recording in addition to its flattened form.
+/// Data about a recording in addition to its flattened form and the loudness that was removed from it.
 #[derive(Debug, Clone, Encode, Decode)]
 pub struct Profile {
-    /// Its loudness by frames, relative to that of the whole.
-    #[bitcode(skip)]
-    relative: Vec<f64>,
-    frame_samples: usize,
-    /// Index, in the dictionary's arrays, of its first sample.
-    first: usize,
     /// Root mean square of the flat form below [`MATCHED_HZ`].
     pub(super) matched_rms: f64,
     /// Root mean square between [`INFRASOUND_HZ`] and multiples of [`LOW_STEP_HZ`].
@@ -57,29 +51,29 @@ pub struct Profile {
     pub(super) floor: f64,
 }
 
-bulk_fields!(Profile: relative);
-
 impl Profile {
-    /// Removes the loudness from `channels`, at least one and all equally long, and returns it as a profile.
-    pub fn compress(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> Self {
-        let power = Power::of(&mean_of(channels), sample_rate_hz);
+    /// Removes the loudness from `channels`, at least one and all equally long, and returns it with the profile.
+    pub fn compress(channels: &mut [Vec<f64>], sample_rate_hz: f64) -> (RemovedLoudness, Self) {
+        let power = Power::of_signal(&mean_of(channels), sample_rate_hz);
         Self::compress_with(channels, &power, sample_rate_hz)
     }
 
     /// The same where the `power` of the channels' mean is known already.
-    pub(crate) fn compress_with(channels: &mut [Vec<f64>], power: &Power, sample_rate_hz: f64) -> Self {
+    pub(crate) fn compress_with(
+        channels: &mut [Vec<f64>],
+        power: &Power,
+        sample_rate_hz: f64,
+    ) -> (RemovedLoudness, Self) {
         let frame_samples = frame_samples(sample_rate_hz);
         let mut relative = loudness(channels, frame_samples, sample_rate_hz);
         let whole = (relative.iter().map(|x| x * x).sum::<f64>() / relative.len().max(1) as f64).sqrt();
         let floor = FLOOR * relative.iter().fold(0.0f64, |most, x| most.max(*x));
         let is_audible = whole > 0.0;
         relative.iter_mut().for_each(|x| *x = if is_audible { x.max(floor) / whole } else { 1.0 });
+        let removed = RemovedLoudness::divide_out(channels, relative, frame_samples, MATCH_EXPONENT);
         let limit_hz = power.band_limit_hz();
-        let mut profile = Self {
-            relative,
-            frame_samples,
-            first: 0,
-            matched_rms: 0.0,
+        let profile = Self {
+            matched_rms: rms_below(&mean_of(channels), MATCHED_HZ, sample_rate_hz),
             below: (0..=LOW_STEPS).map(|step| power.rms_between(INFRASOUND_HZ, LOW_STEP_HZ * step as f64)).collect(),
             level: 1.0,
             lufs: None,
@@ -88,18 +82,7 @@ impl Profile {
             limit_taps: limit_hz.map_or_else(Vec::new, |hz| design_low_pass(hz, sample_rate_hz)),
             floor: limit_hz.map_or(0.0, |hz| power.floor_above(hz)),
         };
-        // A power for each sample of all channels: it is most of the work here.
-        for i in 0..channels.first().map_or(0, Vec::len) {
-            let gain = maths::pow(profile.relative_at(i as f64), -MATCH_EXPONENT);
-            channels.iter_mut().for_each(|channel| channel[i] *= gain);
-        }
-        profile.matched_rms = rms_below(&mean_of(channels), MATCHED_HZ, sample_rate_hz);
-        profile
-    }
-
-    /// Sets the start of the recording in the dictionary's arrays.
-    pub(crate) fn set_first(&mut self, first: usize) {
-        self.first = first;
+        (removed, profile)
     }
 
     /// Sets the recording's integrated loudness.
@@ -127,13 +110,6 @@ impl Profile {
         self.side_taps = side_taps;
     }
 
-    /// The factor that restores the share of its own loudness that exponent `dynamics` (0-1) leaves, around `sample` of
-    /// the dictionary's arrays.
-    pub(crate) fn own_dynamics(&self, sample: i64, dynamics: f64) -> f64 {
-        let exponent = MATCH_EXPONENT - dynamics;
-        if exponent == 0.0 { 1.0 } else { maths::pow(self.relative_at((sample - self.first as i64) as f64), exponent) }
-    }
-
     /// Root mean square of the audible sound below a frequency in Hz.
     pub(super) fn rms_below(&self, frequency_hz: f64) -> f64 {
         let place = (frequency_hz / LOW_STEP_HZ).clamp(0.0, LOW_STEPS as f64);
@@ -144,15 +120,7 @@ impl Profile {
     /// Approximate number of bytes held.
     pub(crate) fn bytes(&self) -> usize {
         let taps = self.taps.len() + self.side_taps.len() + self.limit_taps.len();
-        (self.relative.len() + self.below.len() + taps) * size_of::<f64>()
-    }
-
-    fn relative_at(&self, sample: f64) -> f64 {
-        let Some(last) = self.relative.len().checked_sub(1) else { return 1.0 };
-        let place = ((sample + 0.5) / self.frame_samples as f64 - 0.5).clamp(0.0, last as f64);
-        let frame = (place as usize).min(last);
-        let next = self.relative[(frame + 1).min(last)];
-        self.relative[frame] + (place - frame as f64) * (next - self.relative[frame])
+        (self.below.len() + taps) * size_of::<f64>()
     }
 }
 
@@ -219,14 +187,14 @@ mod tests {
     }
 
     #[test]
-    fn own_dynamics_restores_the_removed_loudness() {
+    fn own_gain_restores_the_removed_loudness() {
         let recording = swelling(200_000);
         let mut flat = [recording.clone()];
-        let profile = Profile::compress(&mut flat, 44_100.0);
+        let (removed, _) = Profile::compress(&mut flat, 44_100.0);
         for (i, (flat, sample)) in flat[0].iter().zip(&recording).enumerate().step_by(97) {
-            let back = flat * profile.own_dynamics(i as i64, 0.0);
+            let back = flat * removed.gain_at(i as i64, 0.0);
             assert!((back - sample).abs() < 1e-12, "{i}: {back} instead of {sample}");
-            assert_eq!(profile.own_dynamics(i as i64, MATCH_EXPONENT), 1.0);
+            assert_eq!(removed.gain_at(i as i64, MATCH_EXPONENT), 1.0);
         }
     }
 
@@ -265,9 +233,9 @@ mod tests {
     fn silence_and_a_single_sample_stay_finite() {
         for recording in [vec![0.0; 5000], vec![0.3], vec![]] {
             let mut flat = [recording];
-            let profile = Profile::compress(&mut flat, 44_100.0);
+            let (removed, profile) = Profile::compress(&mut flat, 44_100.0);
             assert!(flat[0].iter().all(|x| x.is_finite()));
-            assert!(profile.own_dynamics(10, 0.2).is_finite() && profile.rms_below(150.0).is_finite());
+            assert!(removed.gain_at(10, 0.2).is_finite() && profile.rms_below(150.0).is_finite());
         }
     }
 }

@@ -24,7 +24,7 @@ pub(super) struct Background {
 impl Background {
     /// The background of one channel. Crackles are rarer than the sound between them, so a percentile below the median
     /// excludes them.
-    pub fn of(signal: &[f64], stft: &mut Stft, sample_rate_hz: f64) -> Self {
+    pub fn of_signal(signal: &[f64], stft: &mut Stft, sample_rate_hz: f64) -> Self {
         let (bins, frames) = (stft.bins(), stft.frames(signal.len()));
         let span = ((SPAN_S * sample_rate_hz / stft.hop() as f64) as usize / STRIDE).max(4);
         let to_rms = 1.0 / (-maths::ln(1.0 - PERCENTILE)).sqrt();
@@ -56,7 +56,7 @@ impl Background {
     }
 
     /// The root mean square magnitude of `bin` in `frame`.
-    pub fn at(&self, frame: usize, bin: usize) -> f64 {
+    pub fn power_at(&self, frame: usize, bin: usize) -> f64 {
         let last = self.rows.len() / self.bins - 1;
         let (row, part) = ((frame / STEP).min(last), (frame % STEP) as f32 / STEP as f32);
         let value = |row: usize| self.rows[row.min(last) * self.bins + bin];

@@ -48,7 +48,7 @@ pub(super) struct Found {
 
 /// All crackles of `channels`, equally long, in order; none overlap.
 pub(super) fn crackles(channels: &[Vec<f64>], sample_rate_hz: f64) -> Vec<Found> {
-    let frames = Frames::of(channels, sample_rate_hz);
+    let frames = Frames::of_channels(channels, sample_rate_hz);
     let mut peaks = frames.peaks();
     peaks.sort_unstable();
     frames.bounds(&peaks, channels.first().map_or(0, Vec::len))
@@ -66,7 +66,7 @@ struct Frames {
 }
 
 impl Frames {
-    fn of(channels: &[Vec<f64>], sample_rate_hz: f64) -> Self {
+    fn of_channels(channels: &[Vec<f64>], sample_rate_hz: f64) -> Self {
         let frame_samples = ((FRAME_S * sample_rate_hz).round() as usize).max(1);
         let mut bands = band_powers(channels, frame_samples, sample_rate_hz);
         let count = bands.first().map_or(0, Vec::len);

@@ -1,7 +1,7 @@
 //! One crackle while it is played.
 
 use super::event::{Crackles, Event, PADDING};
-use super::source::{Source, Sources};
+use super::source::{CrackleSource, Sources};
 
 /// Largest number of channels of any bus: those of 7.1.2.
 pub(super) const MOST_CHANNELS: usize = 10;
@@ -16,7 +16,7 @@ const TILT_HZ: f64 = 4000.0;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Play {
     /// Source of its wave, and index of its event there.
-    pub source: Source,
+    pub source: CrackleSource,
     pub event: usize,
     /// Fraction of a sample by which it is delayed.
     pub late: f64,
@@ -54,7 +54,7 @@ impl Grain {
     }
 
     /// Source of its wave.
-    pub fn source(&self) -> Source {
+    pub fn source(&self) -> CrackleSource {
         self.play.source
     }
 

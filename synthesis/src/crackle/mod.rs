@@ -49,7 +49,7 @@ use crate::dsp::Timeline;
 use crate::error::within;
 use grain::{Grain, MOST_CHANNELS, Play, tilt_step, value_of};
 use schedule::{Due, STREAMS, Schedule};
-use source::Source;
+use source::CrackleSource;
 
 /// Exponents of the drive's loudness in the density and in the level of crackles, if they follow it fully. Twice as much
 /// left dB sync unchanged and took the texture farther from the recording (docs/sound.md).
@@ -81,11 +81,11 @@ pub struct Crackle {
     timeline: Timeline<CrackleControls>,
     schedule: Option<Schedule>,
     /// Seed and source of the schedule.
-    playing: (u32, Source),
+    playing: (u32, CrackleSource),
     grains: Vec<Grain>,
     sums: Vec<Vec<i64>>,
     /// Sum of the drive's loudness so far, and of its weights in samples; both decay by the factor `keep`.
-    heard: [f64; 2],
+    past_loudness: [f64; 2],
     keep: f64,
     /// Position of the next audible sample of the drive, and samples since reset.
     position: i64,
@@ -104,7 +104,7 @@ impl Crackle {
             playing: Default::default(),
             grains: vec![Grain::default(); GRAINS],
             sums: vec![vec![0; block]; channels.min(MOST_CHANNELS)],
-            heard: [PRIOR_S * sample_rate_hz; 2],
+            past_loudness: [PRIOR_S * sample_rate_hz; 2],
             keep: maths::exp(-1.0 / (MEMORY_S * sample_rate_hz)),
             position: 0,
             now: 0,
@@ -126,13 +126,13 @@ impl Crackle {
         self.timeline.reset(CrackleControls::default());
         self.position = position.wrapping_sub(self.latency_samples);
         self.now = 0;
-        self.heard = [PRIOR_S * self.sample_rate_hz; 2];
+        self.past_loudness = [PRIOR_S * self.sample_rate_hz; 2];
         self.forget();
     }
 
     /// Ends the sound of a slot's recording, which no longer exists.
     pub fn forget_slot(&mut self, slot: usize) {
-        let is_its = |source: Source| source == Source::Recording(slot);
+        let is_its = |source: CrackleSource| source == CrackleSource::Recording(slot);
         if is_its(self.playing.1) {
             self.schedule = None;
         }
@@ -183,7 +183,7 @@ impl Crackle {
             let until = (end.saturating_sub(entered)).min((loudness.len() - start) as u64) as usize;
             let end = start + until.max(1);
             if let Some((source, crackles)) = sources.choose(&controls) {
-                self.follow(start, &controls, source, crackles);
+                self.update_schedule(start, &controls, source, crackles);
                 self.play_run(start, end, &controls, loudness, (source, crackles), sources);
                 sounds = true;
             } else if self.grains.iter().any(Grain::is_on) {
@@ -197,7 +197,13 @@ impl Crackle {
     }
 
     /// Restarts the schedule at sample `start` of a block if the seed or the source has changed.
-    fn follow(&mut self, start: usize, controls: &CrackleControls, source: Source, crackles: &Crackles) {
+    fn update_schedule(
+        &mut self,
+        start: usize,
+        controls: &CrackleControls,
+        source: CrackleSource,
+        crackles: &Crackles,
+    ) {
         let playing = (controls.seed, source);
         if self.schedule.is_none() || self.playing != playing {
             let position = self.position.wrapping_add(start as i64);
@@ -213,7 +219,7 @@ impl Crackle {
         end: usize,
         controls: &CrackleControls,
         loudness: &[f64],
-        playing: (Source, &Crackles),
+        playing: (CrackleSource, &Crackles),
         sources: &Sources<'_>,
     ) {
         let mut at = start;
@@ -222,13 +228,13 @@ impl Crackle {
             let Some(schedule) = &mut self.schedule else { return };
             let wait = schedule.wait(position).clamp(0, (end - at) as i64) as usize;
             if wait == 0 && at < end {
-                if let Some(due) = schedule.take(position, playing.1) {
+                if let Some(due) = schedule.next_due(position, playing.1) {
                     self.begin(&due, controls, loudness[at], playing, sources.gain(playing.0));
                 }
                 continue;
             }
             self.add_grains(at, at + wait, sources);
-            self.hear(&loudness[at..at + wait]);
+            self.add_to_mean(&loudness[at..at + wait]);
             at += wait;
             if at >= end {
                 return;
@@ -237,10 +243,10 @@ impl Crackle {
     }
 
     /// Adds the drive's loudness to its mean; silence does not count.
-    fn hear(&mut self, loudness: &[f64]) {
+    fn add_to_mean(&mut self, loudness: &[f64]) {
         for loudness in loudness.iter().filter(|loudness| **loudness > 0.0) {
-            let [sum, count] = self.heard;
-            self.heard = [sum * self.keep + within(*loudness, 0.0, LOUDEST), count * self.keep + 1.0];
+            let [sum, count] = self.past_loudness;
+            self.past_loudness = [sum * self.keep + within(*loudness, 0.0, LOUDEST), count * self.keep + 1.0];
         }
     }
 
@@ -261,10 +267,10 @@ impl Crackle {
         due: &Due,
         controls: &CrackleControls,
         loudness: f64,
-        (source, crackles): (Source, &Crackles),
+        (source, crackles): (CrackleSource, &Crackles),
         source_gain: f64,
     ) {
-        let [sum, count] = self.heard;
+        let [sum, count] = self.past_loudness;
         let mean = (sum / count).max(LEAST_MEAN);
         let loudness = within(loudness, 0.0, LOUDEST) / mean;
         let follow = within(controls.follow, 0.0, 2.0);

@@ -58,15 +58,15 @@ impl Schedule {
         Self { streams: std::array::from_fn(|number| Stream::new(number, seed, crackles, position)) }
     }
 
-    /// Samples from `position` until the next call of [`take`](Self::take) is needed.
+    /// Samples from `position` until the next call of [`next_due`](Self::next_due) is needed.
     pub fn wait(&self, position: i64) -> i64 {
         self.streams.iter().map(|stream| stream.due.wrapping_sub(position)).min().unwrap_or(i64::MAX)
     }
 
     /// Advances the earliest stream; returns the crackle that is due now, unless it is the end of a run.
-    pub fn take(&mut self, position: i64, crackles: &Crackles) -> Option<Due> {
+    pub fn next_due(&mut self, position: i64, crackles: &Crackles) -> Option<Due> {
         let stream = self.streams.iter_mut().min_by_key(|stream| stream.due.wrapping_sub(position))?;
-        stream.take(crackles)
+        stream.next_in_pass(crackles)
     }
 }
 
@@ -114,7 +114,7 @@ impl Stream {
         self.due = self.begin(run_samples).wrapping_add(into as i64);
     }
 
-    fn take(&mut self, crackles: &Crackles) -> Option<Due> {
+    fn next_in_pass(&mut self, crackles: &Crackles) -> Option<Due> {
         if self.next >= self.end {
             self.enter(self.run.wrapping_add(1), crackles);
             return None;

@@ -18,14 +18,14 @@ pub struct Sources<'a> {
 
 /// Origin of a crackle's wave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Source {
+pub(super) enum CrackleSource {
     /// Slot of a recording.
     Recording(usize),
     /// Index among the fuels.
     Fuel(usize),
 }
 
-impl Default for Source {
+impl Default for CrackleSource {
     fn default() -> Self {
         Self::Recording(0)
     }
@@ -46,27 +46,27 @@ impl<'a> Sources<'a> {
     }
 
     /// The source that crackles: the chosen recording if it has crackles, otherwise the fuel.
-    pub(super) fn choose(&self, controls: &CrackleControls) -> Option<(Source, &'a Crackles)> {
-        [Some(Source::Recording(controls.slot)), controls.fuel.place().map(Source::Fuel)]
+    pub(super) fn choose(&self, controls: &CrackleControls) -> Option<(CrackleSource, &'a Crackles)> {
+        [Some(CrackleSource::Recording(controls.slot)), controls.fuel.place().map(CrackleSource::Fuel)]
             .into_iter()
             .flatten()
             .find_map(|source| self.crackles(source).map(|crackles| (source, crackles)))
     }
 
     /// The crackles of `source`, if there are any.
-    pub(super) fn crackles(&self, source: Source) -> Option<&'a Crackles> {
+    pub(super) fn crackles(&self, source: CrackleSource) -> Option<&'a Crackles> {
         let found = match source {
-            Source::Recording(slot) => self.recordings.get(slot).copied().flatten(),
-            Source::Fuel(place) => self.fuels.get(place),
+            CrackleSource::Recording(slot) => self.recordings.get(slot).copied().flatten(),
+            CrackleSource::Fuel(place) => self.fuels.get(place),
         };
         found.filter(|crackles| !crackles.events().is_empty())
     }
 
     /// Factor on the crackles of `source`.
-    pub(super) fn gain(&self, source: Source) -> f64 {
+    pub(super) fn gain(&self, source: CrackleSource) -> f64 {
         match source {
-            Source::Recording(slot) => self.gains.get(slot).copied().unwrap_or(1.0),
-            Source::Fuel(_) => self.fuel_gain,
+            CrackleSource::Recording(slot) => self.gains.get(slot).copied().unwrap_or(1.0),
+            CrackleSource::Fuel(_) => self.fuel_gain,
         }
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn is_impulsive(channels: &[Vec<f64>], sample_rate_hz: f64) -> bool {
 /// The bed of one channel, and the parts that exceed it.
 fn take_apart(signal: &[f64], found: &[Found], sample_rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
     let mut stft = Stft::new(sample_rate_hz);
-    let background = Background::of(signal, &mut stft, sample_rate_hz);
+    let background = Background::of_signal(signal, &mut stft, sample_rate_hz);
     let mut noise = vec![0.0; signal.len()];
     White::new(FILL_SEED, FILL_STREAM).fill(0, &mut noise);
     let white_rms = stft.white_rms();
@@ -72,7 +72,7 @@ fn take_apart(signal: &[f64], found: &[Found], sample_rate_hz: f64) -> (Vec<f64>
         filled.copy_from_slice(stft.spectrum());
         stft.analyse(signal, frame);
         for (bin, share) in shares.iter().enumerate() {
-            let (value, rms) = (stft.spectrum()[bin], background.at(frame, bin));
+            let (value, rms) = (stft.spectrum()[bin], background.power_at(frame, bin));
             let magnitude = fft::magnitude(value);
             if *share == 0.0 || magnitude <= EXCESS * rms {
                 taken[bin] = Default::default();

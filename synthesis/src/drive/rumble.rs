@@ -54,7 +54,7 @@ impl Rumble {
         let hop = self.block.len();
         let start = number.wrapping_mul(hop as i64).wrapping_sub(self.reach as i64);
         for (offset, sample) in self.transform.time.iter_mut().enumerate() {
-            *sample = White::new(seed, STREAM).at(start.wrapping_add(offset as i64));
+            *sample = White::new(seed, STREAM).sample_at(start.wrapping_add(offset as i64));
         }
         self.transform.forward();
         self.transform.filter(&self.response);

@@ -93,7 +93,7 @@ mod tests {
         let mut swell = Swell::new(rate_hz);
         let noise = crate::dsp::White::new(1, 0);
         let level = |n: usize| if (n / 8000).is_multiple_of(2) { 0.1 } else { 0.2 };
-        let mut drive: Vec<f64> = (0..160_000).map(|n| level(n) * noise.at(n as i64)).collect();
+        let mut drive: Vec<f64> = (0..160_000).map(|n| level(n) * noise.sample_at(n as i64)).collect();
         swell.process(exponent, &mut drive);
         let power = |second: usize| drive[second * 8000 + 2000..(second + 1) * 8000].iter().map(|x| x * x).sum::<f64>();
         10.0 * (power(19) / power(18)).log10()

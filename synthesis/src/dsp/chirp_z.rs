@@ -62,8 +62,9 @@ mod tests {
     #[test]
     fn equals_the_long_transform() {
         let (bins, samples, wanted) = (4096, 300, 17..160);
-        let signal: Vec<Complex64> =
-            (0..samples).map(|n| Complex64::new(White::new(1, 0).at(n), White::new(1, 1).at(n))).collect();
+        let signal: Vec<Complex64> = (0..samples)
+            .map(|n| Complex64::new(White::new(1, 0).sample_at(n), White::new(1, 1).sample_at(n)))
+            .collect();
         let mut long = signal.clone();
         long.resize(bins, Complex64::default());
         ComplexTransform::new(bins).forward(&mut long);

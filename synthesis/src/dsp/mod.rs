@@ -11,7 +11,7 @@
 //! | `Delay` | a fixed delay |
 //! | `RingBuffer`, `Ring` | the recent past: in one piece, to be read as a slice; by index, with zeros where nothing was written |
 //! | `OverlapAdd` | sums of overlapping pieces |
-//! | `mean_of`, `integrated_lufs`, `ceiling` | channels' mean, loudness, the curve that keeps samples below full scale |
+//! | `mean_of`, `integrated_lufs`, `mean_loudness`, `ceiling` | channels' mean, loudness, mean of loudnesses, the curve that keeps samples below full scale |
 //!
 //! Engines import this module; it imports none of them (`tests/tests/it/imports.rs`).
 
@@ -22,6 +22,7 @@ mod delay;
 mod envelope;
 mod kernel;
 mod loudness;
+mod mean_loudness;
 mod noise;
 mod overlap_add;
 mod ring;
@@ -40,6 +41,7 @@ pub(crate) use chirp_z::ChirpZ;
 pub(crate) use delay::Delay;
 pub(crate) use envelope::{Average, Envelope, Follow};
 pub(crate) use loudness::integrated_lufs;
+pub(crate) use mean_loudness::{MEAN_EXPONENT, mean_loudness};
 pub(crate) use overlap_add::OverlapAdd;
 pub(crate) use ring::Ring;
 pub(crate) use ring_buffer::RingBuffer;

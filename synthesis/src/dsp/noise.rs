@@ -16,7 +16,7 @@ impl White {
     }
 
     /// The sample at `position`, in -sqrt(3)..sqrt(3).
-    pub fn at(&self, position: i64) -> f64 {
+    pub fn sample_at(&self, position: i64) -> f64 {
         // A uniform variable on -1..1 has the variance 1/3.
         const SCALE: f64 = 1.732_050_807_568_877_2 / 9_223_372_036_854_775_808.0;
         let counter = (position as u64).wrapping_mul(WEYL);
@@ -36,7 +36,7 @@ impl White {
     /// The samples from `start` on.
     pub fn fill(&self, start: i64, out: &mut [f64]) {
         for (position, sample) in (start..).zip(out) {
-            *sample = self.at(position);
+            *sample = self.sample_at(position);
         }
     }
 }
@@ -80,7 +80,7 @@ mod tests {
         let mut long = [0.0; 64];
         noise.fill(-32, &mut long);
         for (offset, expected) in long.iter().enumerate() {
-            assert_eq!(noise.at(offset as i64 - 32), *expected);
+            assert_eq!(noise.sample_at(offset as i64 - 32), *expected);
         }
     }
 }

@@ -35,7 +35,7 @@ impl OverlapAdd {
     }
 
     /// Reads the next samples.
-    pub fn take(&mut self, out: &mut [f64]) {
+    pub fn read(&mut self, out: &mut [f64]) {
         let mut at = self.index(self.front);
         for sample in out.iter_mut() {
             *sample = std::mem::take(&mut self.ring[at]);
@@ -63,9 +63,9 @@ mod tests {
         overlap.add(-5, [1.0, 1.0, 1.0, 1.0].into_iter());
         overlap.add(-2, [2.0; 7].into_iter());
         let mut out = [0.0; 6];
-        overlap.take(&mut out);
+        overlap.read(&mut out);
         assert_eq!(out, [1.0, 3.0, 2.0, 2.0, 2.0, 2.0]);
-        overlap.take(&mut out);
+        overlap.read(&mut out);
         assert_eq!(out, [2.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
     }
 }

@@ -55,7 +55,7 @@ impl<T: Copy + PartialEq> Timeline<T> {
 
     /// The value at `sample` (0 = the first after reset): the oldest known value before the span, the newest one from
     /// the end on.
-    pub fn at(&self, sample: u64) -> T {
+    pub fn value_at(&self, sample: u64) -> T {
         self.run_at(sample).0
     }
 
@@ -109,6 +109,6 @@ mod tests {
         timeline.push(3, 9);
         timeline.push(4, 1);
         timeline.reset(7);
-        assert_eq!((timeline.at(0), timeline.at(99), timeline.end()), (7, 7, 0));
+        assert_eq!((timeline.value_at(0), timeline.value_at(99), timeline.end()), (7, 7, 0));
     }
 }

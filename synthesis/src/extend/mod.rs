@@ -72,19 +72,25 @@ pub struct Extend<N = PowerLaw> {
     last_loud: i64,
     /// Offsets in samples, after a window is due, of each step towards the next.
     step_offsets: Vec<usize>,
-    /// Samples from the start of a block of the low part until the drive of its first half has arrived, and from then
-    /// to each event.
-    low_start: usize,
-    low_offsets: [usize; LOW_EVENTS],
-    low_out: OverlapAdd,
-    /// Position up to which the low part is made, and whether it included the last block.
-    low_until: i64,
-    is_low_on: bool,
-    low_hold_samples: i64,
+    low_schedule: LowSchedule,
     noise_out: Vec<OverlapAdd>,
     fits: Vec<Fit>,
     /// The first channel's noise factors since they were last taken.
     betas: Vec<f32>,
+}
+
+/// When the low part is made, and where it goes.
+#[derive(Debug)]
+struct LowSchedule {
+    /// Samples from the start of a block of the low part until the drive of its first half has arrived, and from then
+    /// to each event.
+    start: usize,
+    offsets: [usize; LOW_EVENTS],
+    out: OverlapAdd,
+    /// Position up to which the low part is made, and whether it included the last block.
+    until: i64,
+    is_on: bool,
+    hold_samples: i64,
 }
 
 /// Largest number of stored factors, six seconds of them at the default half-width. If nothing takes them, as without a
@@ -132,8 +138,14 @@ impl<N: NoiseSource> Extend<N> {
         let mut extend = Self {
             source,
             step_offsets: (0..steps).map(|step| (step * hop / steps).clamp(1, (hop - 1).max(1))).collect(),
-            low_start: layout.low_reach + first_half,
-            low_offsets: std::array::from_fn(|event| event * hop / LOW_PARTS),
+            low_schedule: LowSchedule {
+                start: layout.low_reach + first_half,
+                offsets: std::array::from_fn(|event| event * hop / LOW_PARTS),
+                out: OverlapAdd::new(span),
+                until: 0,
+                is_on: true,
+                hold_samples: (layout.latency + layout.half_width) as i64 + (LOW_HOLD_S * sample_rate_hz) as i64,
+            },
             low: Low::new(&layout, sample_rate_hz),
             high,
             drive: RingBuffer::new(keep),
@@ -141,10 +153,6 @@ impl<N: NoiseSource> Extend<N> {
             controls: Timeline::new(layout.latency + layout.half_width, ExtendControls::default()),
             origin: 0,
             last_loud: i64::MIN,
-            low_out: OverlapAdd::new(span),
-            low_until: 0,
-            is_low_on: true,
-            low_hold_samples: (layout.latency + layout.half_width) as i64 + (LOW_HOLD_S * sample_rate_hz) as i64,
             noise_out: (0..channels).map(|_| OverlapAdd::new(span)).collect(),
             fits: vec![Fit::default(); channels],
             betas: Vec::with_capacity(BETA_CAPACITY),
@@ -181,9 +189,9 @@ impl<N: NoiseSource> Extend<N> {
         self.drive.reset(position);
         self.controls.reset(ExtendControls::default());
         let front = position - self.layout.latency as i64;
-        self.low_out.reset(front);
-        self.low_until = i64::MIN;
-        self.is_low_on = true;
+        self.low_schedule.out.reset(front);
+        self.low_schedule.until = i64::MIN;
+        self.low_schedule.is_on = true;
         self.noise_out.iter_mut().for_each(|out| out.reset(front));
         self.fits.fill(Fit::default());
         self.betas.clear();
@@ -208,16 +216,16 @@ impl<N: NoiseSource> Extend<N> {
     ) {
         let count = noise.iter().map(|channel| channel.len()).fold(drive.len().min(low.len()), usize::min);
         if is_low_wanted {
-            self.low_until = (self.drive.end() + count as i64).saturating_add(self.low_hold_samples);
+            self.low_schedule.until = (self.drive.end() + count as i64).saturating_add(self.low_schedule.hold_samples);
         }
         let mut done = 0;
         while done < count {
             let position = self.drive.end();
             let step = ((self.next_event(position) - position) as usize).min(count - done);
-            self.take(&drive[done..done + step], controls);
-            self.low_out.take(&mut low[done..done + step]);
+            self.push_drive(&drive[done..done + step], controls);
+            self.low_schedule.out.read(&mut low[done..done + step]);
             for (out, channel) in self.noise_out.iter_mut().zip(noise.iter_mut()) {
-                out.take(&mut channel[done..done + step]);
+                out.read(&mut channel[done..done + step]);
             }
             done += step;
             self.work(position + step as i64);
@@ -225,7 +233,7 @@ impl<N: NoiseSource> Extend<N> {
     }
 
     /// Processes the drive up to the next event.
-    fn take(&mut self, drive: &[f64], controls: &ExtendControls) {
+    fn push_drive(&mut self, drive: &[f64], controls: &ExtendControls) {
         let chunk = &mut self.chunk[..drive.len()];
         for (kept, sample) in chunk.iter_mut().zip(drive) {
             *kept = if sample.abs() < SILENCE { 0.0 } else { *sample };
@@ -242,8 +250,8 @@ impl<N: NoiseSource> Extend<N> {
         let hop = self.layout.half_width;
         let into = into_hop(position, self.layout.envelope_reach, hop);
         let next_step = self.step_offsets[self.steps_by(into)..].first().copied().unwrap_or(hop);
-        let into_low = into_hop(position, self.low_start, hop);
-        let next_low = self.low_offsets.iter().copied().find(|offset| *offset > into_low).unwrap_or(hop);
+        let into_low = into_hop(position, self.low_schedule.start, hop);
+        let next_low = self.low_schedule.offsets.iter().copied().find(|offset| *offset > into_low).unwrap_or(hop);
         position + (next_step - into).min(next_low - into_low) as i64
     }
 
@@ -262,10 +270,10 @@ impl<N: NoiseSource> Extend<N> {
         } else {
             self.work_ahead(window + 1, into);
         }
-        let into = into_hop(end, self.low_start, hop);
-        let block = end - (self.low_start + into) as i64;
+        let into = into_hop(end, self.low_schedule.start, hop);
+        let block = end - (self.low_schedule.start + into) as i64;
         for event in 0..LOW_EVENTS {
-            if self.low_offsets[event] == into {
+            if self.low_schedule.offsets[event] == into {
                 self.low_event(event, block);
             }
         }
@@ -273,7 +281,7 @@ impl<N: NoiseSource> Extend<N> {
 
     /// Samples of the first half of a block of the low part.
     fn first_half(&self) -> usize {
-        self.low_start - self.layout.low_reach
+        self.low_schedule.start - self.layout.low_reach
     }
 
     /// Does the steps towards `window` that are planned for `into` samples after the one before.
@@ -315,25 +323,25 @@ impl<N: NoiseSource> Extend<N> {
         let hop = self.layout.half_width;
         match event {
             0 | LOW_SECOND => self.begin_low(start, event == 0),
-            1 => self.low.filter_from(&mut self.low_out),
-            2 => self.low.filter_to(&mut self.low_out),
+            1 => self.low.filter_from(&mut self.low_schedule.out),
+            2 => self.low.filter_to(&mut self.low_schedule.out),
             _ if event < LOW_SECOND => {
                 // The end of the next block, if its controls are known already.
                 let at = start + 2 * hop as i64;
-                if self.is_low_on && at < self.drive.end() {
+                if self.low_schedule.is_on && at < self.drive.end() {
                     self.low.design(event - 3, &self.band_at(at));
                 }
             }
-            _ if event == LOW_SECOND + 1 => self.low.filter_from(&mut self.low_out),
-            _ => self.low.filter_to(&mut self.low_out),
+            _ if event == LOW_SECOND + 1 => self.low.filter_from(&mut self.low_schedule.out),
+            _ => self.low.filter_to(&mut self.low_schedule.out),
         }
     }
 
     /// Begins half a block.
     fn begin_low(&mut self, block: i64, is_first: bool) {
         let (hop, first) = (self.layout.half_width, self.first_half());
-        let is_on = self.drive.end() <= self.low_until;
-        let was_on = std::mem::replace(&mut self.is_low_on, is_on);
+        let is_on = self.drive.end() <= self.low_schedule.until;
+        let was_on = std::mem::replace(&mut self.low_schedule.is_on, is_on);
         if is_on && (is_first || first < hop) {
             let (offset, len) = if is_first { (0, first) } else { (first, hop - first) };
             let (from, to) = (self.band_at(block), self.band_at(block + hop as i64));
@@ -354,7 +362,7 @@ impl<N: NoiseSource> Extend<N> {
     }
 
     fn controls_at(&self, position: i64) -> ExtendControls {
-        self.controls.at((position - self.origin).max(0) as u64)
+        self.controls.value_at((position - self.origin).max(0) as u64)
     }
 
     fn band_at(&self, position: i64) -> Band {

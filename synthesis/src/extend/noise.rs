@@ -45,7 +45,7 @@ pub struct PowerLaw {
     /// The shape being designed, and the steps of it that are done.
     design: Option<(Band, usize)>,
     /// The block being made, its channel, and its finished steps.
-    making: Option<(usize, Kind, usize)>,
+    making: Option<(usize, NoiseKind, usize)>,
     /// Blocks are aligned with multiples of their length, so that a block is the same for every caller.
     block_len: usize,
     /// Per channel the latest of even and of odd number.
@@ -76,10 +76,10 @@ impl PowerLaw {
         }
     }
 
-    fn kind(&self, number: i64, controls: &ExtendControls) -> Kind {
+    fn kind(&self, number: i64, controls: &ExtendControls) -> NoiseKind {
         // A single channel has no width.
         let own = if self.blocks.len() == 1 { 0.0 } else { within(controls.width, 0.0, 1.0) };
-        Kind { number, band: Band::new(controls), seed: controls.seed, own }
+        NoiseKind { number, band: Band::new(controls), seed: controls.seed, own }
     }
 
     fn block(&mut self, channel: usize, number: i64) -> &mut Block {
@@ -87,7 +87,7 @@ impl PowerLaw {
     }
 
     /// Makes a block that was not made in advance.
-    fn make(&mut self, channel: usize, kind: &Kind) {
+    fn make(&mut self, channel: usize, kind: &NoiseKind) {
         (self.design, self.making) = (None, None);
         if self.band != Some(kind.band) {
             (0..DESIGN_STEPS).for_each(|step| self.design_step(step, &kind.band));
@@ -95,7 +95,7 @@ impl PowerLaw {
         (0..BLOCK_STEPS).for_each(|step| self.block_step(step, channel, kind));
     }
 
-    fn block_step(&mut self, step: usize, channel: usize, kind: &Kind) {
+    fn block_step(&mut self, step: usize, channel: usize, kind: &NoiseKind) {
         match step {
             0 => self.white(channel, kind),
             1 => self.transform.forward(),
@@ -110,7 +110,7 @@ impl PowerLaw {
     }
 
     /// White noise for a block.
-    fn white(&mut self, channel: usize, kind: &Kind) {
+    fn white(&mut self, channel: usize, kind: &NoiseKind) {
         let from = kind.number * self.block_len as i64 - self.reach as i64;
         let count = self.block_len + 2 * self.reach;
         let time = &mut self.transform.time;
@@ -119,7 +119,7 @@ impl PowerLaw {
         let shared = (1.0 - kind.own * kind.own).sqrt();
         for (gain, stream) in [(shared, 0), (kind.own, channel + 1)] {
             if gain > 0.0 {
-                let white = self.streams[stream].at(kind.seed, from, count);
+                let white = self.streams[stream].samples_from(kind.seed, from, count);
                 time.iter_mut().zip(white).for_each(|(sum, white)| *sum += gain * white);
             }
         }
@@ -224,7 +224,7 @@ impl NoiseSource for PowerLaw {
 
 /// All parameters of a block of noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Kind {
+struct NoiseKind {
     /// The block begins at this multiple of the blocks' length.
     number: i64,
     band: Band,
@@ -236,7 +236,7 @@ struct Kind {
 /// A channel's block.
 #[derive(Debug)]
 struct Block {
-    kind: Option<Kind>,
+    kind: Option<NoiseKind>,
     samples: Vec<f64>,
 }
 
@@ -262,7 +262,7 @@ impl Stream {
         Self { number, seed: 0, start: 0, samples: vec![0.0; longest], filled: 0 }
     }
 
-    fn at(&mut self, seed: u32, start: i64, count: usize) -> &[f64] {
+    fn samples_from(&mut self, seed: u32, start: i64, count: usize) -> &[f64] {
         let end = self.start + self.filled as i64;
         let kept = if seed == self.seed && start >= self.start && start < end {
             let skip = (start - self.start) as usize;

@@ -155,7 +155,8 @@ impl Layer {
     /// A factor whose mean square is 1.
     fn uneven(&mut self, seed: u32, position: i64, depth: f64) -> f64 {
         let [slow, fast] = &mut self.flutters;
-        let nepers = depth * std::f64::consts::FRAC_1_SQRT_2 * (slow.at(seed, position) + fast.at(seed, position));
+        let nepers =
+            depth * std::f64::consts::FRAC_1_SQRT_2 * (slow.value_at(seed, position) + fast.value_at(seed, position));
         maths::exp(nepers - depth * depth)
     }
 }

@@ -62,7 +62,7 @@ impl Octave {
 
     /// The noise at `position` in the first channel.
     #[inline]
-    pub fn at(&mut self, seed: u32, position: i64) -> f64 {
+    pub fn value_at(&mut self, seed: u32, position: i64) -> f64 {
         let mut sum = [0.0];
         self.add(seed, position, 1.0, &mut sum);
         sum[0]
@@ -73,7 +73,7 @@ impl Octave {
         let common = White::new(seed, self.stream);
         for (channel, coefficients) in self.coefficients.iter_mut().enumerate() {
             let own = White::new(seed, self.stream + 1 + channel as u32);
-            let value = |node: i64| self.shares[0] * common.at(node) + self.shares[1] * own.at(node);
+            let value = |node: i64| self.shares[0] * common.sample_at(node) + self.shares[1] * own.sample_at(node);
             let coefficient = |node: i64| {
                 if self.is_smooth { value(node) } else { value(node) - value(node.wrapping_sub(1)) }
             };
@@ -109,14 +109,14 @@ mod tests {
     fn noise_has_unit_variance_and_lies_about_its_middle() {
         for middle_hz in [100.0, 900.0, 6000.0] {
             let mut octave = Octave::new(middle_hz, 1.0, 1, 9, 48_000.0);
-            let signal: Vec<f64> = (0..400_000).map(|position| octave.at(5, position)).collect();
+            let signal: Vec<f64> = (0..400_000).map(|position| octave.value_at(5, position)).collect();
             assert!((variance(&signal) - 1.0).abs() < 0.08, "{middle_hz} Hz: {}", variance(&signal));
             let steps: Vec<f64> = signal.windows(2).map(|pair| pair[1] - pair[0]).collect();
             let mean_hz = (variance(&steps) / variance(&signal)).sqrt() * 48_000.0 / (2.0 * std::f64::consts::PI);
             assert!((0.9..1.4).contains(&(mean_hz / middle_hz)), "{mean_hz} Hz for {middle_hz} Hz");
         }
         let mut smooth = Octave::smooth(8.0, 9, 48_000.0);
-        let signal: Vec<f64> = (0..3_000_000).step_by(37).map(|position| smooth.at(5, position)).collect();
+        let signal: Vec<f64> = (0..3_000_000).step_by(37).map(|position| smooth.value_at(5, position)).collect();
         assert!((variance(&signal) - 1.0).abs() < 0.1, "{}", variance(&signal));
     }
 
@@ -130,7 +130,7 @@ mod tests {
             fresh().add(1, position, 0.5, &mut found);
             assert_eq!(found, expected, "{position}");
         }
-        assert_ne!(fresh().at(1, 50), fresh().at(2, 50), "another seed");
+        assert_ne!(fresh().value_at(1, 50), fresh().value_at(2, 50), "another seed");
     }
 
     #[test]

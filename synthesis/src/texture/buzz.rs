@@ -103,7 +103,7 @@ impl Buzz {
     /// Adds a synthesized sample.
     pub fn push(&mut self, sample: f64) {
         // Fire falls by some 6 to 9 dB an octave: its differences are nearly white, so all lines count alike.
-        let heard = self.low.process(self.low_gain, sample - std::mem::replace(&mut self.last, sample)).high;
+        let high_passed = self.low.process(self.low_gain, sample - std::mem::replace(&mut self.last, sample)).high;
         // `lag` hops before, and `lag` hops and a fraction.
         let place = self.filled;
         let beside = self.hop * BESIDE / 64;
@@ -111,17 +111,17 @@ impl Buzz {
         let ago = &self.past[place][self.newest + 1..][..HOPS];
         let ago_beside = &self.past[column][self.newest + 1 + earlier..][..HOPS];
         for hops in 0..HOPS {
-            self.on_grid[hops] += self.part * (heard * ago[hops] - self.on_grid[hops]);
-            self.beside[hops] += self.part * (heard * ago_beside[hops] - self.beside[hops]);
+            self.on_grid[hops] += self.part * (high_passed * ago[hops] - self.on_grid[hops]);
+            self.beside[hops] += self.part * (high_passed * ago_beside[hops] - self.beside[hops]);
         }
-        self.power += self.part * (heard * heard - self.power);
-        self.past[place][self.newest] = heard;
-        self.past[place][self.newest + ROWS] = heard;
-        self.energy += heard * heard;
+        self.power += self.part * (high_passed * high_passed - self.power);
+        self.past[place][self.newest] = high_passed;
+        self.past[place][self.newest + ROWS] = high_passed;
+        self.energy += high_passed * high_passed;
         self.filled += 1;
         if self.filled == self.hop {
             self.newest = (self.newest + ROWS - 1) % ROWS;
-            self.follow();
+            self.update_share();
         }
     }
 
@@ -133,7 +133,7 @@ impl Buzz {
 
     /// Updates the share, once per hop. Buzz at the tolerated level leaves it unchanged, so that it settles where the
     /// buzz just ends.
-    fn follow(&mut self) {
+    fn update_share(&mut self) {
         let power = std::mem::take(&mut self.energy) / self.hop as f64;
         self.filled = 0;
         if self.power < SILENCE {
@@ -164,7 +164,9 @@ mod tests {
         let mut last = 0.0;
         (0..(seconds * RATE_HZ) as usize)
             .map(|n| {
-                last = 0.98 * last + (1.0 - repeats) * fresh.at(n as i64) + repeats * again.at((n % period) as i64);
+                last = 0.98 * last
+                    + (1.0 - repeats) * fresh.sample_at(n as i64)
+                    + repeats * again.sample_at((n % period) as i64);
                 0.05 * last
             })
             .collect()

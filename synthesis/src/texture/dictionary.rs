@@ -8,12 +8,11 @@ use bitcode::{Decode, Encode};
 use super::distribution::{Distribution, Histogram};
 use super::feature::{Excerpt, Features};
 use super::pyramid::{Pyramid, mirrored};
+use super::removed_loudness::RemovedLoudness;
 use super::search::Index;
 use super::shape::{Padding, PyramidConfig};
 use crate::Error;
-use crate::bulk::{Bulk, bulk_fields, read_array, write_array};
-use crate::companding::Profile;
-use crate::crackle::Crackles;
+use crate::bulk::{bulk_fields, read_value, write_value};
 use crate::dsp::mean_of;
 
 /// Progress callback: receives the finished share, 0-1, and returns whether to continue.
@@ -28,7 +27,7 @@ struct LevelSlice {
 }
 
 bulk_fields!(LevelSlice: samples);
-bulk_fields!(Dictionary: levels, channels, indices, profile, crackles);
+bulk_fields!(Dictionary: levels, channels, indices, removed);
 
 impl LevelSlice {
     fn new(mut samples: Vec<f64>, needed: &Range<usize>) -> Self {
@@ -62,10 +61,8 @@ pub struct Dictionary {
     indices: Vec<Option<Index>>,
     distribution: Distribution,
     prior: Histogram,
-    /// Companding data of the recording, if its loudness was removed.
-    profile: Option<Profile>,
-    /// Crackles that were separated from it before.
-    crackles: Option<Crackles>,
+    /// Slow loudness that was removed from the recording before, if any.
+    removed: Option<RemovedLoudness>,
     /// True if it still contains crackles.
     is_impulsive: bool,
 }
@@ -108,7 +105,7 @@ impl Dictionary {
             sample_rate_hz,
             unweighted: weights.iter().all(|x| *x == 1.0),
             weights,
-            prior: Histogram::of(&distribution),
+            prior: Histogram::of_distribution(&distribution),
             distribution,
             seconds: (padding.end[0] - padding.start[0]) as f64 / sample_rate_hz,
             levels: pyramid
@@ -120,8 +117,7 @@ impl Dictionary {
             channels,
             indices: Vec::new(),
             first: padding.start[0],
-            profile: None,
-            crackles: None,
+            removed: None,
             is_impulsive: false,
         };
         let done = std::sync::Mutex::new(0.1f32);
@@ -152,8 +148,7 @@ impl Dictionary {
     /// # Errors
     /// The errors of `out`.
     pub fn write_to(&self, out: &mut dyn Write) -> io::Result<()> {
-        write_array(&bitcode::encode(self), out)?;
-        self.arrays().into_iter().try_for_each(|array| write_array(array.bytes(), out))
+        write_value(self, out)
     }
 
     /// Reads the output of [`write_to`](Self::write_to). `len` is the largest number of bytes: no more memory is used.
@@ -162,12 +157,7 @@ impl Dictionary {
     /// # Errors
     /// The errors of `from`, and [`io::ErrorKind::InvalidData`] if it does not contain a dictionary.
     pub fn read_from(from: &mut dyn Read, len: u64) -> io::Result<Self> {
-        let (mut small, mut left) = (Vec::<u8>::new(), len);
-        read_array(&mut small, &mut left, from)?;
-        let invalid = |error: bitcode::Error| io::Error::new(io::ErrorKind::InvalidData, error.to_string());
-        let mut dictionary: Self = bitcode::decode(&small).map_err(invalid)?;
-        dictionary.arrays_mut().into_iter().try_for_each(|array| read_array(array, &mut left, from))?;
-        Ok(dictionary)
+        read_value(from, &mut { len })
     }
 
     /// Shape of the dictionary.
@@ -195,18 +185,12 @@ impl Dictionary {
         let samples: usize = self.levels.iter().chain(&self.channels).map(|kept| kept.samples.len()).sum();
         samples * size_of::<f64>()
             + self.indices.iter().flatten().map(Index::bytes).sum::<usize>()
-            + self.profile.as_ref().map_or(0, Profile::bytes)
-            + self.crackles.as_ref().map_or(0, Crackles::bytes)
+            + self.removed.as_ref().map_or(0, RemovedLoudness::bytes)
     }
 
-    /// The recording's side of companding; none for the paper's dynamics.
-    pub fn profile(&self) -> Option<&Profile> {
-        self.profile.as_ref()
-    }
-
-    /// The crackles separated from it, if there are any.
-    pub fn crackles(&self) -> Option<&Crackles> {
-        self.crackles.as_ref()
+    /// The slow loudness that was removed from the recording before; none for the paper's dynamics.
+    pub fn removed_loudness(&self) -> Option<&RemovedLoudness> {
+        self.removed.as_ref()
     }
 
     /// True if the recording still contains crackles, for the paper's dynamics: its amplitudes spread so far that
@@ -215,26 +199,15 @@ impl Dictionary {
         self.is_impulsive
     }
 
-    /// Sets the recording's side of companding, which must belong to the channels that this was made of, and its crackles.
-    pub(crate) fn set_parts(&mut self, mut profile: Profile, crackles: Option<Crackles>) {
-        profile.set_first(self.first);
-        self.profile = Some(profile);
-        self.crackles = crackles;
+    /// Sets the loudness that was removed from the channels that this was made of.
+    pub(crate) fn set_removed_loudness(&mut self, mut removed: RemovedLoudness) {
+        removed.set_first(self.first);
+        self.removed = Some(removed);
     }
 
     /// Sets whether the recording still contains crackles.
     pub(crate) fn set_impulsive(&mut self, is_impulsive: bool) {
         self.is_impulsive = is_impulsive;
-    }
-
-    /// The same, to be calibrated before the dictionary is shared.
-    pub(crate) fn crackles_mut(&mut self) -> Option<&mut Crackles> {
-        self.crackles.as_mut()
-    }
-
-    /// The companding data, to be changed before the dictionary is shared.
-    pub(crate) fn profile_mut(&mut self) -> Option<&mut Profile> {
-        self.profile.as_mut()
     }
 
     /// Distribution of the recording's top level (§5.3).

@@ -2,7 +2,7 @@
 //! the other.
 
 use crate::Error;
-use crate::companding::level::level_of;
+use crate::dsp::mean_loudness;
 use bitcode::{Decode, Encode};
 
 /// Up to this many magnitudes a distribution is exact, as in the reference: 48 s of drive at 44.1 kHz and six levels.
@@ -35,7 +35,7 @@ impl Distribution {
     }
 
     fn sorted(quantiles: Vec<f64>) -> Self {
-        Self { loudness: level_of(&quantiles), quantiles }
+        Self { loudness: mean_loudness(&quantiles), quantiles }
     }
 
     /// A distribution from stored quantiles: finite, not negative, ascending.
@@ -117,7 +117,7 @@ impl Default for Histogram {
 
 impl Histogram {
     /// The histogram of a distribution, with a total weight of 1.
-    pub fn of(distribution: &Distribution) -> Self {
+    pub fn of_distribution(distribution: &Distribution) -> Self {
         let mut histogram = Self::default();
         for magnitude in distribution.quantiles() {
             histogram.add(*magnitude, 1.0);
@@ -264,7 +264,8 @@ mod tests {
 
     #[test]
     fn running_estimate_starts_at_the_prior_and_finds_the_drive() {
-        let prior = Histogram::of(&Distribution::from_magnitudes((1..=1000).map(|i| i as f64 / 1000.0).collect()));
+        let prior =
+            Histogram::of_distribution(&Distribution::from_magnitudes((1..=1000).map(|i| i as f64 / 1000.0).collect()));
         let mut running = RunningDistribution::new(1378.0);
         assert!((running.fraction(0.5, &prior) - 0.5).abs() < 0.02);
         for i in 0..20_000 {

@@ -21,12 +21,12 @@ const CAPACITY: usize = 512;
 #[derive(Debug)]
 pub(super) struct Extents {
     frame_samples: i64,
-    levels: Vec<Frame>,
+    levels: Vec<ExtentFrame>,
     done: Vec<Extent>,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-struct Frame {
+struct ExtentFrame {
     low: f64,
     high: f64,
     /// The finest level's first sample after it.
@@ -38,20 +38,20 @@ impl Extents {
     pub fn new(levels: usize, sample_rate_hz: f64) -> Self {
         Self {
             frame_samples: ((sample_rate_hz / FRAMES_HZ).round() as i64).max(1),
-            levels: vec![Frame::default(); levels],
+            levels: vec![ExtentFrame::default(); levels],
             done: Vec::with_capacity(CAPACITY),
         }
     }
 
     /// Restarts with sample `origin` of the finest level.
     pub fn reset(&mut self, origin: i64) {
-        self.levels.fill(Frame { end: origin + self.frame_samples, ..Frame::default() });
+        self.levels.fill(ExtentFrame { end: origin + self.frame_samples, ..ExtentFrame::default() });
         self.done.clear();
     }
 
     /// Adds the sample at `index` of `level`; real-time safe.
     #[inline]
-    pub fn take(&mut self, level: usize, index: i64, sample: f64) {
+    pub fn add_sample(&mut self, level: usize, index: i64, sample: f64) {
         let frame = &mut self.levels[level];
         while index << level >= frame.end {
             if self.done.len() < CAPACITY {
@@ -65,10 +65,10 @@ impl Extents {
     }
 
     /// Adds samples of `level` from `first` on; real-time safe.
-    pub fn take_all(&mut self, level: usize, first: i64, samples: &[f64]) {
+    pub fn add_samples(&mut self, level: usize, first: i64, samples: &[f64]) {
         let frame = &mut self.levels[level];
         if (first + samples.len() as i64) << level > frame.end {
-            (first..).zip(samples).for_each(|(index, sample)| self.take(level, index, *sample));
+            (first..).zip(samples).for_each(|(index, sample)| self.add_sample(level, index, *sample));
             return;
         }
         for sample in samples {
@@ -95,8 +95,8 @@ mod tests {
         for (number, part) in samples.chunks(4).enumerate() {
             for level in 0..2 {
                 let first = (4 >> level) + 4 * number as i64;
-                together.take_all(level, first, part);
-                (first..).zip(part).for_each(|(index, sample)| single.take(level, index, *sample));
+                together.add_samples(level, first, part);
+                (first..).zip(part).for_each(|(index, sample)| single.add_sample(level, index, *sample));
             }
         }
         let done: Vec<Extent> = together.drain().collect();
@@ -109,7 +109,9 @@ mod tests {
         extents.reset(16);
         for n in 16..48_016 {
             let sample = if n == 4_100 { -2.0 } else { 0.5 };
-            (0..3).filter(|level| n % (1 << level) == 0).for_each(|level| extents.take(level, n >> level, sample));
+            (0..3)
+                .filter(|level| n % (1 << level) == 0)
+                .for_each(|level| extents.add_sample(level, n >> level, sample));
             // A level without a reader must not hold up the others.
             if n % 1_000 == 0 && n > 40_000 {
                 assert!(extents.done.len() <= CAPACITY);

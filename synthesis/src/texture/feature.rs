@@ -5,7 +5,7 @@ use super::shape::PyramidConfig;
 
 /// Position of the two halves of a window's feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct WindowPosition {
     /// First sample of the causal half, on the window's own level.
     pub causal: i64,
     /// First tap of the coarse half, on the next coarser level.
@@ -14,9 +14,9 @@ pub struct Place {
     pub between: bool,
 }
 
-impl Place {
+impl WindowPosition {
     /// Position of the feature of window `window`.
-    pub fn of(window: i64, shape: &PyramidConfig) -> Self {
+    pub fn of_window(window: i64, shape: &PyramidConfig) -> Self {
         let centre = window * shape.window as i64;
         let reach = shape.reach() as i64;
         Self { causal: centre - reach, coarse: (centre >> 1) - reach, between: centre & 1 == 1 }
@@ -65,7 +65,7 @@ pub struct Features<'a> {
 impl Features<'_> {
     /// Writes the feature of `window`, which must lie within both levels.
     pub fn write(&self, window: usize, out: &mut [f64]) {
-        let place = Place::of(window as i64, self.shape);
+        let place = WindowPosition::of_window(window as i64, self.shape);
         let (causal_len, coarse_len) = (self.shape.causal_len(), self.shape.coarse_len());
         let causal = &self.fine.from(place.causal)[..causal_len];
         let coarse = self.coarse.from(place.coarse);
@@ -85,17 +85,17 @@ impl Features<'_> {
 
     /// True if two windows have the same feature.
     pub fn equal(&self, a: usize, b: usize) -> bool {
-        let (a, b) = (Place::of(a as i64, self.shape), Place::of(b as i64, self.shape));
+        let (a, b) = (WindowPosition::of_window(a as i64, self.shape), WindowPosition::of_window(b as i64, self.shape));
         let taps = self.shape.coarse_len() + usize::from(a.between);
-        let causal = |at: Place| &self.fine.from(at.causal)[..self.shape.causal_len()];
-        let coarse = |at: Place| &self.coarse.from(at.coarse)[..taps];
+        let causal = |at: WindowPosition| &self.fine.from(at.causal)[..self.shape.causal_len()];
+        let coarse = |at: WindowPosition| &self.coarse.from(at.coarse)[..taps];
         a.between == b.between && causal(a) == causal(b) && coarse(a) == coarse(b)
     }
 
     /// The samples of `window`'s feature in place, without weights, if they need no interpolation.
     #[inline(always)]
     pub fn in_place(&self, window: usize) -> Option<[&[f64]; 2]> {
-        let place = Place::of(window as i64, self.shape);
+        let place = WindowPosition::of_window(window as i64, self.shape);
         (!place.between).then(|| {
             let causal = &self.fine.from(place.causal)[..self.shape.causal_len()];
             [causal, &self.coarse.from(place.coarse)[..self.shape.coarse_len()]]
@@ -114,7 +114,7 @@ impl Features<'_> {
             }
             return sum;
         }
-        let place = Place::of(window as i64, self.shape);
+        let place = WindowPosition::of_window(window as i64, self.shape);
         let causal = self.fine.from(place.causal);
         let coarse = self.coarse.from(place.coarse);
         let (weights_causal, weights_coarse) = self.weights.split_at(query_causal.len());

@@ -6,6 +6,7 @@
 //! | [`pyramid`] | Gaussian pyramids, of a file and of a stream |
 //! | [`feature`] | the neighbourhood by which a window is matched |
 //! | [`dictionary`] | a recording, analysed and indexed |
+//! | `removed_loudness` | its slow loudness, where that was removed before, restored window by window |
 //! | [`search`] | the nearest window |
 //! | [`distribution`] | dynamic-range matching; `drive_range`: what it knows of the drive |
 //! | [`schedule`] | the sample at which each window is matched |
@@ -29,6 +30,7 @@ pub mod gate;
 pub mod offline;
 mod output;
 pub mod pyramid;
+mod removed_loudness;
 pub mod schedule;
 pub mod search;
 pub mod shape;
@@ -40,5 +42,6 @@ pub use dictionary::Dictionary;
 pub use distribution::Distribution;
 pub use engine::Texture;
 pub use extents::Extent;
+pub use removed_loudness::RemovedLoudness;
 pub use shape::PyramidConfig;
 pub use traces::Match;

@@ -48,12 +48,12 @@ impl<T> Slots<T> {
     }
 
     /// Takes a recording out temporarily, so that the engine can be changed meanwhile.
-    pub fn take(&mut self, slot: usize) -> Option<Arc<T>> {
+    pub fn take_out(&mut self, slot: usize) -> Option<Arc<T>> {
         self.recordings[slot].take()
     }
 
-    /// Puts back the result of [`take`](Self::take).
-    pub fn put(&mut self, slot: usize, recording: Arc<T>) {
+    /// Puts back the result of [`take_out`](Self::take_out).
+    pub fn put_back(&mut self, slot: usize, recording: Arc<T>) {
         self.recordings[slot] = Some(recording);
     }
 

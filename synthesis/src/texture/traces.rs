@@ -61,7 +61,7 @@ impl Traces {
     }
 
     /// Returns matches and extents, and forgets them.
-    pub fn take(&mut self) -> (std::vec::Drain<'_, Match>, std::vec::Drain<'_, Extent>) {
+    pub fn drain(&mut self) -> (std::vec::Drain<'_, Match>, std::vec::Drain<'_, Extent>) {
         (self.matches.drain(..), self.extents.drain())
     }
 }

@@ -1,6 +1,6 @@
 //! The feature of the window that is to be matched.
 
-use super::feature::{Place, halfway};
+use super::feature::{WindowPosition, halfway};
 use super::shape::PyramidConfig;
 use crate::dsp::Ring;
 
@@ -34,7 +34,12 @@ impl WindowFeature {
     }
 
     /// Collects the feature at a place. Both levels come with the sample before which they read as silence.
-    pub fn gather(&mut self, place: &Place, (own, floor): (&Ring, i64), (coarser, coarser_floor): (&Ring, i64)) {
+    pub fn gather(
+        &mut self,
+        place: &WindowPosition,
+        (own, floor): (&Ring, i64),
+        (coarser, coarser_floor): (&Ring, i64),
+    ) {
         let (causal, coarse) = self.values.split_at_mut(self.causal_len);
         own.copy(place.causal, floor, causal);
         if place.between {

@@ -144,7 +144,7 @@ impl SpeedField {
     }
 
     /// A source at a [`place`](Self::place) in time.
-    pub(super) fn at(&self, source: usize, (from, to, part): Moment) -> SourceState {
+    pub(super) fn state_at(&self, source: usize, (from, to, part): Moment) -> SourceState {
         let speed = |step: usize| f64::from(self.speeds[step * self.sources + source]);
         let speed_m_s = speed(from) + part * (speed(to) - speed(from));
         if self.positions.len() == self.sources {
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn is_linear_between_steps_and_ends_as_asked() {
-        let at = |end: End, source: usize, time_s: f64| field(end).at(source, field(end).place(time_s));
+        let at = |end: End, source: usize, time_s: f64| field(end).state_at(source, field(end).place(time_s));
         let middle = at(End::Periodic, 0, 0.05);
         assert!((middle.position[0] - 0.25).abs() < 1e-9 && (middle.speed_m_s - 2.0).abs() < 1e-9);
         assert!((at(End::Periodic, 0, 0.15).speed_m_s - 2.0).abs() < 1e-9);
@@ -186,10 +186,10 @@ mod tests {
     #[test]
     fn a_source_that_is_put_elsewhere_is_silent_meanwhile() {
         let field = field(End::Clamped);
-        let told = |part: f64| field.at(1, (0, 1, part));
+        let told = |part: f64| field.state_at(1, (0, 1, part));
         assert_eq!([0.0, 0.3, 0.7, 1.0].map(|part| told(part).presence > 0.0), [true, false, false, true]);
         assert_eq!([0.49, 0.51].map(|part| told(part).position[0]), [1.0, 90.0]);
-        assert_eq!(field.at(0, (0, 1, 0.5)).presence, 1.0);
+        assert_eq!(field.state_at(0, (0, 1, 0.5)).presence, 1.0);
     }
 
     #[test]

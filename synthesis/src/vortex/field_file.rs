@@ -117,7 +117,7 @@ mod tests {
                 // Any accepted file gives speeds and places at any time.
                 let Ok(field) = SpeedField::from_bytes(&damaged) else { continue };
                 for time_s in [-1e9, 0.0, 0.21, 1e9] {
-                    let told = field.at(0, field.place(time_s));
+                    let told = field.state_at(0, field.place(time_s));
                     let all = told.position.into_iter().chain([told.speed_m_s, told.presence]);
                     assert!(all.into_iter().all(f64::is_finite), "byte {at} is {value}: {told:?}");
                 }

@@ -1,7 +1,7 @@
 //! A hop as it has been decided at its first sample.
 
 use super::field::Moment;
-use super::moving::{Frame, Pose};
+use super::moving::{HopControls, Pose};
 use super::source::Identity;
 
 /// Data common to all sources of a hop.
@@ -9,8 +9,8 @@ use super::source::Identity;
 pub(super) struct Hop {
     /// Position of its first sample.
     pub start: i64,
-    pub before: Frame,
-    pub frame: Frame,
+    pub before: HopControls,
+    pub frame: HopControls,
     pub stand: Pose,
     pub identity: Identity,
     /// Steps of the speed field around its start and end.

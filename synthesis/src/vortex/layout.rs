@@ -114,7 +114,7 @@ impl SpeakerLayout {
 
 /// Two loudspeakers between which sources may be panned.
 #[derive(Debug)]
-struct Pair {
+struct SpeakerPair {
     channels: [usize; 2],
     /// Conversion from right and front to the loudspeakers' gains, without normalisation.
     inverse: [[f64; 2]; 2],
@@ -125,7 +125,7 @@ struct Pair {
 #[derive(Debug)]
 pub(super) struct Panner {
     /// Pairs by rising azimuth; none with a single loudspeaker.
-    pairs: Vec<Pair>,
+    pairs: Vec<SpeakerPair>,
     /// Channels of the first and of the last loudspeaker.
     ends: [usize; 2],
     /// Channels of top left and right.
@@ -150,7 +150,7 @@ impl Panner {
         let after = ring.iter().skip(1).chain(ring.iter().take(usize::from(!front_only)));
         Self {
             top: top(false).zip(top(true)).map(|(left, right)| [left, right]),
-            pairs: ring.iter().zip(after).map(|(from, to)| Pair::new(*from, *to)).collect(),
+            pairs: ring.iter().zip(after).map(|(from, to)| SpeakerPair::new(*from, *to)).collect(),
             ends: [ring[0].1, ring[ring.len() - 1].1],
             front_only,
         }
@@ -196,7 +196,7 @@ impl Panner {
     }
 }
 
-impl Pair {
+impl SpeakerPair {
     /// A pair from azimuths in radians and channels. The angle between the two is less than half a turn.
     fn new((from, from_channel): (f64, usize), (to, to_channel): (f64, usize)) -> Self {
         let ((from_x, from_y), (to_x, to_y)) = (maths::sin_cos(from), maths::sin_cos(to));

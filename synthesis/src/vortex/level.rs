@@ -79,7 +79,7 @@ impl Levels {
     /// times as many decibels around `ln_reference`, the logarithm of a gain. The lower row is probably `near`.
     ///
     /// Rows differ in detail and add by power, so the squares of the two amplitudes add up to that of the gain.
-    pub fn at(&self, near: usize, ln_speed: f32, range: f32, ln_reference: f32) -> Blend {
+    pub fn blend_at(&self, near: usize, ln_speed: f32, range: f32, ln_reference: f32) -> Blend {
         let (row, part, ln_gain) = self.place(near, ln_speed);
         let mut ln_level = ln_reference + range * (ln_gain - ln_reference);
         let below = self.ln_speeds[0] - ln_speed;
@@ -105,7 +105,7 @@ mod tests {
     }
 
     fn level(levels: &Levels, speed: f32, range: f32) -> f32 {
-        let [a, b] = levels.at(2, speed.ln(), range, levels.ln_gain(4f32.ln())).weights;
+        let [a, b] = levels.blend_at(2, speed.ln(), range, levels.ln_gain(4f32.ln())).weights;
         a.hypot(b)
     }
 
@@ -118,8 +118,8 @@ mod tests {
             let found = level(&levels, speed, 1.0);
             assert!((found - expected).abs() <= 1e-4 * expected, "{speed} m/s: {found} instead of {expected}");
         }
-        assert_eq!(levels.at(1, f32::NEG_INFINITY, 1.0, 0.0).weights, [0.0; 2]);
-        assert_eq!(levels.at(0, 8f32.ln(), 1.0, 0.0).row, 2);
+        assert_eq!(levels.blend_at(1, f32::NEG_INFINITY, 1.0, 0.0).weights, [0.0; 2]);
+        assert_eq!(levels.blend_at(0, 8f32.ln(), 1.0, 0.0).row, 2);
     }
 
     #[test]

@@ -131,7 +131,7 @@ impl Live {
             let step = hop / self.hops_per_step;
             let speed_m_s = std::mem::take(&mut self.asked_m_s) / self.hops_per_step as f64;
             if let Some(heard) = step.checked_sub(2) {
-                self.take(heard);
+                self.receive_step(heard);
             }
             self.simulator.ask(Asked { run: self.run, step: step - 1, speed_m_s });
         }
@@ -139,7 +139,7 @@ impl Live {
     }
 
     /// Moves from the present speeds to those of a step.
-    fn take(&mut self, step: u64) {
+    fn receive_step(&mut self, step: u64) {
         let [from, to] = &mut self.speeds;
         std::mem::swap(from, to);
         if self.simulator.answer(self.run, step, &mut self.coming) {
@@ -154,7 +154,7 @@ impl Live {
     }
 
     /// A source at the start of the hop, or at its end.
-    pub fn at(&self, source: usize, end: bool) -> SourceState {
+    pub fn state_at(&self, source: usize, end: bool) -> SourceState {
         let into = self.into + u64::from(end && self.hop.is_some());
         let part = into as f32 / self.hops_per_step as f32;
         let [from, to] = [0, 1].map(|which: usize| self.speeds[which][source]);

@@ -16,12 +16,12 @@ pub(super) struct Motion<'a> {
 
 impl Motion<'_> {
     /// A source of a flow at the hop's start, or at its end.
-    pub fn at(&self, flow: Flow, source: usize, end: bool) -> Option<SourceState> {
+    pub fn state_at(&self, flow: Flow, source: usize, end: bool) -> Option<SourceState> {
         match (flow, self.field, self.live) {
             (Flow::Field, Some((field, places)), _) if source < field.sources() => {
-                Some(field.at(source, places[usize::from(end)]))
+                Some(field.state_at(source, places[usize::from(end)]))
             }
-            (Flow::Live, _, Some(live)) if source < live.sources() => Some(live.at(source, end)),
+            (Flow::Live, _, Some(live)) if source < live.sources() => Some(live.state_at(source, end)),
             _ => None,
         }
     }

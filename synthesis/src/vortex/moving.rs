@@ -9,12 +9,12 @@ use crate::error::within;
 /// a distance is the pitch.
 const FOLLOW_S: f64 = 0.04;
 
-/// Values of a [`Frame`].
+/// Values of a [`HopControls`].
 const VALUES: usize = 14;
 
 /// Control values at the edge of a hop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Frame {
+pub(super) struct HopControls {
     pub speed_m_s: f64,
     pub curve: f64,
     pub variation: f64,
@@ -24,12 +24,12 @@ pub(super) struct Frame {
     pub ln_reference: f64,
     pub level: f64,
     pub max_pressure_pa: f64,
-    pub place: Place,
+    pub pose: PoseControls,
 }
 
-/// The part of a frame that sets the sources' positions.
+/// The part of the control values that sets the sources' positions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Place {
+pub(super) struct PoseControls {
     distance_m: f64,
     spread_m: f64,
     /// Sine and cosine of the azimuth, up to a common factor: a moving azimuth takes the shorter way round.
@@ -38,9 +38,9 @@ pub(super) struct Place {
     exponent: f64,
 }
 
-impl Frame {
-    /// The frame of `controls`.
-    pub fn of(controls: &VortexControls) -> Self {
+impl HopControls {
+    /// The values of `controls`, within their ranges.
+    pub fn of_controls(controls: &VortexControls) -> Self {
         let azimuth = maths::sin_cos(within(controls.azimuth_deg % 360.0, -360.0, 360.0).to_radians());
         Self {
             speed_m_s: within(controls.speed_m_s, 0.0, 100.0),
@@ -51,7 +51,7 @@ impl Frame {
             ln_reference: maths::ln(within(controls.reference_m_s, 0.1, 100.0)),
             level: within(controls.level, 0.0, 1e6),
             max_pressure_pa: within(controls.max_pressure_pa, 1e-6, 1e9),
-            place: Place {
+            pose: PoseControls {
                 distance_m: within(controls.distance_m, 0.0, 1000.0),
                 spread_m: within(controls.spread_m, 0.0, 100.0),
                 azimuth: azimuth.into(),
@@ -62,8 +62,8 @@ impl Frame {
     }
 
     fn values(&mut self) -> [&mut f64; VALUES] {
-        let place = &mut self.place;
-        let [sin, cos] = &mut place.azimuth;
+        let pose = &mut self.pose;
+        let [sin, cos] = &mut pose.azimuth;
         [
             &mut self.speed_m_s,
             &mut self.curve,
@@ -73,12 +73,12 @@ impl Frame {
             &mut self.ln_reference,
             &mut self.level,
             &mut self.max_pressure_pa,
-            &mut place.distance_m,
-            &mut place.spread_m,
+            &mut pose.distance_m,
+            &mut pose.spread_m,
             sin,
             cos,
-            &mut place.elevation,
-            &mut place.exponent,
+            &mut pose.elevation,
+            &mut pose.exponent,
         ]
     }
 }
@@ -95,7 +95,7 @@ pub(super) struct Pose {
     exponent: f64,
 }
 
-impl Place {
+impl PoseControls {
     /// The pose of the sources.
     pub fn stand(&self) -> Pose {
         let [sin, cos] = self.azimuth;
@@ -117,11 +117,11 @@ impl Place {
 impl Pose {
     /// Right, front and up from the listener, in m, for a position in the ball over which sources are spread.
     pub fn in_ball(&self, ball: [f64; 3]) -> [f64; 3] {
-        self.at(ball.map(|x| self.spread_m * x))
+        self.to_world(ball.map(|x| self.spread_m * x))
     }
 
     /// The same for a position in m from the centre. Right and front are those of a listener who faces the centre.
-    pub fn at(&self, [right, front, up]: [f64; 3]) -> [f64; 3] {
+    pub fn to_world(&self, [right, front, up]: [f64; 3]) -> [f64; 3] {
         let front = front + self.front_m;
         [right * self.cos + front * self.sin, front * self.cos - right * self.sin, up + self.up_m]
     }
@@ -136,32 +136,32 @@ impl Pose {
 /// A frame that follows the controls hop by hop.
 #[derive(Debug)]
 pub(super) struct ControlSnapshot {
-    now: Frame,
+    now: HopControls,
     smoothed: [[Smoothed; 2]; VALUES],
 }
 
 impl ControlSnapshot {
     /// `hop_rate_hz` is the number of hops per second.
     pub fn new(hop_rate_hz: f64) -> Self {
-        Self { now: Frame::default(), smoothed: [[Smoothed::new(FOLLOW_S, hop_rate_hz); 2]; VALUES] }
+        Self { now: HopControls::default(), smoothed: [[Smoothed::new(FOLLOW_S, hop_rate_hz); 2]; VALUES] }
     }
 
     /// The frame as it is.
-    pub fn now(&self) -> Frame {
+    pub fn now(&self) -> HopControls {
         self.now
     }
 
     /// Applies the controls' values at once.
     pub fn jump(&mut self, controls: &VortexControls) {
-        self.now = Frame::of(controls);
+        self.now = HopControls::of_controls(controls);
         for (stages, value) in self.smoothed.iter_mut().zip(self.now.values()) {
             stages.iter_mut().for_each(|stage| stage.value = *value);
         }
     }
 
     /// One hop later.
-    pub fn next(&mut self, controls: &VortexControls) -> Frame {
-        self.now = Frame::of(controls);
+    pub fn next(&mut self, controls: &VortexControls) -> HopControls {
+        self.now = HopControls::of_controls(controls);
         for (stages, value) in self.smoothed.iter_mut().zip(self.now.values()) {
             *value = stages.iter_mut().fold(*value, |target, stage| stage.next(target));
         }
@@ -176,12 +176,12 @@ mod tests {
     #[test]
     fn pose_places_sources_by_distance_azimuth_and_elevation() {
         let controls = VortexControls { distance_m: 2.0, azimuth_deg: 90.0, ..VortexControls::default() };
-        let place = Frame::of(&controls).place.stand();
+        let place = HopControls::of_controls(&controls).pose.stand();
         let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
         assert!(close(place.in_ball([0.0; 3]), [2.0, 0.0, 0.0]));
-        assert!(close(place.at([0.0, 1.0, 0.0]), [3.0, 0.0, 0.0]));
-        assert!(close(place.at([1.0, 0.0, 0.5]), [2.0, -1.0, 0.5]));
-        let above = Frame::of(&VortexControls { elevation_deg: 90.0, ..controls }).place.stand();
+        assert!(close(place.to_world([0.0, 1.0, 0.0]), [3.0, 0.0, 0.0]));
+        assert!(close(place.to_world([1.0, 0.0, 0.5]), [2.0, -1.0, 0.5]));
+        let above = HopControls::of_controls(&VortexControls { elevation_deg: 90.0, ..controls }).pose.stand();
         assert!(close(above.in_ball([0.0; 3]), [0.0, 0.0, 2.0]));
     }
 
@@ -190,14 +190,14 @@ mod tests {
         let mut moving = ControlSnapshot::new(750.0);
         moving.jump(&VortexControls { azimuth_deg: 170.0, ..VortexControls::default() });
         let target = VortexControls { azimuth_deg: -170.0, distance_m: 9.0, level: 3.0, ..VortexControls::default() };
-        let mut before = moving.now().place.stand().at([0.0; 3]);
+        let mut before = moving.now().pose.stand().to_world([0.0; 3]);
         for _ in 0..600 {
-            let at = moving.next(&target).place.stand().at([0.0; 3]);
+            let at = moving.next(&target).pose.stand().to_world([0.0; 3]);
             // The short way, behind the listener.
             assert!(at[1] < 0.0 && (at[0] - before[0]).abs() < 0.5);
             before = at;
         }
-        assert_eq!(moving.now(), Frame::of(&target));
+        assert_eq!(moving.now(), HopControls::of_controls(&target));
     }
 
     #[test]
@@ -219,7 +219,7 @@ mod tests {
                 exponent: bad,
                 ..VortexControls::default()
             };
-            assert!(Frame::of(&controls).values().iter().all(|value| value.is_finite()), "{bad}");
+            assert!(HopControls::of_controls(&controls).values().iter().all(|value| value.is_finite()), "{bad}");
         }
     }
 }

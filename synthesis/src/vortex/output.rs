@@ -1,12 +1,12 @@
 //! From a hop's pressures to its output: the output's rate, the microphone and the level.
 
 use super::microphone::limited;
-use super::moving::Frame;
+use super::moving::HopControls;
 use super::upsampler::Upsampler;
 
 /// A hop as it is summed, and the one before as it is heard.
 #[derive(Debug)]
-pub(super) struct Output {
+pub(super) struct HopOutput {
     /// Pressures of the hop by channel, at the rate that sources are summed at.
     pub pressures: Vec<Vec<f32>>,
     upsampler: Upsampler,
@@ -16,7 +16,7 @@ pub(super) struct Output {
     pub ready: Vec<Vec<f64>>,
 }
 
-impl Output {
+impl HopOutput {
     /// Silence, for hops of `hop` samples that are summed at a `factor`-th of the output's rate.
     pub fn new(channels: usize, hop: usize, factor: usize) -> Self {
         let summed = hop / factor;
@@ -45,7 +45,7 @@ impl Output {
     }
 
     /// Converts the pressures; the controls go from those of one frame to those of the other.
-    pub fn finish(&mut self, from: &Frame, to: &Frame) {
+    pub fn finish(&mut self, from: &HopControls, to: &HopControls) {
         let per_sample = 1.0 / self.raised.len() as f64;
         for (channel, (pressures, ready)) in self.pressures.iter().zip(&mut self.ready).enumerate() {
             self.upsampler.process(channel, pressures, &mut self.raised);

@@ -8,7 +8,7 @@ use super::level::Blend;
 use super::motion::Motion;
 use super::read::{Gain, Part};
 use super::renderer::Vortex;
-use super::source::{Edge, Identity, Source};
+use super::source::{Edge, Identity, VortexSource};
 use crate::controls::{Flow, VortexControls};
 use crate::error::within;
 
@@ -25,13 +25,13 @@ struct Summing<'a> {
 impl Vortex {
     /// Starts to sound with the hop at `start`.
     pub(super) fn start(&mut self, start: i64, controls: &VortexControls) {
-        self.is_fresh = false;
-        self.is_exchanged = false;
+        self.state.is_fresh = false;
+        self.state.is_exchanged = false;
         self.moving.jump(controls);
         // The start is mid-stream: the previous hop is heard during this one, and the one before that is the filter's
         // past.
         for (back, is_fresh) in [(2, true), (1, false)] {
-            self.decide(start - back * self.hop as i64, controls, is_fresh);
+            self.decide(start - back * self.sizes.hop as i64, controls, is_fresh);
             self.sum_rest();
             self.finish();
         }
@@ -40,7 +40,7 @@ impl Vortex {
 
     /// Begins the hop at `start`.
     pub(super) fn begin(&mut self, start: i64, controls: &VortexControls) {
-        if std::mem::take(&mut self.is_exchanged) {
+        if std::mem::take(&mut self.state.is_exchanged) {
             self.sources.iter_mut().for_each(|source| source.presence = 0.0);
             self.declick.begin(&self.output.pressures);
         }
@@ -52,14 +52,14 @@ impl Vortex {
 
     /// Decides the sound of the hop at `start`.
     fn decide(&mut self, start: i64, controls: &VortexControls, is_fresh: bool) {
-        self.flow = controls.flow;
+        self.state.flow = controls.flow;
         let identity = Identity { seed: controls.seed, flow: controls.flow };
         let before = self.moving.now();
         let frame = self.moving.next(controls);
         let speed_m_s = frame.speed_m_s * maths::pow(self.follower.now, frame.curve);
-        let ends = [start, start + self.hop as i64];
+        let ends = [start, start + self.sizes.hop as i64];
         let offset_s = within(controls.field_offset_s, -3600.0, 3600.0);
-        let place = |at: i64| at as f64 / self.sample_rate_hz + offset_s;
+        let place = |at: i64| at as f64 / self.sizes.sample_rate_hz + offset_s;
         let moments = self.field.as_deref().map(|field| ends.map(|at| field.place(place(at))));
         let wanted = match controls.flow {
             Flow::Envelope => controls.count,
@@ -69,7 +69,7 @@ impl Vortex {
         let wanted = wanted.min(self.sources.len());
         if is_fresh {
             for (index, source) in self.sources.iter_mut().enumerate() {
-                *source = Source::new(index, identity);
+                *source = VortexSource::new(index, identity);
                 source.presence = f32::from(u8::from(index < wanted));
             }
         }
@@ -78,14 +78,14 @@ impl Vortex {
         self.present = Hop {
             start,
             before,
-            stand: frame.place.stand(),
+            stand: frame.pose.stand(),
             identity,
             moments,
             wanted,
             speed_m_s,
             ln_speed: if self.follower.now > 0.0 { maths::ln(speed_m_s) as f32 } else { f32::NEG_INFINITY },
             ln_reference: self.bank.as_deref().map_or(0.0, reference),
-            stays: frame.place == before.place && !is_fresh,
+            stays: frame.pose == before.pose && !is_fresh,
             is_fresh,
             sources: wanted.max(heard),
             summed: 0,
@@ -111,9 +111,9 @@ impl Vortex {
         let (field, live, bank) = (self.field.take(), self.live.take(), self.bank.take());
         let mut sources = std::mem::take(&mut self.sources);
         let motion = Motion { field: field.as_deref().zip(hop.moments), live: live.as_ref() };
-        let bank_here = bank.as_deref().filter(|bank| bank.sample_rate_hz() == self.sample_rate_hz);
+        let bank_here = bank.as_deref().filter(|bank| bank.sample_rate_hz() == self.sizes.sample_rate_hz);
         let summing = bank_here.map(|bank| Summing { hop, bank, motion });
-        let number = hop.start.div_euclid(self.hop as i64);
+        let number = hop.start.div_euclid(self.sizes.hop as i64);
         for (index, source) in sources[range.clone()].iter_mut().enumerate() {
             let index = range.start + index;
             let present = source.turn(index, number, index < hop.wanted, hop.identity);
@@ -126,7 +126,7 @@ impl Vortex {
     }
 
     /// Adds one source, whose presence was `present` at the hop's start.
-    fn sum_source(&mut self, summing: &Summing<'_>, index: usize, source: &mut Source, present: f32) {
+    fn sum_source(&mut self, summing: &Summing<'_>, index: usize, source: &mut VortexSource, present: f32) {
         let Summing { hop, bank, .. } = summing;
         source.vary(hop.frame.variation as f32);
         if hop.is_fresh {
@@ -155,7 +155,7 @@ impl Vortex {
         }
         let mut gains = [Gain { channel: 0, from: 0.0, to: 0.0 }; MOST_CHANNELS];
         let mut audible = 0;
-        for (channel, (from, to)) in start.gains.iter().zip(end.gains).take(self.channels).enumerate() {
+        for (channel, (from, to)) in start.gains.iter().zip(end.gains).take(self.sizes.channels).enumerate() {
             let gain = Gain { channel, from: present * from, to: source.presence * to };
             if gain.from != 0.0 || gain.to != 0.0 {
                 gains[audible] = gain;
@@ -169,14 +169,14 @@ impl Vortex {
         let period = bank.period() as f64;
         let rate_hz = source.pace * bank.rate_hz();
         let steps_per_m = rate_hz / SPEED_OF_SOUND_M_S;
-        let turns = hop.start as f64 * (rate_hz / self.sample_rate_hz);
+        let turns = hop.start as f64 * (rate_hz / self.sizes.sample_rate_hz);
         let begun = turns - period * (turns / period).floor();
         let at = begun + source.offset * period - start.distance_m * steps_per_m;
         let at = at - period * (at / period).floor();
         // Rounding may reach the period itself.
         let first = (at as usize).min(bank.period() - 1);
-        let nearer = (start.distance_m - end.distance_m) / self.hop as f64;
-        let step = self.factor as f64 * (rate_hz / self.sample_rate_hz + nearer * steps_per_m);
+        let nearer = (start.distance_m - end.distance_m) / self.sizes.hop as f64;
+        let step = self.sizes.factor as f64 * (rate_hz / self.sizes.sample_rate_hz + nearer * steps_per_m);
         let mut parts = [Part { series: &[], from: 0.0, change: 0.0 }; 4];
         for (part, (row, from, to)) in parts.iter_mut().zip(&rows[..count]) {
             let (scale, series) = bank.series(*row, source.direction, first);
@@ -187,20 +187,20 @@ impl Vortex {
     }
 
     /// Sound of a source at the start of the hop, or at its `end`; `heard` is true if its edge is its previous sound.
-    fn edge(&self, summing: &Summing<'_>, end: bool, index: usize, source: &Source, heard: bool) -> Edge {
+    fn edge(&self, summing: &Summing<'_>, end: bool, index: usize, source: &VortexSource, heard: bool) -> Edge {
         let Summing { hop, bank, motion } = summing;
         let stand = &hop.stand;
         let edge = &source.edge;
         let (position, ln_speed, presence) = if source.identity.flow == Flow::Envelope {
             (None, hop.ln_speed + source.ln_deviation, 1.0)
-        } else if let Some(told) = motion.at(source.identity.flow, index, end) {
+        } else if let Some(told) = motion.state_at(source.identity.flow, index, end) {
             let speed_m_s = (hop.frame.field_speed * told.speed_m_s) as f32;
-            (Some(stand.at(told.position)), maths::ln(speed_m_s), told.presence)
+            (Some(stand.to_world(told.position)), maths::ln(speed_m_s), told.presence)
         } else {
             return Edge { distance_m: edge.distance_m, ..Edge::default() };
         };
-        let blend = bank.levels().at(edge.blend.row, ln_speed, hop.frame.range as f32, hop.ln_reference);
-        let moves = position.is_some_and(|position| position != edge.position) || presence != edge.told;
+        let blend = bank.levels().blend_at(edge.blend.row, ln_speed, hop.frame.range as f32, hop.ln_reference);
+        let moves = position.is_some_and(|position| position != edge.position) || presence != edge.motion_presence;
         if heard && edge.settled && hop.stays && !moves {
             return Edge { blend, ..*edge };
         }
@@ -209,11 +209,11 @@ impl Vortex {
         let level = (presence * stand.attenuation(distance_m)) as f32;
         let gains = self.panner.gains(position).map(|gain| level * gain);
         // A distance that jumps is traversed gradually, because the time at which a source is heard must advance.
-        let walk = FASTEST * SPEED_OF_SOUND_M_S * self.hop as f64 / self.sample_rate_hz;
+        let walk = FASTEST * SPEED_OF_SOUND_M_S * self.sizes.hop as f64 / self.sizes.sample_rate_hz;
         let delayed_m =
             if heard { edge.distance_m + (distance_m - edge.distance_m).clamp(-walk, walk) } else { distance_m };
         let settled = delayed_m == distance_m;
-        Edge { blend, gains, position, told: presence, distance_m: delayed_m, settled }
+        Edge { blend, gains, position, motion_presence: presence, distance_m: delayed_m, settled }
     }
 
     /// Converts the hop's pressures to output, with the remains of an exchange.

@@ -10,9 +10,9 @@ use super::hop::Hop;
 use super::layout::{Panner, SpeakerLayout};
 use super::live::{Live, Simulator, hops_per_step};
 use super::moving::ControlSnapshot;
-use super::output::Output;
+use super::output::HopOutput;
 use super::read::Reader;
-use super::source::Source;
+use super::source::VortexSource;
 use super::upsampler;
 use crate::controls::{Flow, VortexControls};
 use crate::error::{Error, in_range, within};
@@ -34,30 +34,43 @@ const SILENCE_NEPERS: f64 = 27.7;
 /// function of the position. Speeds from the envelope follow it one hop (2.7 ms) late.
 #[derive(Debug)]
 pub struct Vortex {
-    pub(super) sample_rate_hz: f64,
-    pub(super) hop: usize,
-    /// Samples of the output per sample that sources are summed at.
-    pub(super) factor: usize,
-    pub(super) channels: usize,
+    pub(super) sizes: Sizes,
     pub(super) panner: Panner,
     pub(super) bank: Option<Arc<Bank>>,
     pub(super) field: Option<Arc<SpeedField>>,
     pub(super) live: Option<Live>,
-    pub(super) sources: Vec<Source>,
+    pub(super) sources: Vec<VortexSource>,
     pub(super) follower: Follower,
     pub(super) moving: ControlSnapshot,
     pub(super) reader: Reader,
     pub(super) present: Hop,
-    pub(super) output: Output,
-    /// Position of the next sample.
-    pub(super) position: i64,
-    /// True if nothing has been rendered since the reset.
-    pub(super) is_fresh: bool,
-    /// Origin of the speeds in the last hop.
-    pub(super) flow: Flow,
-    /// True if an audible bank or field was exchanged during the last hop.
-    pub(super) is_exchanged: bool,
+    pub(super) output: HopOutput,
+    pub(super) state: RenderState,
     pub(super) declick: Declick,
+}
+
+/// What sample rate and speaker layout decide.
+#[derive(Debug)]
+pub(super) struct Sizes {
+    pub sample_rate_hz: f64,
+    /// Samples of a hop.
+    pub hop: usize,
+    /// Samples of the output per sample that sources are summed at.
+    pub factor: usize,
+    pub channels: usize,
+}
+
+/// Progress of rendering.
+#[derive(Debug)]
+pub(super) struct RenderState {
+    /// Position of the next sample.
+    pub position: i64,
+    /// True if nothing has been rendered since the reset.
+    pub is_fresh: bool,
+    /// Origin of the speeds in the last hop.
+    pub flow: Flow,
+    /// True if an audible bank or field was exchanged during the last hop.
+    pub is_exchanged: bool,
 }
 
 impl Vortex {
@@ -71,31 +84,25 @@ impl Vortex {
         let factor = upsampler::factor(sample_rate_hz);
         let channels = layout.channels();
         Ok(Self {
-            sample_rate_hz,
-            hop,
-            factor,
-            channels,
+            sizes: Sizes { sample_rate_hz, hop, factor, channels },
             panner: Panner::new(layout),
             bank: None,
             field: None,
             live: None,
-            sources: vec![Source::default(); sources],
+            sources: vec![VortexSource::default(); sources],
             follower: Follower::new(sample_rate_hz, hop),
             moving: ControlSnapshot::new(sample_rate_hz / hop as f64),
             reader: Reader::new(hop / factor),
             present: Hop::default(),
-            output: Output::new(channels, hop, factor),
-            position: 0,
-            is_fresh: true,
-            flow: Flow::Envelope,
-            is_exchanged: false,
+            output: HopOutput::new(channels, hop, factor),
+            state: RenderState { position: 0, is_fresh: true, flow: Flow::Envelope, is_exchanged: false },
             declick: Declick::new(channels),
         })
     }
 
     /// Delay of the output in samples, a function of the sample rate alone: a hop, and the filter of the upsampler.
     pub fn latency_samples(&self) -> usize {
-        self.hop + self.output.latency_samples()
+        self.sizes.hop + self.output.latency_samples()
     }
 
     /// Samples for which output may differ from 0 after a full-scale drive has ended: the envelope's release down to
@@ -103,19 +110,19 @@ impl Vortex {
     pub fn tail_samples(&self, controls: &VortexControls) -> Option<usize> {
         let release_s = within(controls.release_s, 1e-3, 5.0);
         let nepers = (-maths::ln(within(controls.threshold, 0.0, 1.0))).clamp(0.0, SILENCE_NEPERS);
-        let release = (release_s * nepers * self.sample_rate_hz).ceil() as usize;
+        let release = (release_s * nepers * self.sizes.sample_rate_hz).ceil() as usize;
         (controls.flow == Flow::Envelope)
-            .then_some(release + (2 + declick::HOPS) * self.hop + 2 * self.latency_samples())
+            .then_some(release + (2 + declick::HOPS) * self.sizes.hop + 2 * self.latency_samples())
     }
 
     /// Samples of a hop, a function of the sample rate alone.
     pub fn hop_samples(&self) -> usize {
-        self.hop
+        self.sizes.hop
     }
 
     /// Number of channels.
     pub fn channels(&self) -> usize {
-        self.channels
+        self.sizes.channels
     }
 
     /// Most sources that are rendered.
@@ -127,14 +134,14 @@ impl Vortex {
     /// rate stays silent.
     pub fn swap_bank(&mut self, bank: Option<Arc<Bank>>) -> Option<Arc<Bank>> {
         self.sum_rest();
-        self.is_exchanged = true;
+        self.state.is_exchanged = true;
         std::mem::replace(&mut self.bank, bank)
     }
 
     /// Exchanges the speed field and returns the one before. From the next hop on the new one fades in.
     pub fn swap_field(&mut self, field: Option<Arc<SpeedField>>) -> Option<Arc<SpeedField>> {
         self.sum_rest();
-        self.is_exchanged |= self.flow == Flow::Field;
+        self.state.is_exchanged |= self.state.flow == Flow::Field;
         std::mem::replace(&mut self.field, field)
     }
 
@@ -145,13 +152,14 @@ impl Vortex {
     /// Fails without positions, and if one is not finite or farther than 100 km.
     pub fn set_simulator(&mut self, simulator: Box<dyn Simulator>, places: &[[f32; 3]]) -> Result<(), Error> {
         self.sum_rest();
-        self.live = Some(Live::new(simulator, places, hops_per_step(self.sample_rate_hz, self.hop))?);
+        self.live = Some(Live::new(simulator, places, hops_per_step(self.sizes.sample_rate_hz, self.sizes.hop))?);
         Ok(())
     }
 
     /// Seconds that a step of a live simulation lasts, about 1/60.
     pub fn live_step_s(&self) -> f64 {
-        hops_per_step(self.sample_rate_hz, self.hop) as f64 * self.hop as f64 / self.sample_rate_hz
+        hops_per_step(self.sizes.sample_rate_hz, self.sizes.hop) as f64 * self.sizes.hop as f64
+            / self.sizes.sample_rate_hz
     }
 
     /// Number of steps of the live simulation that came too late since the last call.
@@ -162,11 +170,11 @@ impl Vortex {
     /// Resets to silence; the next sample is at `position` on the host's timeline. Bank and field stay.
     pub fn reset(&mut self, position: i64) {
         // Leaves room for centuries of sound on either side, with positions in the period still accurate enough.
-        self.position = position.clamp(-(1 << 50), 1 << 50);
+        self.state.position = position.clamp(-(1 << 50), 1 << 50);
         self.follower.reset();
         self.output.reset();
-        self.is_fresh = true;
-        self.is_exchanged = false;
+        self.state.is_fresh = true;
+        self.state.is_exchanged = false;
         self.declick.reset();
         self.present = Hop::default();
         if let Some(live) = &mut self.live {
@@ -176,10 +184,10 @@ impl Vortex {
 
     /// Skips `samples` unheard, at next to no cost; afterwards it begins as after a [`reset`](Self::reset).
     pub fn skip(&mut self, samples: usize) {
-        if !self.is_fresh {
-            self.reset(self.position);
+        if !self.state.is_fresh {
+            self.reset(self.state.position);
         }
-        self.position += samples as i64;
+        self.state.position += samples as i64;
     }
 
     /// Renders one block of any length into `outputs`, whose channels are as long as `drive`; channels that the layout
@@ -189,13 +197,13 @@ impl Vortex {
         let count = outputs.iter().map(|channel| channel.len()).fold(drive.len(), usize::min);
         let mut done = 0;
         while done < count {
-            let into = self.position.rem_euclid(self.hop as i64) as usize;
-            if self.is_fresh {
-                self.start(self.position - into as i64, controls);
+            let into = self.state.position.rem_euclid(self.sizes.hop as i64) as usize;
+            if self.state.is_fresh {
+                self.start(self.state.position - into as i64, controls);
             } else if into == 0 {
-                self.begin(self.position, controls);
+                self.begin(self.state.position, controls);
             }
-            let step = (self.hop - into).min(count - done);
+            let step = (self.sizes.hop - into).min(count - done);
             self.follower.process(&drive[done..done + step], controls);
             for (channel, output) in outputs.iter_mut().enumerate() {
                 let output = &mut output[done..done + step];
@@ -204,14 +212,14 @@ impl Vortex {
                     None => output.fill(0.0),
                 }
             }
-            if into + step == self.hop {
+            if into + step == self.sizes.hop {
                 self.sum_rest();
                 self.finish();
             } else {
-                self.sum(self.present.sources * (into + step) / self.hop);
+                self.sum(self.present.sources * (into + step) / self.sizes.hop);
             }
             done += step;
-            self.position += step as i64;
+            self.state.position += step as i64;
         }
     }
 }

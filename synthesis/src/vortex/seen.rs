@@ -26,6 +26,6 @@ impl Vortex {
 
     /// Number of the present hop.
     pub fn hop(&self) -> i64 {
-        self.position.div_euclid(self.hop as i64)
+        self.state.position.div_euclid(self.sizes.hop as i64)
     }
 }

@@ -36,7 +36,7 @@ pub(super) struct Edge {
     /// Position: to the right, to the front and up, in m.
     pub position: [f64; 3],
     /// Presence as set by the source's motion.
-    pub told: f64,
+    pub motion_presence: f64,
     /// Distance that delays, in m.
     pub distance_m: f64,
     /// True if that is the source's own distance by now.
@@ -45,7 +45,7 @@ pub(super) struct Edge {
 
 /// One source.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Source {
+pub(super) struct VortexSource {
     pub identity: Identity,
     /// Presence, 0-1, at the edge.
     pub presence: f32,
@@ -66,16 +66,16 @@ pub(super) struct Source {
     pub pace: f64,
 }
 
-impl Source {
+impl VortexSource {
     /// Source number `index` of a seed.
     ///
     /// Offsets are drawn: evenly spaced ones would cancel at most frequencies of a period and add up at a few.
     pub fn new(index: usize, identity: Identity) -> Self {
         let white = White::new(identity.seed, STREAM);
         // Uniform in 0..1.
-        let number = |which: i64| 0.5 + 0.5 * white.at(NUMBERS * index as i64 + which) / 3f64.sqrt();
+        let number = |which: i64| 0.5 + 0.5 * white.sample_at(NUMBERS * index as i64 + which) / 3f64.sqrt();
         // Directions go round, so that they are as equally many as can be.
-        let turn = (white.at(-1).to_bits() >> 8) as usize;
+        let turn = (white.sample_at(-1).to_bits() >> 8) as usize;
         let (height, azimuth) = (2.0 * number(0) - 1.0, std::f64::consts::TAU * number(1));
         let radius = maths::cbrt(number(2));
         let flat = radius * (1.0 - height * height).max(0.0).sqrt();
@@ -126,10 +126,10 @@ mod tests {
     #[test]
     fn sources_neither_cancel_nor_add_up_at_any_frequency_of_the_period() {
         let identity = Identity { seed: 7, flow: Flow::Envelope };
-        let sources: Vec<Source> = (0..600).map(|index| Source::new(index, identity)).collect();
+        let sources: Vec<VortexSource> = (0..600).map(|index| VortexSource::new(index, identity)).collect();
         assert!(sources.iter().all(|source| source.ball.iter().map(|x| x * x).sum::<f64>() <= 1.0));
         for direction in 0..DIRECTIONS {
-            let mine: Vec<&Source> = sources.iter().filter(|source| source.direction == direction).collect();
+            let mine: Vec<&VortexSource> = sources.iter().filter(|source| source.direction == direction).collect();
             assert_eq!(mine.len(), 600 / DIRECTIONS);
             let power = |turns: u32| {
                 let phases = mine.iter().map(|source| std::f64::consts::TAU * f64::from(turns) * source.offset);
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn a_source_changes_its_identity_only_while_it_is_silent() {
         let (one, two) = (Identity { seed: 1, flow: Flow::Envelope }, Identity { seed: 2, flow: Flow::Envelope });
-        let mut source = Source { presence: 1.0, ..Source::new(3, one) };
+        let mut source = VortexSource { presence: 1.0, ..VortexSource::new(3, one) };
         for hop in 0..64 {
             let before = source.clone();
             let at_start = source.turn(3, hop, true, two);

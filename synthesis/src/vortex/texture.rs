@@ -177,7 +177,7 @@ mod tests {
             gain: 0.5 * (1 << index) as f64,
             components: std::array::from_fn(|component| {
                 let noise = White::new(index as u32, component as u32);
-                (0..steps).map(|step| noise.at(step as i64) as f32).collect()
+                (0..steps).map(|step| noise.sample_at(step as i64) as f32).collect()
             }),
         };
         VortexTexture::new(4000.0, (0..rows).map(row).collect()).expect("a texture")

@@ -42,7 +42,7 @@ pub(super) struct Upsampler {
     /// Weights of the samples around, by phase, the oldest sample's first.
     weights: Vec<[f32; 2 * REACH]>,
     /// By channel: the most recent samples, and the present hop.
-    heard: Vec<Vec<f32>>,
+    recent: Vec<Vec<f32>>,
     /// One phase of a hop.
     phase: Vec<f32>,
 }
@@ -61,7 +61,7 @@ impl Upsampler {
         Self {
             factor,
             weights: weights.collect(),
-            heard: vec![vec![0.0; 2 * REACH - 1 + hop]; channels],
+            recent: vec![vec![0.0; 2 * REACH - 1 + hop]; channels],
             phase: vec![0.0; hop],
         }
     }
@@ -73,7 +73,7 @@ impl Upsampler {
 
     /// Resets to silence.
     pub fn reset(&mut self) {
-        self.heard.iter_mut().for_each(|heard| heard.fill(0.0));
+        self.recent.iter_mut().for_each(|heard| heard.fill(0.0));
     }
 
     /// Converts one hop of a channel, written to `raised`, which is `factor` times as long.
@@ -82,7 +82,7 @@ impl Upsampler {
             raised.copy_from_slice(hop);
             return;
         }
-        let heard = &mut self.heard[channel];
+        let heard = &mut self.recent[channel];
         heard[2 * REACH - 1..].copy_from_slice(hop);
         for (phase, weights) in self.weights.iter().enumerate() {
             self.phase.fill(0.0);

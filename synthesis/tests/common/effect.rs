@@ -11,31 +11,32 @@ use pyrophone_synthesis::controls::{
     FlameControls, Flow, Fuel, FuelControls, MixControls, Quality, RecordingControls, TextureControls, ToneControls,
     VortexControls,
 };
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
-use pyrophone_synthesis::texture::{Dictionary, Distribution, PyramidConfig};
+use pyrophone_synthesis::texture::{Distribution, PyramidConfig};
 
 use crate::signals::{Random, signal};
 
 pub const STEREO: Channels = Channels { input: 2, sidechain: 1, output: 2 };
 
 /// A made-up recording for a rate and structure.
-pub fn dictionary(rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<Dictionary> {
+pub fn dictionary(rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<RecordingDictionary> {
     dictionary_of(11, rate_hz, structure, channels)
 }
 
 /// The same, of another seed. Learning takes longer than most tests: each is learnt once by a process.
-pub fn dictionary_of(seed: u64, rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<Dictionary> {
-    static LEARNT: Mutex<BTreeMap<String, Arc<Dictionary>>> = Mutex::new(BTreeMap::new());
+pub fn dictionary_of(seed: u64, rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<RecordingDictionary> {
+    static LEARNT: Mutex<BTreeMap<String, Arc<RecordingDictionary>>> = Mutex::new(BTreeMap::new());
     let key = format!("{seed} {rate_hz} {structure:?} {channels}");
     let mut learnt = LEARNT.lock().unwrap_or_else(PoisonError::into_inner);
     Arc::clone(learnt.entry(key).or_insert_with(|| learn(seed, rate_hz, structure, channels)))
 }
 
-fn learn(seed: u64, rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<Dictionary> {
+fn learn(seed: u64, rate_hz: f64, structure: &EngineConfig, channels: usize) -> Arc<RecordingDictionary> {
     let mut random = Random::new(seed);
     let recording: Vec<Vec<f64>> = (0..channels).map(|_| signal(&mut random, 1, 30_000)).collect();
     let shape = PyramidConfig::at_rate(structure, rate_hz);
-    Arc::new(Dictionary::for_dynamics(structure.dynamics, &recording, rate_hz, &shape, &|_| true).unwrap())
+    Arc::new(RecordingDictionary::new(structure.dynamics, &recording, rate_hz, &shape, &|_| true).unwrap())
 }
 
 /// Both ways of following a drive's loudness.
@@ -141,7 +142,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
         },
         crackle: CrackleControls {
             slot: 0,
-            fuel: Fuel::at(random.below(6)),
+            fuel: Fuel::from_index(random.below(6)),
             density: 4.0 * random.unit(),
             sharpness: 2.0 * random.unit() - 1.0,
             spread: 2.0 * random.unit(),
@@ -150,7 +151,7 @@ pub fn any_controls(random: &mut Random) -> Controls {
             highest_peak: f64::INFINITY,
         },
         fuel: FuelControls {
-            fuel: Fuel::at(random.below(6)),
+            fuel: Fuel::from_index(random.below(6)),
             hiss_tone: 2.0 * random.unit() - 1.0,
             hiss_flutter: random.unit(),
             body_tone: 2.0 * random.unit() - 1.0,

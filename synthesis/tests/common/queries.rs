@@ -15,7 +15,7 @@ pub struct Query {
 
 /// The searches for `input` with exact answers, level by level, coarsest first; `dictionary` is
 /// that of `training`.
-pub fn of(input: &[f64], training: &[f64], dictionary: &Dictionary) -> Vec<Query> {
+pub fn queries_of(input: &[f64], training: &[f64], dictionary: &Dictionary) -> Vec<Query> {
     let shape = dictionary.shape();
     let settings = Settings {
         levels: shape.levels,

@@ -18,7 +18,7 @@ pub fn noise_texture(rows: usize, steps: usize) -> VortexTexture {
         gain: 1e-3 * 10f64.powf(1.5 * index as f64),
         components: std::array::from_fn(|component| {
             let noise = White::new(index as u32, component as u32);
-            (0..steps).map(|step| (share * noise.at(step as i64)) as f32).collect()
+            (0..steps).map(|step| (share * noise.sample_at(step as i64)) as f32).collect()
         }),
     };
     VortexTexture::new(4000.0, (0..rows).map(row).collect()).expect("a texture")
@@ -38,7 +38,7 @@ pub fn tone_texture(frequency_hz: f64) -> VortexTexture {
 pub fn wandering(sources: usize, steps: usize, end: End) -> SpeedField {
     let white = White::new(5, 5);
     let wave = |source: usize, step: usize, which: i64| {
-        let phase = white.at(source as i64 * 4 + which) + TAU * step as f64 / steps as f64;
+        let phase = white.sample_at(source as i64 * 4 + which) + TAU * step as f64 / steps as f64;
         phase.sin()
     };
     let each = |step: usize| (0..sources).map(move |source| (source, step));
@@ -92,7 +92,7 @@ pub fn busy(at: usize) -> VortexControls {
 /// A drive with silences.
 pub fn bursts(samples: usize) -> Vec<f64> {
     let white = White::new(3, 3);
-    (0..samples).map(|at| if at / 1700 % 3 == 2 { 0.0 } else { 0.5 * white.at(at as i64) }).collect()
+    (0..samples).map(|at| if at / 1700 % 3 == 2 { 0.0 } else { 0.5 * white.sample_at(at as i64) }).collect()
 }
 
 /// A renderer with a bank of `texture`.

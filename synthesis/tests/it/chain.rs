@@ -162,7 +162,7 @@ fn texture_through_the_chain_is_the_offline_run() {
     let input: Vec<f32> = channels(6, 1, 20_000).remove(0);
     let wide: Vec<f64> = input.iter().map(|x| f64::from(*x)).collect();
     let dictionary = dictionary(RATE_HZ, &structure, 1);
-    let whole = offline::synthesize(&wide, &dictionary, &offline::Options::default(), &|_| true).unwrap();
+    let whole = offline::synthesize(&wide, dictionary.windows(), &offline::Options::default(), &|_| true).unwrap();
 
     let mut controls = Controls { mix: MixControls { low: 0.0, extension: 0.0, ..MixControls::default() }, ..plain() };
     controls.drive.high_pass_hz = 0.0;

@@ -6,8 +6,9 @@ use crate::effect::{Event, channels, play};
 use pyrophone_synthesis::chain::{Chain, Channels, learn};
 use pyrophone_synthesis::companding::bands::{Power, distance_db};
 use pyrophone_synthesis::controls::{Controls, DynamicRange, MixControls};
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::texture::PyramidConfig;
 use pyrophone_synthesis::{EngineConfig, Error};
 
 const RATE_HZ: f64 = 44_100.0;
@@ -33,7 +34,7 @@ fn texture_alone() -> Controls {
 fn chain_with(recording: &[f64]) -> Chain {
     let shape = PyramidConfig::at_rate(&COMPANDED, RATE_HZ);
     let recording = [recording.to_vec()];
-    let dictionary = Dictionary::companded(&recording, RATE_HZ, &shape, &|_| true).unwrap();
+    let dictionary = RecordingDictionary::companded(&recording, RATE_HZ, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(RATE_HZ, MONO, &COMPANDED).unwrap();
     chain.swap_dictionary(Some(Arc::new(dictionary)));
     chain
@@ -71,7 +72,7 @@ fn on_the_reference_pairs_it_is_like_the_recording() {
         let (drive, recording) = (read("signals", name), read("training", name));
         let drive: Vec<f32> = drive.iter().map(|x| *x as f32).collect();
         let out = run(&mut chain_with(&recording), &drive, &texture_alone());
-        let levels = |signal: &[f64]| Power::of(signal, RATE_HZ).third_octaves_db(RATE_HZ);
+        let levels = |signal: &[f64]| Power::of_signal(signal, RATE_HZ).third_octaves_db(RATE_HZ);
         let spectrum_db = distance_db(&levels(&out), &levels(&recording));
         let level_db = rms_db(&out) - rms_db(&recording);
         println!("{name}: spectrum {spectrum_db:.2} dB, level {level_db:+.2} dB");

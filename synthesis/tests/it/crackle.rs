@@ -8,8 +8,9 @@ use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, CrackleControls, Fuel, MixControls};
 use pyrophone_synthesis::crackle::{Crackle, Crackles, Sources, split};
 use pyrophone_synthesis::dsp::White;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::texture::PyramidConfig;
 use pyrophone_synthesis::{EngineConfig, Error};
 
 const RATE_HZ: f64 = 44_100.0;
@@ -30,7 +31,7 @@ fn clicks(samples: usize) -> (Vec<f64>, Vec<(usize, f64)>) {
     let (mut placed, mut at) = (Vec::new(), 3000usize);
     while at + 4000 < samples {
         let count = placed.len() as i64;
-        let unit = |draw: i64| 0.5 + random.at(2 * count + draw) / 12f64.sqrt();
+        let unit = |draw: i64| 0.5 + random.sample_at(2 * count + draw) / 12f64.sqrt();
         let peak = 0.05 * 10f64.powf(unit(0));
         for (i, sample) in signal[at..at + 200].iter_mut().enumerate() {
             let time_s = i as f64 / RATE_HZ;
@@ -307,7 +308,7 @@ fn companded() -> EngineConfig {
 
 fn chain_with(recording: &[Vec<f64>], layout: Channels) -> Result<Chain, Error> {
     let shape = PyramidConfig::at_rate(&companded(), RATE_HZ);
-    let dictionary = Dictionary::companded(recording, RATE_HZ, &shape, &|_| true)?;
+    let dictionary = RecordingDictionary::companded(recording, RATE_HZ, &shape, &|_| true)?;
     let mut chain = Chain::new(RATE_HZ, layout, &companded())?;
     chain.swap_dictionary(Some(Arc::new(dictionary)));
     Ok(chain)
@@ -432,7 +433,7 @@ fn the_papers_mode_tells_crackling_recordings_apart_and_scaling_auto_leaves_thei
     let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
     let drive = channels(22, 1, 40_000);
     for (recording, is_impulsive) in [(clicks(200_000).0, true), (noise(6, 200_000, 0.01), false)] {
-        let made = Dictionary::for_dynamics(MatchingMode::Paper, &[recording], RATE_HZ, &shape, &|_| true).unwrap();
+        let made = RecordingDictionary::new(MatchingMode::Paper, &[recording], RATE_HZ, &shape, &|_| true).unwrap();
         assert_eq!(made.is_impulsive(), is_impulsive);
         let mut chain = Chain::new(RATE_HZ, MONO, &structure).unwrap();
         chain.swap_dictionary(Some(Arc::new(made)));

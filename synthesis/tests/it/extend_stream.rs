@@ -101,7 +101,7 @@ fn busy_drive(samples: usize) -> Vec<f64> {
     let mut state = 0.0;
     (0..samples)
         .map(|at| {
-            state += 0.01 * (white.at(at as i64) - state);
+            state += 0.01 * (white.sample_at(at as i64) - state);
             if (at / 7000) % 3 == 2 { 0.0 } else { state }
         })
         .collect()
@@ -167,7 +167,7 @@ fn blocks_do_not_matter() {
         for block in [1, 17, 64, 480, 1024, 4096] {
             assert_same(&cut(&mut fresh(), &drive, std::iter::repeat(block)), &expected, &format!("block {block}"));
         }
-        let random = (0i64..).map(|i| (White::new(3, 3).at(i).abs() * 1500.0) as usize);
+        let random = (0i64..).map(|i| (White::new(3, 3).sample_at(i).abs() * 1500.0) as usize);
         assert_same(&cut(&mut fresh(), &drive, random), &expected, "random blocks");
     }
 }

@@ -242,7 +242,7 @@ fn nothing_is_allocated_while_a_fuel_burns() {
     let seen = allocation_counter::measure(|| {
         for block in 0..400usize {
             let controls = FuelControls {
-                fuel: Fuel::at(block / 20 % 6),
+                fuel: Fuel::from_index(block / 20 % 6),
                 seed: block as u32 / 50,
                 hiss_tone: (block % 3) as f64 - 1.0,
                 ..FuelControls::default()

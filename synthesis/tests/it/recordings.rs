@@ -6,8 +6,9 @@ use crate::effect::{Event, MODES, channels, play};
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, MixControls, RecordingControls};
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::texture::PyramidConfig;
 
 const RATE_HZ: f64 = 44_100.0;
 const MONO: Channels = Channels { input: 1, sidechain: 0, output: 1 };
@@ -30,19 +31,19 @@ fn recording(is_bright: bool, level: f64) -> Vec<f64> {
     (0..120_000).map(next).collect()
 }
 
-fn dictionary(dynamics: MatchingMode, is_bright: bool, level: f64) -> Arc<Dictionary> {
+fn dictionary(dynamics: MatchingMode, is_bright: bool, level: f64) -> Arc<RecordingDictionary> {
     let structure = EngineConfig { dynamics, ..EngineConfig::default() };
     let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
     let recording = [recording(is_bright, level)];
-    Arc::new(Dictionary::for_dynamics(dynamics, &recording, RATE_HZ, &shape, &|_| true).expect("long enough"))
+    Arc::new(RecordingDictionary::new(dynamics, &recording, RATE_HZ, &shape, &|_| true).expect("long enough"))
 }
 
 /// Both recordings, the bright one ten times as loud.
-fn pair(dynamics: MatchingMode) -> [Arc<Dictionary>; 2] {
+fn pair(dynamics: MatchingMode) -> [Arc<RecordingDictionary>; 2] {
     [dictionary(dynamics, false, 0.03), dictionary(dynamics, true, 0.3)]
 }
 
-fn chain(dynamics: MatchingMode, [dark, bright]: &[Arc<Dictionary>; 2]) -> Chain {
+fn chain(dynamics: MatchingMode, [dark, bright]: &[Arc<RecordingDictionary>; 2]) -> Chain {
     let mut chain = Chain::new(RATE_HZ, MONO, &EngineConfig { dynamics, ..EngineConfig::default() }).expect("a chain");
     chain.swap_slot(DARK, Some(Arc::clone(dark)));
     chain.swap_slot(BRIGHT, Some(Arc::clone(bright)));

@@ -8,8 +8,9 @@ use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
 use pyrophone_synthesis::controls::{Controls, MixControls};
 use pyrophone_synthesis::dsp::White;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::structure::MatchingMode;
-use pyrophone_synthesis::texture::{Dictionary, PyramidConfig};
+use pyrophone_synthesis::texture::PyramidConfig;
 
 const RATE_HZ: f64 = 44_100.0;
 const LAYOUT: Channels = Channels { input: 1, sidechain: 0, output: 2 };
@@ -25,7 +26,7 @@ fn band(stream: u32, samples: usize, [low_hz, high_hz]: [f64; 2]) -> Vec<f64> {
     let mut states = [0.0; 8];
     (0..samples as i64)
         .map(|at| {
-            let mut value = white.at(at);
+            let mut value = white.sample_at(at);
             for state in &mut states[..4] {
                 *state += high * (value - *state);
                 value = *state;
@@ -78,7 +79,7 @@ fn mixed(parts: &[(f64, &[f64])]) -> Vec<f64> {
 fn heard(recording: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let structure = EngineConfig { dynamics: MatchingMode::Companded, ..EngineConfig::default() };
     let shape = PyramidConfig::at_rate(&structure, RATE_HZ);
-    let dictionary = Dictionary::companded(recording, RATE_HZ, &shape, &|_| true).unwrap();
+    let dictionary = RecordingDictionary::companded(recording, RATE_HZ, &shape, &|_| true).unwrap();
     let mut chain = Chain::new(RATE_HZ, LAYOUT, &structure).unwrap();
     chain.swap_dictionary(Some(Arc::new(dictionary)));
     let controls =

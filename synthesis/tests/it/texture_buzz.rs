@@ -26,7 +26,7 @@ fn run(folder: &std::path::Path, name: &str, is_auto: bool) -> (Vec<f64>, Vec<f3
     let mut drive: Vec<f32> = read("signals").iter().map(|x| *x as f32).collect();
     let mut chain = Chain::new(RATE_HZ, MONO, &structure).unwrap();
     let dictionary = Dictionary::new(&[read("training")], RATE_HZ, &shape, &|_| true).unwrap();
-    chain.swap_dictionary(Some(Arc::new(dictionary)));
+    chain.swap_dictionary(Some(Arc::new(dictionary.into())));
     let learned = learn(RATE_HZ, &structure, &controls, std::slice::from_ref(&drive), &[]).unwrap();
     chain.swap_distribution(Some(Arc::new(learned)));
     let latency = chain.latency_samples();

@@ -49,7 +49,7 @@ fn case(floors_db: &[f64], share: f64, seed: u64) -> Case {
     let training = recording(floors_db, share, seed);
     let dictionary =
         Dictionary::new(std::slice::from_ref(&training), RATE_HZ, &PyramidConfig::default(), &|_| true).unwrap();
-    let queries = crate::queries::of(&drive(seed), &training, &dictionary);
+    let queries = crate::queries::queries_of(&drive(seed), &training, &dictionary);
     Case { name: format!("floors {floors_db:?} dB, {share} of the recording"), dictionary, queries }
 }
 

@@ -16,7 +16,7 @@ pub struct Picture {
 
 impl Picture {
     /// A window as it is on the screen.
-    pub fn of(window: &EditorWindow) -> Self {
+    pub fn of_window(window: &EditorWindow) -> Self {
         let (connection, _) = x11rb::connect(None).expect("a display");
         let (width, height) = window.size();
         let image = connection

@@ -318,7 +318,7 @@ impl<'a> UiDriver<'a> {
     #[track_caller]
     pub fn wait_for_size(&mut self, size: (u32, u32)) {
         self.wait_until(&format!("a window of {size:?}"), |hand| {
-            hand.window.size() == size && hand.map().size == size && Picture::of(&hand.window).is_drawn()
+            hand.window.size() == size && hand.map().size == size && Picture::of_window(&hand.window).is_drawn()
         });
         self.settle();
     }

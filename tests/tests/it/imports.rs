@@ -164,15 +164,11 @@ const FLOORS: [&[&str]; 8] = [
     &["dsp"],
     &["controls", "structure"],
     &["crackle", "drive", "extend", "tone"],
-    &["companding", "texture"],
-    &["fuel", "vortex"],
+    &["fuel", "texture", "vortex"],
+    &["companding"],
     &["mix", "recording"],
     &["chain"],
 ];
-
-/// Neighbours on a floor that may meet: a dictionary holds what companding knows of its recording, and companding runs
-/// texture to calibrate itself. File by file, they form no circle.
-const NEIGHBOURS: [[&str; 2]; 2] = [["companding", "texture"], ["texture", "companding"]];
 
 /// The floor of a module of the engines.
 fn floor(module: &str) -> Option<usize> {
@@ -202,10 +198,7 @@ fn named_from_the_top(source: &str) -> BTreeSet<String> {
 /// Imports of a module at the top of the engines, or of one below it, that do not lead downwards.
 fn upward_imports(module: &str, named: &BTreeSet<String>) -> Vec<String> {
     let own = floor(module);
-    let is_upward = |other: &&String| {
-        let is_neighbour = NEIGHBOURS.contains(&[module, other.as_str()]);
-        *other != module && floor(other).is_some() && floor(other) >= own && !is_neighbour
-    };
+    let is_upward = |other: &&String| *other != module && floor(other).is_some() && floor(other) >= own;
     named.iter().filter(is_upward).map(|other| format!("{module} -> {other}")).collect()
 }
 
@@ -235,7 +228,8 @@ fn an_import_from_above_is_found() {
     assert_eq!(upward_imports("dsp", &named), ["dsp -> drive", "dsp -> fuel", "dsp -> mix"]);
     assert_eq!(upward_imports("extend", &named), ["extend -> drive", "extend -> fuel", "extend -> mix"], "one floor");
     assert!(upward_imports("chain", &named).is_empty());
-    assert!(upward_imports("texture", &["companding".to_owned()].into()).is_empty(), "neighbours");
+    assert_eq!(upward_imports("texture", &["companding".to_owned()].into()), ["texture -> companding"]);
+    assert!(upward_imports("companding", &["texture".to_owned()].into()).is_empty());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use anyhow::Result;
 use pyrophone_recording::Recording;
 
 use super::page::{Row, Section};
-use super::studio::{Beside, Burnt, Job, Sound, Studio};
+use super::studio::{Beside, Job, RenderedJob, Sound, Studio};
 use crate::bounce::{load, preset};
 use crate::project;
 
@@ -82,17 +82,17 @@ impl Pair {
         Ok(Self {
             slug,
             title,
-            input_sound: Sound::of(input.channels.clone(), input.sample_rate_hz, SIGNAL_RIGHTS),
+            input_sound: Sound::new(input.channels.clone(), input.sample_rate_hz, SIGNAL_RIGHTS),
             input,
             training,
-            training_sound: Sound::of(recording.channels, recording.sample_rate_hz, RECORDING_RIGHTS),
+            training_sound: Sound::new(recording.channels, recording.sample_rate_hz, RECORDING_RIGHTS),
         })
     }
 
-    fn burn(&self, studio: &Studio, name: &str, settings: &[&str], recording: Option<&Pair>) -> Result<Burnt> {
+    fn burn(&self, studio: &Studio, name: &str, settings: &[&str], recording: Option<&Pair>) -> Result<RenderedJob> {
         let values = preset(name, settings.iter().copied())?;
         let training = recording.map(|pair| pair.training.as_path());
-        studio.burn(&Job { input: &self.input, training, values: &values, output_channels: 1 })
+        studio.render(&Job { input: &self.input, training, values: &values, output_channels: 1 })
     }
 
     fn beside<'a>(&'a self, recording: Option<&'a Pair>, alpha: Option<f64>) -> Beside<'a> {
@@ -100,7 +100,7 @@ impl Pair {
     }
 }
 
-fn timed(mut row: Row, burnt: &Burnt) -> Row {
+fn timed(mut row: Row, burnt: &RenderedJob) -> Row {
     row.facts.push(burnt.speed());
     row
 }

@@ -32,7 +32,7 @@ mod tests {
     fn the_flame_is_low_and_bursty() {
         // Coarser than what is shown, which takes minutes.
         let flame = simulate_at(RESOLUTION / 2, 48_000, 2.0).unwrap();
-        let spectrum = Spectrum::of(std::slice::from_ref(&flame), 48_000);
+        let spectrum = Spectrum::of_channels(std::slice::from_ref(&flame), 48_000);
         let share = spectrum.power(30.0, 180.0) / spectrum.power(1.0, 24_000.0);
         assert!(share > 0.7, "{share} of the power is at 30-180 Hz");
         let rms = (flame.iter().map(|x| f64::from(x * x)).sum::<f64>() / flame.len() as f64).sqrt();

@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// One input through every factory preset, and the pair of the input and the first preset's output.
-fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Result<(Section, Pair)> {
+fn engines(studio: &Studio, args: &Args, flame: &DemoSource, fire: &DemoSource) -> Result<(Section, Pair)> {
     let input = &flame.recording;
     let mut rows = vec![
         studio.row(
@@ -109,14 +109,14 @@ fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Resul
         studio.row("training", "Recording", &fire.note, &fire.sound, &Beside::Training)?,
     ];
     let silence = Recording { channels: vec![vec![0.0; input.len_samples()]; 2], ..input.clone() };
-    let silence_sound = Sound::of(silence.channels.clone(), silence.sample_rate_hz, "");
+    let silence_sound = Sound::new(silence.channels.clone(), silence.sample_rate_hz, "");
     let mut pair = None;
     for (name, title, note) in PRESETS {
         let values = preset(name, [])?;
         let uses_recording = name != "extend";
         let burns = values.controls().drive.mode == DriveMode::Flame;
         let (played, heard) = if burns { (&silence, &silence_sound) } else { (input, &flame.sound) };
-        let burnt = studio.burn(&Job {
+        let burnt = studio.render(&Job {
             input: played,
             training: uses_recording.then_some(fire.path.as_path()),
             values: &values,
@@ -147,23 +147,23 @@ fn engines(studio: &Studio, args: &Args, flame: &Source, fire: &Source) -> Resul
 }
 
 /// A sound and its description on the page.
-struct Source {
+struct DemoSource {
     path: PathBuf,
     note: String,
     recording: Recording,
     sound: Sound,
 }
 
-impl Source {
+impl DemoSource {
     fn new(found: fire::Found) -> Result<Self> {
         let recording = load(&found.path, None)?;
-        let sound = Sound::of(recording.channels.clone(), recording.sample_rate_hz, &found.rights);
+        let sound = Sound::new(recording.channels.clone(), recording.sample_rate_hz, &found.rights);
         Ok(Self { path: found.path, note: found.note, recording, sound })
     }
 }
 
 /// Input and recording.
-fn sources(studio: &Studio, args: &Args) -> Result<(Source, Source)> {
+fn sources(studio: &Studio, args: &Args) -> Result<(DemoSource, DemoSource)> {
     let flame = match &args.input {
         Some(path) => fire::own(path),
         None => fire::simulated(studio.folder())?,
@@ -175,7 +175,7 @@ fn sources(studio: &Studio, args: &Args) -> Result<(Source, Source)> {
             None => fire::generated(studio.folder())?,
         },
     };
-    Ok((Source::new(flame)?, Source::new(fire)?))
+    Ok((DemoSource::new(flame)?, DemoSource::new(fire)?))
 }
 
 /// The systems of the papers, each alone and all together: name, title, description, and the levels of the layers.
@@ -207,14 +207,14 @@ const SYSTEMS: [(&str, &str, &str, [&str; 4]); 4] = [
 ];
 
 /// One input through the three papers' systems.
-fn systems(studio: &Studio, flame: &Source, fire: &Source) -> Result<Section> {
+fn systems(studio: &Studio, flame: &DemoSource, fire: &DemoSource) -> Result<Section> {
     let mut rows = vec![];
     for (name, title, note, [low, extension, texture, vortex]) in SYSTEMS {
         let levels = [("low", low), ("extension", extension), ("texture", texture), ("vortex", vortex)];
         let levels = levels.map(|(layer, level)| format!("{layer}_level={level}"));
         let values = preset("default", levels.iter().map(String::as_str))?;
         let uses_recording = texture != "off";
-        let burnt = studio.burn(&Job {
+        let burnt = studio.render(&Job {
             input: &flame.recording,
             training: uses_recording.then_some(fire.path.as_path()),
             values: &values,

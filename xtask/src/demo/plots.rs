@@ -62,7 +62,7 @@ pub fn spectrogram(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> R
     let (left, right, top, bottom) = (78, 118, 14, 46);
     let (width, height) = (SPECTROGRAM.0 as i32 - left - right, SPECTROGRAM.1 as i32 - top - bottom);
     let (columns, rows) = (width as usize, height as usize);
-    let levels = Spectrogram::of(channels, sample_rate_hz, columns, rows);
+    let levels = Spectrogram::of_channels(channels, sample_rate_hz, columns, rows);
     let highest = levels.top_db();
     draw(path, SPECTROGRAM, |area| {
         let pixels: Vec<u8> = (0..rows)
@@ -110,7 +110,7 @@ pub fn spectrogram(path: &Path, channels: &[Vec<f32>], sample_rate_hz: u32) -> R
 pub fn spectrum(path: &Path, curves: &[Curve<'_>], alpha: Option<f64>) -> Result<()> {
     let sampled: Vec<Vec<(f64, f64)>> = curves.iter().map(sample).collect();
     let loudest = sampled.iter().flatten().map(|(_, level)| *level).fold(f64::NEG_INFINITY, f64::max);
-    let frame = Frame { highest_db: (loudest / 10.0).ceil() * 10.0 };
+    let frame = PlotFrame { highest_db: (loudest / 10.0).ceil() * 10.0 };
     draw(path, SPECTRUM, |area| {
         frame.draw_axes(area)?;
         for (curve, points) in curves.iter().zip(&sampled) {
@@ -134,12 +134,12 @@ pub fn spectrum(path: &Path, curves: &[Curve<'_>], alpha: Option<f64>) -> Result
 type Area<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 
 /// Ranges of frequency and level in the picture of a spectrum.
-struct Frame {
+struct PlotFrame {
     /// Level in dB per Hz of the upper edge.
     highest_db: f64,
 }
 
-impl Frame {
+impl PlotFrame {
     const LEFT: i32 = 92;
     const TOP: i32 = 14;
     const WIDTH: i32 = SPECTRUM.0 as i32 - Self::LEFT - 16;

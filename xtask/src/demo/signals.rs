@@ -50,12 +50,12 @@ fn bed(activity: &[f64], channel: u32) -> Vec<f64> {
         .enumerate()
         .map(|(n, activity)| {
             let n = n as i64;
-            let source = 0.9 * shared.at(n) + 0.4 * own.at(n);
+            let source = 0.9 * shared.sample_at(n) + 0.4 * own.sample_at(n);
             let roar = roar_filter.iter_mut().fold(source, |x, filter| filter.process(x));
             let roar = roar - rumble.process(roar);
             // The hiss flickers with the power of the roar.
             let glow = flicker.process(roar * roar).sqrt();
-            let white = hissing.at(n);
+            let white = hissing.sample_at(n);
             let hiss = hiss_high.process(white - hiss_low.process(white));
             activity * roar + 0.6 * activity * glow * hiss
         })
@@ -100,7 +100,7 @@ fn low_passed(noise: &White, seconds: usize, cutoff_hz: f64) -> Vec<f64> {
     let samples = (seconds * RATE_HZ as usize) as i64;
     // A second of run-in, so that it does not begin at zero.
     let filtered: Vec<f64> = (-i64::from(RATE_HZ)..samples)
-        .map(|n| filters.iter_mut().fold(noise.at(n), |x, filter| filter.process(x)))
+        .map(|n| filters.iter_mut().fold(noise.sample_at(n), |x, filter| filter.process(x)))
         .skip(RATE_HZ as usize)
         .collect();
     let power = filtered.iter().map(|x| x * x).sum::<f64>() / filtered.len() as f64;
@@ -138,7 +138,7 @@ impl Draw {
     /// 0-1.
     fn uniform(&mut self) -> f64 {
         self.position += 1;
-        0.5 + 0.5 * self.noise.at(self.position) / 3f64.sqrt()
+        0.5 + 0.5 * self.noise.sample_at(self.position) / 3f64.sqrt()
     }
 
     /// Mean 0, variance 1 (Irwin-Hall of 12).
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn the_fire_has_all_bands_and_crackles() {
         let fire = fire();
-        let spectrum = Spectrum::of(&fire, RATE_HZ);
+        let spectrum = Spectrum::of_channels(&fire, RATE_HZ);
         for (low, high) in [(50.0, 200.0), (200.0, 1000.0), (1000.0, 5000.0), (5000.0, 15_000.0)] {
             assert!(spectrum.power(low, high) > 1e-5 * spectrum.power(20.0, 20_000.0), "{low}-{high} Hz");
         }

@@ -30,8 +30,8 @@ pub struct Sound {
 
 impl Sound {
     /// A sound at its rate; `rights` is the licence that it is under.
-    pub fn of(channels: Vec<Vec<f32>>, sample_rate_hz: u32, rights: &str) -> Self {
-        let spectrum = Spectrum::of(&channels, sample_rate_hz);
+    pub fn new(channels: Vec<Vec<f32>>, sample_rate_hz: u32, rights: &str) -> Self {
+        let spectrum = Spectrum::of_channels(&channels, sample_rate_hz);
         Self { channels, sample_rate_hz, spectrum, rights: rights.to_owned() }
     }
 
@@ -49,7 +49,7 @@ impl Sound {
         };
         let gain = 10f64.powf(gain_db / 20.0) * f64::from(i16::MAX);
         let dither = pyrophone_synthesis::dsp::White::new(0, 0);
-        let dither = |n: i64| dither.at(n) * 0.5 / 3f64.sqrt();
+        let dither = |n: i64| dither.sample_at(n) * 0.5 / 3f64.sqrt();
         let mut file = std::io::Cursor::new(vec![]);
         let mut writer = hound::WavWriter::new(&mut file, spec)?;
         let mut count = 0;
@@ -95,7 +95,7 @@ pub struct Job<'a> {
 }
 
 /// Result of a job.
-pub struct Burnt {
+pub struct RenderedJob {
     /// The result.
     pub sound: Sound,
     /// Time for reading and indexing the recording.
@@ -106,7 +106,7 @@ pub struct Burnt {
     seconds: f64,
 }
 
-impl Burnt {
+impl RenderedJob {
     /// Speed: seconds of sound per second of computing.
     pub fn speed(&self) -> String {
         let factor = self.seconds / self.playing.as_secs_f64().max(1e-6);
@@ -131,7 +131,7 @@ impl Studio {
     }
 
     /// Bounces through the CLAP plugin.
-    pub fn burn(&self, job: &Job<'_>) -> Result<Burnt> {
+    pub fn render(&self, job: &Job<'_>) -> Result<RenderedJob> {
         let needs_learning = Id::DynamicRange.parameter().to_text(job.values.get(Id::DynamicRange)) == "learned";
         let played = play(&Request {
             format: Format::Clap,
@@ -146,8 +146,8 @@ impl Studio {
             reference_padding: false,
             output_channels: job.output_channels,
         })?;
-        Ok(Burnt {
-            sound: Sound::of(played.channels, job.input.sample_rate_hz, RIGHTS_OF_RESULT),
+        Ok(RenderedJob {
+            sound: Sound::new(played.channels, job.input.sample_rate_hz, RIGHTS_OF_RESULT),
             loading: played.loading,
             playing: played.playing,
             seconds: job.input.duration_s(),

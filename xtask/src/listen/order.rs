@@ -17,7 +17,7 @@ impl Order {
 
     fn draw(&mut self) -> f64 {
         self.next += 1;
-        self.noise.at(self.next)
+        self.noise.sample_at(self.next)
     }
 
     /// Shuffles `items`.

@@ -105,7 +105,9 @@ pub fn sounds(pair: &Pair, seconds: f64) -> Result<(u32, Vec<Vec<f32>>)> {
             Method::Loop => {
                 envelope.iter().zip(recording.iter().cycle()).map(|(level, x)| level * x).collect::<Vec<f32>>()
             }
-            Method::Noise => envelope.iter().zip(0i64..).map(|(level, at)| level * white.at(at) as f32).collect(),
+            Method::Noise => {
+                envelope.iter().zip(0i64..).map(|(level, at)| level * white.sample_at(at) as f32).collect()
+            }
             Method::Recording => recording.iter().cycle().take(drive.len()).copied().collect(),
         })
     });

@@ -39,7 +39,7 @@ pub struct Character {
 impl Character {
     /// Character of a signal of at least half a second; none where it is shorter, slower than 360 samples a second, or
     /// silent.
-    pub fn of(signal: &[f64], rate_hz: f64) -> Option<Self> {
+    pub fn of_signal(signal: &[f64], rate_hz: f64) -> Option<Self> {
         let power = signal.iter().map(|x| x * x).sum::<f64>();
         if rate_hz < 2.0 * SLOPE_HZ.1 || (signal.len() as f64) < 0.5 * rate_hz || !(power > 0.0 && power.is_finite()) {
             return None;
@@ -130,7 +130,7 @@ mod tests {
     fn a_sine_has_its_level_in_its_band_alone() {
         for (band, frequency_hz) in [20.0, 50.0, 120.0].into_iter().enumerate() {
             let sine: Vec<f64> = (0..4320).map(|n| (TAU * frequency_hz * f64::from(n) / RATE_HZ).sin()).collect();
-            let levels = Character::of(&sine, RATE_HZ).unwrap().levels_db;
+            let levels = Character::of_signal(&sine, RATE_HZ).unwrap().levels_db;
             assert!((levels[band] + 3.01).abs() < 0.1, "{frequency_hz} Hz: {levels:?}");
             assert!((0..3).all(|other| other == band || levels[other] < -40.0), "{frequency_hz} Hz: {levels:?}");
         }
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn white_noise_is_steady_and_flat() {
-        let found = Character::of(&noise(30.0), RATE_HZ).unwrap();
+        let found = Character::of_signal(&noise(30.0), RATE_HZ).unwrap();
         assert!((found.kurtosis - 3.0).abs() < 0.3, "{found:?}");
         assert!(found.envelope_cv < 0.45 && found.bursts_hz < 0.5, "{found:?}");
         assert!(found.slope_db.abs() < 2.0, "{found:?}");
@@ -156,7 +156,7 @@ mod tests {
                 x * (0.05 + (-since_s / 0.05).exp())
             })
             .collect();
-        let found = Character::of(&bursts, RATE_HZ).unwrap();
+        let found = Character::of_signal(&bursts, RATE_HZ).unwrap();
         assert!((1.8..=2.4).contains(&found.bursts_hz), "{found:?}");
         assert!(found.envelope_cv > 0.9 && found.kurtosis > 7.0, "{found:?}");
     }
@@ -172,15 +172,15 @@ mod tests {
                 state
             })
             .collect();
-        let found = Character::of(&leaky, RATE_HZ).unwrap();
+        let found = Character::of_signal(&leaky, RATE_HZ).unwrap();
         assert!((found.slope_db + 20.0).abs() < 1.5, "{found:?}");
     }
 
     #[test]
     fn silence_and_scraps_have_no_character() {
-        assert_eq!(Character::of(&[0.0; 4000], RATE_HZ), None);
-        assert_eq!(Character::of(&noise(0.4), RATE_HZ), None);
-        assert_eq!(Character::of(&noise(2.0), 100.0), None);
-        assert_eq!(Character::of(&[f64::NAN; 4000], RATE_HZ), None);
+        assert_eq!(Character::of_signal(&[0.0; 4000], RATE_HZ), None);
+        assert_eq!(Character::of_signal(&noise(0.4), RATE_HZ), None);
+        assert_eq!(Character::of_signal(&noise(2.0), 100.0), None);
+        assert_eq!(Character::of_signal(&[f64::NAN; 4000], RATE_HZ), None);
     }
 }

@@ -42,7 +42,7 @@ pub fn run(args: &Args) -> Result<()> {
     for path in &args.reference {
         let (signal, rate_hz) = read(path)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        println!("{}", row(&name, "", Character::of(&signal, rate_hz).as_ref(), ""));
+        println!("{}", row(&name, "", Character::of_signal(&signal, rate_hz).as_ref(), ""));
     }
     for scene in if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes } {
         let mut coarser: Option<Character> = None;
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// The character of a scene's pressure over `seconds`, after its usual time to catch fire.
 pub fn of_scene(scene: Scene, options: Options, seconds: f64) -> Result<Option<Character>> {
     let flux = simulated::flux(scene, options, scene.default_pre_roll_s(), seconds, scene.name())?;
-    Ok(Character::of(&derivative(&flux, STEP_RATE_HZ, RATE_HZ), RATE_HZ))
+    Ok(Character::of_signal(&derivative(&flux, STEP_RATE_HZ, RATE_HZ), RATE_HZ))
 }
 
 /// A WAV file's first channel, and its sample rate in Hz.

@@ -54,7 +54,7 @@ fn steady(folder: &Path) -> Result<Drive> {
     let mut poles = [[0.0f64; 4]; 2];
     let mut rumble: Vec<f64> = (0..samples)
         .map(|at| {
-            let mut value = white.at(at);
+            let mut value = white.sample_at(at);
             for low in &mut poles[0] {
                 *low += steps[0] * (value - *low);
                 value -= *low;

@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> Result<()> {
     if args.only != Some(Table::Pairs) {
         let crackle = program.with_file_name("crackle.py");
         ensure!(crackle.is_file(), "{} is missing; it belongs beside the scoring program", crackle.display());
-        report += &real::report(&real::Place {
+        report += &real::report(&real::ScorePlace {
             reference: &reference,
             folder: &folder,
             python: &python,

@@ -15,7 +15,7 @@ use super::{BLOCK, OFFSETS, later, python, sounds};
 use crate::bounce::{Request, load, play, preset, reference as reference_to};
 
 /// Locations of programs and sounds.
-pub struct Place<'a> {
+pub struct ScorePlace<'a> {
     /// The reference folder.
     pub reference: &'a Path,
     /// Folder for sounds.
@@ -57,7 +57,7 @@ const fn column(title: &'static str, path: &'static str, own: Option<&'static st
 }
 
 /// Plays and scores everything, and writes it as a Markdown table of means and spreads.
-pub fn report(place: &Place<'_>) -> Result<String> {
+pub fn report(place: &ScorePlace<'_>) -> Result<String> {
     let recordings = sounds(&place.reference.join("recordings"))?;
     let drives = drives(place.reference, place.folder)?;
     let titles: Vec<&str> = COLUMNS.iter().map(|column| column.title).collect();
@@ -84,7 +84,7 @@ pub fn report(place: &Place<'_>) -> Result<String> {
 }
 
 /// A recording as a WAV file: the scoring program reads no other format.
-fn as_wav(place: &Place<'_>, name: &str, path: &Path) -> Result<PathBuf> {
+fn as_wav(place: &ScorePlace<'_>, name: &str, path: &Path) -> Result<PathBuf> {
     let sound = load(path, None)?;
     let wav = place.folder.join(format!("recording-{name}.wav"));
     write_wav_f32(&wav, &sound.channels, sound.sample_rate_hz)?;
@@ -92,7 +92,7 @@ fn as_wav(place: &Place<'_>, name: &str, path: &Path) -> Result<PathBuf> {
 }
 
 /// One draw, scored by both programs.
-fn draw(place: &Place<'_>, drive: &Drive, name: &str, recording: &Path, offset: usize) -> Result<Value> {
+fn draw(place: &ScorePlace<'_>, drive: &Drive, name: &str, recording: &Path, offset: usize) -> Result<Value> {
     let settings = drive.settings.iter().copied().chain(place.settings.iter().map(String::as_str));
     let values = preset("default", settings)?;
     let main = later(&drive.sound, offset);

@@ -33,7 +33,7 @@ pub(in crate::import) fn grid<const N: usize>(
     transform: Transform,
     budget: &mut Budget,
 ) -> Result<Grid<N>, FormatFault> {
-    let axes = Axes::of(header)?;
+    let axes = Axes::of_header(header)?;
     let mut blocks = Blocks::<N>::new(axes.lengths, budget)?;
     let mut places = axes.places();
     let mut failure = None;
@@ -55,7 +55,7 @@ struct Axes {
 }
 
 impl Axes {
-    fn of(header: &Header) -> Result<Self, FormatFault> {
+    fn of_header(header: &Header) -> Result<Self, FormatFault> {
         let (order, lengths): (&[usize], _) = match *header.shape.as_slice() {
             [x, y, z] => (&[0, 1, 2], [x, y, z]),
             [x, y, z, 3] => (&[0, 1, 2, 3], [x, y, z]),

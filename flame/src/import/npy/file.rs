@@ -9,7 +9,7 @@ use super::header::Header;
 use crate::grid::{Grid, Transform};
 use crate::import::budget::{Budget, check_file_size};
 use crate::import::error::FormatFault;
-use crate::import::model::{GridInfo, Source, check_components};
+use crate::import::model::{GridInfo, GridSource, check_components};
 
 /// The `.npy` files of one frame. Their voxels have edges of 1, and the first one is at 0.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ fn open(path: &Path) -> Result<(Header, BufReader<File>, u64), FormatFault> {
     Ok((header, reader, bytes))
 }
 
-impl Source for Npy {
+impl GridSource for Npy {
     fn grids(&self) -> &[GridInfo] {
         &self.infos
     }

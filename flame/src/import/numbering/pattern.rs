@@ -11,7 +11,7 @@ pub struct Pattern {
 
 impl Pattern {
     /// The pattern in a file name; none without a placeholder.
-    pub fn of(file_name: &str) -> Option<Self> {
+    pub fn of_file_name(file_name: &str) -> Option<Self> {
         let (start, end) = hashes(file_name).or_else(|| printf(file_name)).or_else(|| houdini(file_name))?;
         Some(Self { before: file_name.get(..start)?.to_owned(), behind: file_name.get(end..)?.to_owned() })
     }
@@ -68,7 +68,7 @@ mod tests {
             .into_iter()
             .chain(["fire_v2.$F.vdb", "fire_v2.${F4}.vdb", "fire_v2.$FF.vdb"])
         {
-            let found = Pattern::of(pattern).unwrap_or_else(|| panic!("{pattern}"));
+            let found = Pattern::of_file_name(pattern).unwrap_or_else(|| panic!("{pattern}"));
             assert_eq!((found.before.as_str(), found.behind.as_str()), ("fire_v2.", ".vdb"), "{pattern}");
             let number = |name: &str| found.name(name).map(|name| (name.number.whole, name.number.fraction));
             assert_eq!(number("fire_v2.0012.vdb"), Some((12, String::new())));
@@ -78,7 +78,7 @@ mod tests {
             assert_eq!(number("fire_v2..vdb"), None);
         }
         for name in ["fire.0001.vdb", "100%.vdb", "cash$.vdb", "${F.vdb"] {
-            assert_eq!(Pattern::of(name), None, "{name}");
+            assert_eq!(Pattern::of_file_name(name), None, "{name}");
         }
     }
 }

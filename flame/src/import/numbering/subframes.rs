@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     fn found(names: &[&str]) -> Vec<String> {
-        let names: Vec<Name> = names.iter().map(|name| Name::of(name).unwrap()).collect();
+        let names: Vec<Name> = names.iter().map(|name| Name::of_name(name).unwrap()).collect();
         stems(names.iter().map(|name| (Format::Vdb, name))).into_iter().map(|(_, stem)| stem).collect()
     }
 

@@ -13,7 +13,7 @@ pub(super) enum Delimiter {
 
 impl Delimiter {
     /// The delimiter of a row of numbers.
-    pub fn of(row: &str) -> Self {
+    pub fn of_row(row: &str) -> Self {
         match row {
             row if row.contains('\t') => Self::Tab,
             row if row.contains(';') => Self::Semicolon,
@@ -48,7 +48,7 @@ fn clean(cell: &str) -> &str {
 
 /// True for a row of numbers, valid or not: its first non-empty cell is one.
 pub(super) fn is_numeric(row: &str) -> bool {
-    let delimiter = Delimiter::of(row);
+    let delimiter = Delimiter::of_row(row);
     let cells = delimiter.split(row);
     let first = cells.into_iter().find(|cell| !cell.is_empty());
     first.is_some_and(|cell| cell.parse::<f64>().is_ok() || delimiter.number(cell).is_some())
@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(Delimiter::Tab.number("-1,5e-3"), Some(-1.5e-3));
         assert_eq!(Delimiter::Comma.number("1,5"), None);
         assert_eq!(Delimiter::Semicolon.number("1.000,5"), None);
-        assert_eq!(Delimiter::of("1,5;2,5"), Delimiter::Semicolon);
+        assert_eq!(Delimiter::of_row("1,5;2,5"), Delimiter::Semicolon);
     }
 
     #[test]

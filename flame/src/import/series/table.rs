@@ -103,7 +103,7 @@ impl<'a> Table<'a> {
                 self.values_of(columns, &cells)
             }
             None if !is_comment && is_numeric(text) => {
-                self.delimiter = Delimiter::of(text);
+                self.delimiter = Delimiter::of_row(text);
                 let cells = self.delimiter.split(text);
                 let columns = *self.columns.insert(self.header(&cells)?);
                 self.values_of(columns, &cells)
@@ -122,7 +122,7 @@ impl<'a> Table<'a> {
     /// The columns named by the lines before the first row.
     fn header(&self, row: &[&str]) -> Result<Columns, Error> {
         let named = self.head.iter().rev().find_map(|head| {
-            let own = Delimiter::of(&head.text).split(&head.text);
+            let own = Delimiter::of_row(&head.text).split(&head.text);
             // Names may have another separator than numbers, but then there must be as many: otherwise it is a
             // sentence.
             let as_parted = || self.columns(&own).filter(|_| own.len() == row.len());

@@ -29,7 +29,7 @@ impl<'a> Cursor<'a> {
     /// Moves to a later position.
     pub fn forward_to(&mut self, position: usize) -> Result<(), FormatFault> {
         match position.checked_sub(self.at) {
-            Some(count) => self.take(count).map(|_| ()),
+            Some(count) => self.read_bytes(count).map(|_| ()),
             None => damaged(format!("byte {position} before byte {}", self.at)),
         }
     }
@@ -40,7 +40,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The position of the next byte.
-    pub fn at(&self) -> usize {
+    pub fn offset(&self) -> usize {
         self.at
     }
 
@@ -50,7 +50,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next `count` bytes.
-    pub fn take(&mut self, count: usize) -> Result<&'a [u8], FormatFault> {
+    pub fn read_bytes(&mut self, count: usize) -> Result<&'a [u8], FormatFault> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         match rest.get(..count) {
             Some(taken) => {
@@ -67,7 +67,7 @@ impl<'a> Cursor<'a> {
 
     fn array<const N: usize>(&mut self) -> Result<[u8; N], FormatFault> {
         let mut array = [0; N];
-        array.copy_from_slice(self.take(N)?);
+        array.copy_from_slice(self.read_bytes(N)?);
         Ok(array)
     }
 
@@ -105,7 +105,7 @@ impl<'a> Cursor<'a> {
         if length > LONGEST_TEXT {
             return damaged(format!("a name of {length} bytes, at most {LONGEST_TEXT} are allowed"));
         }
-        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
+        Ok(String::from_utf8_lossy(self.read_bytes(length)?).into_owned())
     }
 
     /// Fails unless the remaining bytes can hold `count` items of at least `bytes_each`.

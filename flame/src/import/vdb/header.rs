@@ -99,7 +99,7 @@ impl Metadata {
         let mut metadata = Self::default();
         for _ in 0..count {
             let (name, kind, size) = (cursor.text()?, cursor.text()?, cursor.u32()?);
-            let bytes = cursor.take(size as usize)?;
+            let bytes = cursor.read_bytes(size as usize)?;
             match (name.as_str(), kind.as_str()) {
                 ("is_saved_as_half_float", "bool") => metadata.half = truth(&name, bytes)?,
                 ("is_local_space", "bool") => metadata.in_voxels = truth(&name, bytes)?,
@@ -144,7 +144,7 @@ fn map(cursor: &mut Cursor, version: u32, may_be_frustum: bool) -> Result<Result
         "TranslationMap" => scale([1.0; 3], cursor.f64s()?),
         "AffineMap" | "UnitaryMap" => affine(cursor.f64s()?),
         "NonlinearFrustumMap" if may_be_frustum => {
-            cursor.take(6 * if version < DOUBLE_BOX_VERSION { 4 } else { 8 })?;
+            cursor.read_bytes(6 * if version < DOUBLE_BOX_VERSION { 4 } else { 8 })?;
             cursor.f64s::<2>()?;
             let _ = map(cursor, version, false)?;
             let advice = "export the grid with a box-shaped (linear) transform";

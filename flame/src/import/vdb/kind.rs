@@ -19,14 +19,14 @@ pub(super) enum Number {
 
 /// The type of a tree's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Kind {
+pub(super) struct GridKind {
     pub number: Number,
     pub components: usize,
     /// True if it may be stored as binary16.
     pub has_half_form: bool,
 }
 
-impl Kind {
+impl GridKind {
     fn named(name: &str) -> Option<Self> {
         let (number, components, has_half_form) = match name {
             "float" => (Number::Float, 1, true),
@@ -109,10 +109,10 @@ fn extend<const N: usize>(bytes: &[u8], numbers: &mut Vec<f32>, convert: impl Fn
 /// Parses a tree's type: the name of its values, and their kind if the tree is of a known kind.
 ///
 /// `Tree_vec3s_5_4_3_HalfFloat` is `vec3s`; the suffix only repeats the grid's metadata.
-pub(super) fn of_tree(name: &str) -> (String, Option<Kind>) {
+pub(super) fn of_tree(name: &str) -> (String, Option<GridKind>) {
     let plain = name.strip_suffix("_HalfFloat").unwrap_or(name);
     match plain.strip_prefix("Tree_").and_then(|tree| tree.strip_suffix("_5_4_3")) {
-        Some(value) => (value.to_owned(), Kind::named(value)),
+        Some(value) => (value.to_owned(), GridKind::named(value)),
         None => (name.to_owned(), None),
     }
 }

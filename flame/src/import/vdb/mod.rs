@@ -18,13 +18,13 @@ use std::collections::BTreeMap;
 
 use self::cursor::Cursor;
 use self::header::{Descriptor, Header, Metadata};
-use self::kind::Kind;
+use self::kind::GridKind;
 use self::tree::{Nothing, Tree};
 use self::values::{FLAGGED_VERSION, ValueLayout, ZIP};
 use super::blender::DomainBox;
 use super::budget::{Budget, check_file_size};
 use super::error::{FormatFault, damaged, shown};
-use super::model::{GridInfo, Source, check_components};
+use super::model::{GridInfo, GridSource, check_components};
 use crate::grid::Grid;
 
 const MAGIC: [u8; 8] = [0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0];
@@ -51,7 +51,7 @@ pub struct Vdb<'a> {
 #[derive(Debug, Clone)]
 struct Body {
     header: Result<Header, FormatFault>,
-    kind: Option<Kind>,
+    kind: Option<GridKind>,
     tree: String,
     /// Index of the grid whose tree this one shares.
     parent: Result<Option<usize>, FormatFault>,
@@ -71,16 +71,16 @@ impl<'a> Vdb<'a> {
         if bytes.get(..MAGIC.len()) != Some(&MAGIC[..]) {
             return damaged("it lacks the OpenVDB signature");
         }
-        cursor.take(MAGIC.len())?;
+        cursor.read_bytes(MAGIC.len())?;
         let version = cursor.u32()?;
         if !VERSIONS.contains(&version) {
             let advice = "write the file with OpenVDB 3 to 13 (file versions 220 to 225)";
             return Err(FormatFault::Unsupported { found: format!("OpenVDB file version {version}"), advice });
         }
-        cursor.take(8)?;
+        cursor.read_bytes(8)?;
         let has_offsets = cursor.u8()? != 0;
         let compression = if version < FLAGGED_VERSION && cursor.u8()? != 0 { ZIP } else { 0 };
-        cursor.take(UUID_BYTES)?;
+        cursor.read_bytes(UUID_BYTES)?;
         Metadata::read(&mut cursor)?;
         let budget = Budget::of_file(bytes.len() as u64);
         let mut index = Index::new(version, compression, has_offsets, budget.clone());
@@ -130,7 +130,7 @@ impl<'a> Vdb<'a> {
     }
 }
 
-impl Source for Vdb<'_> {
+impl GridSource for Vdb<'_> {
     fn grids(&self) -> &[GridInfo] {
         &self.infos
     }
@@ -144,7 +144,7 @@ impl Source for Vdb<'_> {
     }
 }
 
-fn layout(version: u32, header: &Header, kind: Kind) -> ValueLayout {
+fn layout(version: u32, header: &Header, kind: GridKind) -> ValueLayout {
     let half = header.metadata.half && kind.has_half_form;
     ValueLayout { version, compression: header.compression, kind, half }
 }
@@ -175,18 +175,18 @@ impl Index {
         }
         let (kind_name, kind) = kind::of_tree(&descriptor.tree);
         let (header, extent) = if self.has_offsets {
-            let (start, end) = descriptor.extent(cursor.at(), cursor.end())?;
+            let (start, end) = descriptor.extent(cursor.offset(), cursor.end())?;
             let mut body = cursor.part(start, end)?;
             cursor.forward_to(end)?;
             let header = Header::read(&mut body, self.version, self.compression);
-            (header, (body.at(), end))
+            (header, (body.offset(), end))
         } else {
             let header = Header::read(cursor, self.version, self.compression)?;
-            let start = cursor.at();
+            let start = cursor.offset();
             if descriptor.parent.is_empty() {
                 self.pass_over(cursor, &descriptor, &header, kind)?;
             }
-            (Ok(header), (start, cursor.at()))
+            (Ok(header), (start, cursor.offset()))
         };
         self.infos.push(info(descriptor.name(), kind_name, kind, header.as_ref().ok()));
         self.bodies.push(Body { header, kind, tree: descriptor.tree, parent: Ok(None), extent });
@@ -199,7 +199,7 @@ impl Index {
         cursor: &mut Cursor,
         descriptor: &Descriptor,
         header: &Header,
-        kind: Option<Kind>,
+        kind: Option<GridKind>,
     ) -> Result<(), FormatFault> {
         let Some(kind) = kind else {
             let found = format!("grid {} ({})", shown(descriptor.name()), shown(&descriptor.tree));
@@ -228,7 +228,7 @@ impl Index {
     }
 }
 
-fn info(name: &str, kind_name: String, kind: Option<Kind>, header: Option<&Header>) -> GridInfo {
+fn info(name: &str, kind_name: String, kind: Option<GridKind>, header: Option<&Header>) -> GridInfo {
     let metadata = header.map(|header| header.metadata.clone()).unwrap_or_default();
     let transform = header.and_then(|header| header.transform.as_ref().ok());
     GridInfo {

@@ -125,7 +125,7 @@ impl<'a, 'b> Tree<'a, 'b> {
     pub fn read<S: Sink>(mut self, sink: &mut S) -> Result<usize, FormatFault> {
         self.root(sink)?;
         self.leaf_values(sink)?;
-        Ok(self.cursor.at())
+        Ok(self.cursor.offset())
     }
 
     fn root<S: Sink>(&mut self, sink: &mut S) -> Result<(), FormatFault> {
@@ -173,8 +173,8 @@ impl<'a, 'b> Tree<'a, 'b> {
     fn branch<S: Sink>(&mut self, sink: &mut S, levels: &[Branch], origin: [i32; 3]) -> Result<(), FormatFault> {
         let Some((branch, below)) = levels.split_first() else { return self.leaf_mask(origin) };
         self.budget.node()?;
-        let children = self.cursor.take(branch.mask_bytes())?;
-        let active = self.cursor.take(branch.mask_bytes())?;
+        let children = self.cursor.read_bytes(branch.mask_bytes())?;
+        let active = self.cursor.read_bytes(branch.mask_bytes())?;
         self.branch_values(sink, *branch, children, active, origin)?;
         let least_bytes = below.first().map_or(LEAF_MASK_BYTES, |branch| 2 * branch.mask_bytes());
         self.cursor.check_room("nodes", ones(children), least_bytes)?;
@@ -224,7 +224,7 @@ impl<'a, 'b> Tree<'a, 'b> {
 
     fn leaf_mask(&mut self, origin: [i32; 3]) -> Result<(), FormatFault> {
         self.budget.node()?;
-        let mask = self.cursor.take(LEAF_MASK_BYTES)?;
+        let mask = self.cursor.read_bytes(LEAF_MASK_BYTES)?;
         self.leaves.push((origin, mask));
         Ok(())
     }
@@ -233,7 +233,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         self.cursor.check_room("leaves", self.leaves.len(), LEAF_MASK_BYTES)?;
         let voxel_bytes = size_of::<f32>() * self.layout.kind.components;
         for (origin, mask) in std::mem::take(&mut self.leaves) {
-            if self.cursor.take(LEAF_MASK_BYTES)? != mask {
+            if self.cursor.read_bytes(LEAF_MASK_BYTES)? != mask {
                 return damaged(format!("two different masks of the leaf at {origin:?}"));
             }
             if S::WANTED {
@@ -264,7 +264,7 @@ impl<'a, 'b> Tree<'a, 'b> {
         if self.layout.kind.number == Number::Mask {
             return Ok(());
         }
-        let bits = self.cursor.take(LEAF_MASK_BYTES)?;
+        let bits = self.cursor.read_bytes(LEAF_MASK_BYTES)?;
         let values: [f32; BLOCK_VOXELS] = std::array::from_fn(|voxel| f32::from(u8::from(bit(bits, voxel))));
         sink.leaf(origin, &values);
         Ok(())

@@ -4,7 +4,7 @@ use flate2::{Decompress, FlushDecompress, Status};
 
 use super::blosc;
 use super::cursor::Cursor;
-use super::kind::{Kind, Number};
+use super::kind::{GridKind, Number};
 use crate::import::error::{FormatFault, damaged};
 
 /// Bits of a grid's compression.
@@ -29,7 +29,7 @@ const ALL_STORED: u8 = 6;
 pub(super) struct ValueLayout {
     pub version: u32,
     pub compression: u32,
-    pub kind: Kind,
+    pub kind: GridKind,
     /// True if arrays are stored as binary16.
     pub half: bool,
 }
@@ -53,9 +53,9 @@ impl Values {
     }
 
     /// One value in full width.
-    pub fn single(cursor: &mut Cursor, kind: Kind) -> Result<Vec<f32>, FormatFault> {
+    pub fn single(cursor: &mut Cursor, kind: GridKind) -> Result<Vec<f32>, FormatFault> {
         let mut numbers = Vec::with_capacity(kind.components);
-        kind.number.decode(cursor.take(kind.bytes())?, &mut numbers);
+        kind.number.decode(cursor.read_bytes(kind.bytes())?, &mut numbers);
         Ok(numbers)
     }
 
@@ -83,7 +83,7 @@ impl Values {
         let count = inactive.stored_count(&self.layout, slots, mask);
         if let Some((_, bytes)) = self.stored_form(count) {
             if self.layout.compression & (ZIP | BLOSC) == 0 {
-                cursor.take(bytes)?;
+                cursor.read_bytes(bytes)?;
             } else {
                 chunk(cursor, bytes)?;
             }
@@ -93,7 +93,7 @@ impl Values {
 
     /// Storage of `count` values in the file, and their number of bytes before compression; none if nothing is stored.
     fn stored_form(&self, count: usize) -> Option<(Number, usize)> {
-        let Kind { number, components, .. } = self.layout.kind;
+        let GridKind { number, components, .. } = self.layout.kind;
         let number = if self.layout.half { Number::Half } else { number };
         // An empty array of halves lacks even a size; an empty one of full values has one.
         (count > 0 || !self.layout.half).then_some((number, count * components * number.bytes()))
@@ -104,7 +104,7 @@ impl Values {
         self.stored.clear();
         let Some((number, expected)) = self.stored_form(count) else { return Ok(()) };
         if self.layout.compression & (ZIP | BLOSC) == 0 {
-            number.decode(cursor.take(expected)?, &mut self.stored);
+            number.decode(cursor.read_bytes(expected)?, &mut self.stored);
             return Ok(());
         }
         let (bytes, packed) = chunk(cursor, expected)?;
@@ -143,7 +143,7 @@ fn chunk<'a>(cursor: &mut Cursor<'a>, expected: usize) -> Result<(&'a [u8], bool
     if size <= 0 && length != expected {
         return damaged(format!("a stored array of {length} bytes where {expected} are expected"));
     }
-    Ok((cursor.take(length)?, size > 0))
+    Ok((cursor.read_bytes(length)?, size > 0))
 }
 
 /// Values of inactive slots that are not stored.
@@ -175,7 +175,7 @@ impl<'a> Inactive<'a> {
             _ => return damaged(format!("node flag {flag}, at most {ALL_STORED} is known")),
         };
         let selects = matches!(flag, NEGATIVE_OR_BACKGROUND | VALUE_OR_BACKGROUND | TWO_VALUES);
-        let selection = if selects { cursor.take(mask_bytes)? } else { &[] };
+        let selection = if selects { cursor.read_bytes(mask_bytes)? } else { &[] };
         Ok(Self { flag, values, selection })
     }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::solver::parallel::{elements, planes, wide};
 
-use crate::solver::domain::at;
+use crate::solver::domain::cell_index;
 
 /// Boundary condition of the pressure at one end of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,7 +178,7 @@ impl Level {
         planes(image, plane).enumerate().for_each(|(i, image)| {
             wide(|| {
                 for j in 0..ny {
-                    let row = at(self.shape, i, j, 0);
+                    let row = cell_index(self.shape, i, j, 0);
                     let centre = &field[row..row + nz];
                     // Contributions of the four neighbouring rows: each row with its weight, and this cell's own
                     // weight.
@@ -189,8 +189,11 @@ impl Level {
                         let (position, size) = if axis == 0 { (i, nx) } else { (j, ny) };
                         match neighbour(position, size, upper, self.ends[axis]) {
                             Ok(other) => {
-                                let start =
-                                    if axis == 0 { at(self.shape, other, j, 0) } else { at(self.shape, i, other, 0) };
+                                let start = if axis == 0 {
+                                    cell_index(self.shape, other, j, 0)
+                                } else {
+                                    cell_index(self.shape, i, other, 0)
+                                };
                                 rows[slot] = &field[start..start + nz];
                                 weights[slot] = 1.0;
                                 own += 1.0;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::solver::parallel::{planes, wide};
 
 use super::level::AxisBoundary;
-use crate::solver::domain::at;
+use crate::solver::domain::cell_index;
 
 /// Linear interpolation from cells of twice the edge, and its transpose.
 #[derive(Debug)]
@@ -45,7 +45,7 @@ impl Transfer {
                     for (x, weight_x) in along_x {
                         for (y, weight_y) in along_y {
                             let weight = weight_x * weight_y;
-                            let start = at(self.coarse, *x, *y, 0);
+                            let start = cell_index(self.coarse, *x, *y, 0);
                             let source = &coarse[start..start + self.coarse[2]];
                             for (value, [(z0, w0), (z1, w1)]) in row.iter_mut().zip(&self.up[2]) {
                                 *value += weight * (w0 * source[*z0] + w1 * source[*z1]);
@@ -68,7 +68,7 @@ impl Transfer {
                         for (y, weight_y) in along_y {
                             // An eighth, because the transpose sums over eight times as many cells.
                             let weight = 0.125 * weight_x * weight_y;
-                            let start = at(self.fine, *x, *y, 0);
+                            let start = cell_index(self.fine, *x, *y, 0);
                             let source = &fine[start..start + self.fine[2]];
                             for (value, along_z) in row.iter_mut().zip(&self.down[2]) {
                                 *value += weight * along_z.iter().map(|(z, w)| w * source[*z]).sum::<f32>();

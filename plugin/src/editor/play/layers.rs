@@ -110,7 +110,7 @@ fn monitoring(ui: &mut Ui, rect: Rect, parts: &Parts<'_>) {
         ("Recording", Listen::Recording, "Hear the selected part of the recording, looped"),
     ]) {
         let is_there = listen != Listen::Recording || parts.view.recording.is_some();
-        let waits = heard == listen && listen == Listen::Recording && !parts.view.has_tape;
+        let waits = heard == listen && listen == Listen::Recording && !parts.view.has_clip;
         let words = if waits { "…" } else { name };
         let button = filled(ui, place, words, &format!("Monitor {name}"), heard == listen, is_there);
         if button.on_hover_text(format!("{hint}, until the window closes. Not saved, not automated.")).clicked() {

@@ -42,7 +42,7 @@ impl DynamicsPlot {
     pub fn drive(&mut self, now_s: f64) -> Option<&Amplitudes> {
         if (now_s - self.looked_s).abs() >= LOOK_S {
             self.looked_s = now_s;
-            self.drive = Amplitudes::of(self.magnitudes.iter().copied());
+            self.drive = Amplitudes::of_magnitudes(self.magnitudes.iter().copied());
         }
         self.drive.as_ref()
     }

@@ -3,16 +3,16 @@
 use egui::{Mesh, Pos2, Rect, Shape, Ui};
 
 use super::super::theme;
-use pyrophone_analysis::Portrait;
+use pyrophone_analysis::RecordingOverview;
 
 /// Draws least and largest samples as a band.
-pub fn show(ui: &Ui, rect: Rect, portrait: &Portrait) {
-    let largest = portrait.outline.iter().flatten().fold(0.0f32, |largest, x| largest.max(x.abs())).max(1e-6);
-    let columns = portrait.outline.len().max(1) as f32;
+pub fn show(ui: &Ui, rect: Rect, overview: &RecordingOverview) {
+    let largest = overview.outline.iter().flatten().fold(0.0f32, |largest, x| largest.max(x.abs())).max(1e-6);
+    let columns = overview.outline.len().max(1) as f32;
     let y = |value: f32| rect.center().y - 0.48 * rect.height() * value / largest;
     let (half, color) = (0.5 * (rect.width() / columns).max(1.0), theme::ASH.gamma_multiply(0.85));
     let mut mesh = Mesh::default();
-    for (index, [low, high]) in portrait.outline.iter().enumerate() {
+    for (index, [low, high]) in overview.outline.iter().enumerate() {
         let x = rect.left() + (index as f32 + 0.5) / columns * rect.width();
         // A silent stretch is a line.
         let (top, bottom) = (y(*high) - 0.5, y(*low) + 0.5);

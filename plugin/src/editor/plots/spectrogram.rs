@@ -7,7 +7,7 @@ use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, Ui, V
 use super::super::theme;
 use pyrophone_analysis::bands::{BANDS, decibels};
 use pyrophone_analysis::recording_overview::COLUMNS as PORTRAIT_COLUMNS;
-use pyrophone_analysis::{FLOOR_DB, Portrait};
+use pyrophone_analysis::{FLOOR_DB, RecordingOverview};
 
 /// Number of columns stored: eight seconds.
 const COLUMNS: usize = 480;
@@ -83,25 +83,25 @@ impl Spectrogram {
 /// A whole recording's spectrogram.
 #[derive(Default)]
 pub struct Still {
-    of: Option<Arc<Portrait>>,
+    of: Option<Arc<RecordingOverview>>,
     picture: Option<TextureHandle>,
 }
 
 impl Still {
     /// Draws a recording's course.
-    pub fn show(&mut self, ui: &Ui, rect: Rect, portrait: &Arc<Portrait>) {
-        let is_same = self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, portrait));
+    pub fn show(&mut self, ui: &Ui, rect: Rect, overview: &Arc<RecordingOverview>) {
+        let is_same = self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, overview));
         if !is_same || self.picture.is_none() {
-            let levels = portrait.course_db.iter().flatten().copied();
+            let levels = overview.course_db.iter().flatten().copied();
             let top_db = levels.fold(FLOOR_DB, f32::max).max(-100.0) - 6.0;
             let mut image = ColorImage::filled([PORTRAIT_COLUMNS, BANDS], theme::glow(0.0));
-            for (x, column) in portrait.course_db.iter().enumerate() {
+            for (x, column) in overview.course_db.iter().enumerate() {
                 for (band, level) in column.iter().enumerate() {
                     image.pixels[(BANDS - 1 - band) * PORTRAIT_COLUMNS + x] = theme::glow(shade(*level, top_db));
                 }
             }
             self.picture = Some(ui.ctx().load_texture("recording", image, TextureOptions::LINEAR));
-            self.of = Some(portrait.clone());
+            self.of = Some(overview.clone());
         }
         if let Some(picture) = &self.picture {
             let all = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));

@@ -9,7 +9,7 @@ use super::super::widgets::notches;
 use super::super::{map, theme};
 use pyrophone_analysis::bands::{BANDS, decibels, frequency_hz, place};
 use pyrophone_analysis::fidelity::Diagnosis;
-use pyrophone_analysis::{FLOOR_DB, Figures, Portrait};
+use pyrophone_analysis::{FLOOR_DB, Figures, RecordingOverview};
 
 /// Time constant in seconds of the curves, and fall rate of their peaks.
 const SMOOTHING_S: f32 = 0.5;
@@ -103,7 +103,7 @@ impl Spectra {
         &mut self,
         ui: &mut Ui,
         rect: Rect,
-        recording: Option<&Portrait>,
+        recording: Option<&RecordingOverview>,
         told: &Advice,
         hand: &mut ParamEditor<'_>,
     ) {
@@ -115,7 +115,7 @@ impl Spectra {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 3.0, theme::WELL);
         grid(&painter, &axes);
-        let matched = recording.map(|portrait| matched(&portrait.spectrum_db, &output));
+        let matched = recording.map(|overview| matched(&overview.spectrum_db, &output));
         if let Some((levels, _)) = &matched {
             curve(&painter, &axes, levels, Stroke::new(1.2, theme::ASH.gamma_multiply(0.8)));
         }

@@ -1,7 +1,7 @@
 //! Turning a parameter: drag (finer with Shift), wheel, arrow keys, double click for the default, a menu on the right button.
 
 use egui::{Key, Response, Ui, WidgetInfo};
-use pyrophone_settings::{Kind, PARAMETERS};
+use pyrophone_settings::{PARAMETERS, ParameterKind};
 
 use super::super::param_editor::ParamEditor;
 use super::menu::menu;
@@ -97,7 +97,7 @@ fn notches(ui: &Ui, response: &Response, index: usize, hand: &mut ParamEditor<'_
     }
     let plain = hand.value(index);
     let next = match parameter.kind {
-        Kind::Int { .. } => (plain + notches.signum()).clamp(parameter.low(), parameter.high()),
+        ParameterKind::Int { .. } => (plain + notches.signum()).clamp(parameter.low(), parameter.high()),
         _ => parameter.from_normalised((parameter.to_normalised(plain) + notches * NOTCH * fine(ui)).clamp(0.0, 1.0)),
     };
     if next != plain {

@@ -8,7 +8,7 @@ use clap_sys::events::{
     clap_event_midi, clap_event_param_value,
 };
 use pyrophone_settings::controller_file::CONTROLLERS;
-use pyrophone_settings::{Kind, PARAMETERS};
+use pyrophone_settings::{PARAMETERS, ParameterKind};
 
 use crate::controllers::{Controllers, value_at};
 use crate::entry::instance::NUMERIC_IDS;
@@ -33,7 +33,7 @@ struct Message {
 
 /// Content of an event of our list.
 #[derive(Debug, Clone, Copy)]
-pub enum Place {
+pub enum EventSource {
     /// The host's event at this index.
     Host(u32),
     /// The value of the parameter at this index of the table.
@@ -103,16 +103,18 @@ impl Messages {
     }
 
     /// The content at an index of our list.
-    pub fn at(&self, controllers: &Controllers, place: u32) -> Place {
+    pub fn event_at(&self, controllers: &Controllers, place: u32) -> EventSource {
         let before = self.messages.partition_point(|message| message.first <= place);
-        let Some(message) = before.checked_sub(1).map(|index| self.messages[index]) else { return Place::Host(place) };
+        let Some(message) = before.checked_sub(1).map(|index| self.messages[index]) else {
+            return EventSource::Host(place);
+        };
         let beyond = place - message.first;
         if beyond >= message.values {
-            return Place::Host(message.event + 1 + beyond - message.values);
+            return EventSource::Host(message.event + 1 + beyond - message.values);
         }
         // The window may have reassigned it meanwhile; the framework ignores the message itself.
-        controllers.targets(message.number).nth(beyond as usize).map_or(Place::Host(message.event), |index| {
-            Place::Value { index, share: message.share, time: message.time }
+        controllers.targets(message.number).nth(beyond as usize).map_or(EventSource::Host(message.event), |index| {
+            EventSource::Value { index, share: message.share, time: message.time }
         })
     }
 
@@ -127,7 +129,8 @@ impl Messages {
 pub fn event_of(index: usize, share: f64, time: u32) -> clap_event_param_value {
     let parameter = &PARAMETERS[index];
     // Hosts count the steps of discrete parameters.
-    let steps = if matches!(parameter.kind, Kind::Float { .. }) { 1.0 } else { parameter.high() - parameter.low() };
+    let steps =
+        if matches!(parameter.kind, ParameterKind::Float { .. }) { 1.0 } else { parameter.high() - parameter.low() };
     clap_event_param_value {
         header: clap_event_header {
             size: size_of::<clap_event_param_value>() as u32,
@@ -182,9 +185,9 @@ mod tests {
             || unsafe { messages.read(&controllers, 5, |place| std::ptr::from_ref(&events[place as usize].header)) };
         assert_eq!(allocation_counter::measure(read).count_total, 0);
         assert_eq!(messages.added(), 2);
-        let found: Vec<String> = (0..7).map(|place| format!("{:?}", messages.at(&controllers, place))).collect();
-        let value = |index: usize, share: f64, time: u32| format!("{:?}", Place::Value { index, share, time });
-        let host = |place: u32| format!("{:?}", Place::Host(place));
+        let found: Vec<String> = (0..7).map(|place| format!("{:?}", messages.event_at(&controllers, place))).collect();
+        let value = |index: usize, share: f64, time: u32| format!("{:?}", EventSource::Value { index, share, time });
+        let host = |place: u32| format!("{:?}", EventSource::Host(place));
         let expected = [
             host(0),
             value(alpha, 1.0, 3),
@@ -198,7 +201,10 @@ mod tests {
         let told: Vec<(u32, f64)> = messages.moved(&controllers).map(|event| (event.param_id, event.value)).collect();
         assert_eq!(told, [(NUMERIC_IDS[alpha], 0.0), (NUMERIC_IDS[size], 0.0)], "the host is told the last value");
         controllers.assign(size, None);
-        assert!(matches!(messages.at(&controllers, 2), Place::Host(1)), "assigned elsewhere within the block");
+        assert!(
+            matches!(messages.event_at(&controllers, 2), EventSource::Host(1)),
+            "assigned elsewhere within the block"
+        );
     }
 
     #[test]
@@ -210,7 +216,7 @@ mod tests {
         // SAFETY: a live event.
         unsafe { messages.read(&controllers, 3 * MOST as u32, |_| &event.header) };
         assert_eq!((messages.messages.len(), messages.messages.capacity()), (MOST, MOST));
-        assert!(matches!(messages.at(&controllers, 2 * MOST as u32), Place::Host(_)));
+        assert!(matches!(messages.event_at(&controllers, 2 * MOST as u32), EventSource::Host(_)));
     }
 
     #[test]

@@ -11,7 +11,7 @@ use clap_sys::events::{
     clap_output_events,
 };
 
-use super::controllers::{Place, event_of};
+use super::controllers::{EventSource, event_of};
 use super::guard::Guard;
 use super::scale::shift;
 use super::scratch::{IN_USE, Scratch};
@@ -62,9 +62,9 @@ unsafe extern "C" fn get(list: *const clap_input_events, index: u32) -> *const c
     let incoming = unsafe { &*(*list).ctx.cast::<Incoming<'_>>() };
     // SAFETY: `translated` holds it for this call alone.
     let scratch = unsafe { &mut *incoming.scratch };
-    let own = match scratch.messages.at(incoming.controllers, index) {
-        Place::Value { index, share, time } => event_of(index, share, time),
-        Place::Host(place) => {
+    let own = match scratch.messages.event_at(incoming.controllers, index) {
+        EventSource::Value { index, share, time } => event_of(index, share, time),
+        EventSource::Host(place) => {
             let event = incoming.event(place);
             // SAFETY: null or a live event.
             let Some((mut own, shift)) = (unsafe { shifted(event) }) else { return event };

@@ -10,7 +10,7 @@ use clap_sys::events::{clap_input_events, clap_output_events};
 use clap_sys::ext::params::{CLAP_PARAM_IS_ENUM, CLAP_PARAM_IS_MODULATABLE, clap_param_info, clap_plugin_params};
 use clap_sys::id::clap_id;
 use clap_sys::plugin::clap_plugin;
-use pyrophone_settings::{Kind, PARAMETERS};
+use pyrophone_settings::{PARAMETERS, ParameterKind};
 
 use super::events;
 use super::guard::Guard;
@@ -29,7 +29,7 @@ pub static PARAMS: clap_plugin_params = clap_plugin_params {
 
 /// Steps as whole numbers: the framework multiplies 32-bit shares (6.0000001).
 fn whole(index: usize, value: f64) -> f64 {
-    if matches!(PARAMETERS[index].kind, Kind::Float { .. }) { value } else { value.round() }
+    if matches!(PARAMETERS[index].kind, ParameterKind::Float { .. }) { value } else { value.round() }
 }
 
 /// Converts a value from the framework's scale to the host's.
@@ -66,10 +66,10 @@ unsafe extern "C" fn get_info(plugin: *const clap_plugin, index: u32, info: *mut
     let info = unsafe { &mut *info };
     if let Some(index) = index_of_numeric(info.id) {
         let kind = PARAMETERS[index].kind;
-        if !matches!(kind, Kind::Float { .. }) {
+        if !matches!(kind, ParameterKind::Float { .. }) {
             info.flags &= !CLAP_PARAM_IS_MODULATABLE;
         }
-        if matches!(kind, Kind::Choice { .. }) {
+        if matches!(kind, ParameterKind::Choice { .. }) {
             info.flags |= CLAP_PARAM_IS_ENUM;
         }
         let shift = shift(info.id).unwrap_or(0.0);

@@ -1,7 +1,7 @@
 //! The host's scale of values and the framework's.
 
 use clap_sys::id::clap_id;
-use pyrophone_settings::{Kind, PARAMETERS};
+use pyrophone_settings::{PARAMETERS, ParameterKind};
 
 use crate::entry::instance::index_of_numeric;
 
@@ -9,7 +9,7 @@ use crate::entry::instance::index_of_numeric;
 pub fn shift(id: clap_id) -> Option<f64> {
     let parameter = &PARAMETERS[index_of_numeric(id)?];
     match parameter.kind {
-        Kind::Int { low, .. } if low != 0 && !parameter.automatable => Some(f64::from(low)),
+        ParameterKind::Int { low, .. } if low != 0 && !parameter.automatable => Some(f64::from(low)),
         _ => None,
     }
 }

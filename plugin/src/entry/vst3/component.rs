@@ -210,7 +210,7 @@ impl IComponentTrait for Component {
         if result != kResultOk {
             return result;
         }
-        let bytes = state::normalise(&saved.take(), &self.pending_plain());
+        let bytes = state::normalise(&saved.take_bytes(), &self.pending_plain());
         // SAFETY: a live stream of the host.
         if unsafe { write_all(stream, &bytes) } { kResultOk } else { kResultFalse }
     }

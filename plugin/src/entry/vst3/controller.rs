@@ -1,7 +1,7 @@
 //! The controlling half: parameters and their groups.
 
 use pyrophone_settings::controller_file::CONTROLLERS;
-use pyrophone_settings::{COUNT, Kind, PARAMETERS};
+use pyrophone_settings::{COUNT, PARAMETERS, ParameterKind};
 use std::sync::atomic::Ordering;
 use vst3::Steinberg::Vst::{
     BusDirection, CString, IComponentHandler, IComponentHandler3, IEditControllerTrait, IMidiMappingTrait,
@@ -80,7 +80,7 @@ impl IEditControllerTrait for Component {
         {
             let parameter = &PARAMETERS[index];
             text::write(parameter.unit, &mut info.units);
-            if matches!(parameter.kind, Kind::Choice { .. }) {
+            if matches!(parameter.kind, ParameterKind::Choice { .. }) {
                 info.flags |= ParameterFlags_::kIsList;
             }
         }

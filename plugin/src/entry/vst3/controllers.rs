@@ -207,7 +207,11 @@ impl ControllerInput {
     ///
     /// # Safety
     /// `host` is null or live until [`finish`](Self::finish).
-    pub unsafe fn follow(&self, controllers: &Controllers, host: *mut IParameterChanges) -> *mut IParameterChanges {
+    pub unsafe fn apply_controllers(
+        &self,
+        controllers: &Controllers,
+        host: *mut IParameterChanges,
+    ) -> *mut IParameterChanges {
         self.finish();
         // SAFETY: guaranteed by the caller.
         let Some(changes) = (unsafe { ComRef::from_raw(host) }) else { return host };
@@ -249,7 +253,7 @@ impl ControllerInput {
     ///
     /// # Safety
     /// `outputs` is null or live.
-    pub unsafe fn tell(&self, outputs: *mut IParameterChanges) {
+    pub unsafe fn report_values(&self, outputs: *mut IParameterChanges) {
         // SAFETY: guaranteed by the caller.
         let Some(outputs) = (unsafe { ComRef::from_raw(outputs) }) else { return };
         for (index, value) in self.moved() {
@@ -303,7 +307,7 @@ mod tests {
             let queue = moving.as_com_ref::<IParamValueQueue>().expect("an interface");
             let mut own = std::ptr::null_mut();
             let follow = || {
-                own = input.follow(&controllers, pointer);
+                own = input.apply_controllers(&controllers, pointer);
                 input.follow_one(&controllers, 1, &queue);
             };
             assert_eq!(allocation_counter::measure(follow).count_total, 0);

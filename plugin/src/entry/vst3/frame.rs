@@ -14,7 +14,7 @@ use vst3::Steinberg::{
 use vst3::{Class, ComPtr};
 
 /// Adapter between the framework's view and the host's frame.
-pub struct Frame {
+pub struct GuardedPlugFrame {
     host: ComPtr<IPlugFrame>,
     run_loop: Option<ComPtr<IRunLoop>>,
     /// The view as the host knows it: the frame belongs to it and does not outlive it.
@@ -24,11 +24,11 @@ pub struct Frame {
 }
 
 // SAFETY: hosts and framework use frames on the main thread; the pointer is only handed back to the host.
-unsafe impl Send for Frame {}
+unsafe impl Send for GuardedPlugFrame {}
 // SAFETY: as above; the list is behind a lock.
-unsafe impl Sync for Frame {}
+unsafe impl Sync for GuardedPlugFrame {}
 
-impl Frame {
+impl GuardedPlugFrame {
     /// A frame for the view that the host knows by `view`.
     pub fn new(host: ComPtr<IPlugFrame>, view: *mut IPlugView) -> Self {
         let run_loop = host.cast::<IRunLoop>();
@@ -55,18 +55,18 @@ impl Frame {
     }
 }
 
-impl Class for Frame {
+impl Class for GuardedPlugFrame {
     type Interfaces = (IPlugFrame, IRunLoop);
 }
 
-impl IPlugFrameTrait for Frame {
+impl IPlugFrameTrait for GuardedPlugFrame {
     unsafe fn resizeView(&self, _view: *mut IPlugView, size: *mut ViewRect) -> tresult {
         // SAFETY: a live frame of the host, and the view that it knows.
         unsafe { self.host.resizeView(self.view, size) }
     }
 }
 
-impl IRunLoopTrait for Frame {
+impl IRunLoopTrait for GuardedPlugFrame {
     unsafe fn registerEventHandler(&self, handler: *mut IEventHandler, descriptor: FileDescriptor) -> tresult {
         let Some(run_loop) = &self.run_loop else { return kResultFalse };
         if handler.is_null() {

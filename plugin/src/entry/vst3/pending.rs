@@ -15,13 +15,13 @@ const NONE: u64 = u64::MAX;
 const BLOCKS: u8 = 2;
 
 /// Reported values remembered for each parameter: hosts return them with delay.
-const TOLD: usize = 32;
+const REPORTED: usize = 32;
 
 struct Slot {
     bits: AtomicU64,
     blocks: AtomicU8,
     /// The latest values reported to the host, as 32-bit floats, and their count.
-    told: [AtomicF32; TOLD],
+    reported: [AtomicF32; REPORTED],
     told_count: AtomicU32,
 }
 
@@ -30,7 +30,7 @@ impl Slot {
         Self {
             bits: AtomicU64::new(NONE),
             blocks: AtomicU8::new(0),
-            told: std::array::from_fn(|_| AtomicF32::new(f32::NAN)),
+            reported: std::array::from_fn(|_| AtomicF32::new(f32::NAN)),
             told_count: AtomicU32::new(0),
         }
     }
@@ -59,17 +59,17 @@ impl PendingValues {
     }
 
     /// Remembers a value reported to the host, which replaces any pending one; real-time safe.
-    pub fn tell(&self, index: usize, normalised: f64) {
+    pub fn report(&self, index: usize, normalised: f64) {
         let slot = &self.0[index];
-        let place = slot.told_count.fetch_add(1, Ordering::Relaxed) as usize % TOLD;
-        slot.told[place].store(normalised as f32, Ordering::Relaxed);
+        let place = slot.told_count.fetch_add(1, Ordering::Relaxed) as usize % REPORTED;
+        slot.reported[place].store(normalised as f32, Ordering::Relaxed);
         slot.bits.store(NONE, Ordering::Release);
     }
 
     /// True if a value set by the host is one that was reported to it recently.
     pub fn is_echo(&self, index: usize, normalised: f64) -> bool {
         let is_it = |told: &AtomicF32| (f64::from(told.load(Ordering::Relaxed)) - normalised).abs() < 1e-6;
-        self.0[index].told.iter().any(is_it)
+        self.0[index].reported.iter().any(is_it)
     }
 
     /// A block carries changes of the parameter, the last of them to `normalised`; real-time safe.
@@ -134,14 +134,14 @@ mod tests {
         let pending = PendingValues::default();
         assert!(!pending.is_echo(2, 0.0), "nothing was told");
         pending.set(2, 0.75);
-        pending.tell(2, 1.0 / 127.0);
+        pending.report(2, 1.0 / 127.0);
         assert_eq!(pending.get(2), None, "the controller came later");
         assert!(
             pending.is_echo(2, f64::from(1.0f32 / 127.0))
                 && !pending.is_echo(2, 0.5)
                 && !pending.is_echo(3, 1.0 / 127.0)
         );
-        (0..TOLD).for_each(|_| pending.tell(2, 0.5));
+        (0..REPORTED).for_each(|_| pending.report(2, 0.5));
         assert!(!pending.is_echo(2, 1.0 / 127.0), "long ago");
     }
 

@@ -124,12 +124,13 @@ impl Component {
         guarded.outputs = guarded_outputs.as_mut_ptr();
         let assigned = &self.instance.params.controllers;
         // SAFETY: the host's changes, which live as long as the block.
-        guarded.inputParameterChanges = unsafe { self.controllers.follow(assigned, data.inputParameterChanges) };
+        guarded.inputParameterChanges =
+            unsafe { self.controllers.apply_controllers(assigned, data.inputParameterChanges) };
         // SAFETY: a live processor; every channel that was declared is there and long enough.
         let result = unsafe { self.processor.process(&mut guarded) };
-        self.controllers.moved().for_each(|(index, value)| self.pending.tell(index, value));
+        self.controllers.moved().for_each(|(index, value)| self.pending.report(index, value));
         // SAFETY: null or the host's changes.
-        unsafe { self.controllers.tell(data.outputParameterChanges) };
+        unsafe { self.controllers.report_values(data.outputParameterChanges) };
         self.controllers.finish();
         // SAFETY: the host's buses; channels beyond those declared must not keep old samples.
         unsafe { silence_rest(data, declared.output) };

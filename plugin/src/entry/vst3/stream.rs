@@ -25,7 +25,7 @@ impl MemoryStream {
     }
 
     /// The bytes so far.
-    pub fn take(&self) -> Vec<u8> {
+    pub fn take_bytes(&self) -> Vec<u8> {
         self.bytes.take()
     }
 }
@@ -157,7 +157,7 @@ mod tests {
         let to = MemoryStream::new(Vec::new());
         // SAFETY: a live stream.
         assert!(unsafe { write_all(pointer(&to), &bytes) });
-        let from = MemoryStream::new(to.take());
+        let from = MemoryStream::new(to.take_bytes());
         // SAFETY: a live stream.
         assert_eq!(unsafe { read_all(pointer(&from)) }, Some(bytes));
         // SAFETY: null is no stream.

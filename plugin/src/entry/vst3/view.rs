@@ -11,7 +11,7 @@ use vst3::Steinberg::{
 };
 use vst3::{Class, ComPtr, ComRef, ComWrapper};
 
-use super::frame::Frame;
+use super::frame::GuardedPlugFrame;
 use super::host_menu::OpenView;
 
 /// Guard of the framework's view.
@@ -19,7 +19,7 @@ pub struct View {
     inner: ComPtr<IPlugView>,
     /// The address that the host knows this view by.
     address: AtomicPtr<IPlugView>,
-    frame: Mutex<Option<ComWrapper<Frame>>>,
+    frame: Mutex<Option<ComWrapper<GuardedPlugFrame>>>,
     /// Holder of the address while the view is open.
     open: OpenView,
 }
@@ -39,7 +39,7 @@ impl View {
         view
     }
 
-    fn frame(&self) -> MutexGuard<'_, Option<ComWrapper<Frame>>> {
+    fn frame(&self) -> MutexGuard<'_, Option<ComWrapper<GuardedPlugFrame>>> {
         self.frame.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -127,7 +127,7 @@ impl IPlugViewTrait for View {
         self.let_go_of_frame();
         // SAFETY: null or a live frame.
         let Some(host) = (unsafe { ComRef::from_raw(frame) }) else { return kResultOk };
-        let guard = ComWrapper::new(Frame::new(host.to_com_ptr(), self.address.load(Ordering::Relaxed)));
+        let guard = ComWrapper::new(GuardedPlugFrame::new(host.to_com_ptr(), self.address.load(Ordering::Relaxed)));
         let pointer = guard.as_com_ref::<IPlugFrame>().map_or(std::ptr::null_mut(), |frame| frame.as_ptr());
         // SAFETY: a live view, which keeps its own reference.
         let result = unsafe { self.inner.setFrame(pointer) };

@@ -19,9 +19,9 @@ impl Worker {
         for slot in self.order() {
             if let Some(pending) = self.slots[slot].pending.take() {
                 let fetched = self.fetch_one(slot, &pending, job);
-                if let Err(Failure::CalledOff) = fetched {
+                if let Err(Failure::Cancelled) = fetched {
                     self.slots[slot].pending = Some(pending);
-                    return Err(Failure::CalledOff);
+                    return Err(Failure::Cancelled);
                 }
                 words.extend(self.settle(slot, &pending, fetched));
                 self.show_session();
@@ -39,7 +39,7 @@ impl Worker {
     fn settle(&mut self, slot: usize, pending: &Pending, fetched: Result<Option<Found>, Failure>) -> Option<String> {
         let (recording, notice) = match fetched {
             Ok(Some(Found { recording, notice, .. })) => (Some(recording), notice),
-            Ok(None) | Err(Failure::CalledOff) => (None, None),
+            Ok(None) | Err(Failure::Cancelled) => (None, None),
             Err(Failure::Message(message)) => {
                 if matches!(pending, Pending::Session) {
                     self.set_recording(slot, None);
@@ -90,7 +90,7 @@ impl Worker {
         let is_empty = recording.is_none() && place.recording.is_none() && place.dictionary.is_none();
         let is_same = |known: &Arc<Recording>| recording.as_ref().is_some_and(|new| Arc::ptr_eq(new, known));
         if !place.recording.as_ref().is_some_and(is_same) {
-            place.portrait = None;
+            place.overview = None;
         }
         place.recording = recording;
         place.failed = None;
@@ -102,8 +102,8 @@ impl Worker {
             place.dictionary = None;
         }
         if slot == self.shown {
-            let portrait = place.portrait.clone();
-            self.status.update(|view| view.portrait = portrait);
+            let overview = place.overview.clone();
+            self.status.update(|view| view.overview = overview);
         }
         self.show_session();
         self.show_recording(slot);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pyrophone_recording::{Cut, Recording};
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_synthesis::{EngineConfig, chain};
 use pyrophone_training::{DictionaryKey, Stage, build};
 
@@ -46,7 +46,7 @@ impl Worker {
         let place = &mut self.slots[slot];
         match built {
             Ok(dictionary) => place.dictionary = dictionary,
-            Err(Failure::CalledOff) => return Err(Failure::CalledOff),
+            Err(Failure::Cancelled) => return Err(Failure::Cancelled),
             Err(Failure::Message(message)) => {
                 place.failed = Some(key);
                 place.dictionary = None;
@@ -76,7 +76,7 @@ impl Worker {
         recording: &Recording,
         cut: &Cut,
         job: &Job,
-    ) -> Result<Option<(DictionaryKey, Arc<Dictionary>)>, Failure> {
+    ) -> Result<Option<(DictionaryKey, Arc<RecordingDictionary>)>, Failure> {
         let Some(Engine { sample_rate_hz, .. }) = self.engine else { return Ok(None) };
         let key = self.key(recording, cut, job.wanted(), sample_rate_hz);
         let progress = |stage: Stage, done: f32| match stage {
@@ -85,7 +85,7 @@ impl Worker {
         };
         let make = || build(recording, cut, sample_rate_hz, job.wanted(), &progress).map_err(Failure::from);
         let is_called_off = || !job.goes_on_indexing("Waiting for another instance", 0.4);
-        let read_or_make = || -> Result<Dictionary, Failure> {
+        let read_or_make = || -> Result<RecordingDictionary, Failure> {
             if let Some(kept) = self.store.as_ref().and_then(|store| store.read(&key)) {
                 return Ok(kept);
             }
@@ -95,7 +95,7 @@ impl Worker {
         };
         match DICTIONARIES.get_or_make(&key, is_called_off, read_or_make) {
             Some(made) => Ok(Some((key, made?))),
-            None => Err(Failure::CalledOff),
+            None => Err(Failure::Cancelled),
         }
     }
 

@@ -27,6 +27,7 @@ use pyrophone_settings::session::{self, Session};
 use pyrophone_synthesis::controls::SLOTS;
 use pyrophone_training::Store;
 
+use crate::loader::clip_loader::ClipLoader;
 use crate::loader::engine::Engine;
 use crate::loader::job::Job;
 use crate::loader::learner::Learner;
@@ -36,7 +37,6 @@ use crate::loader::motion::Motion;
 use crate::loader::slot::Slot;
 use crate::loader::source::Failure;
 use crate::loader::status::Status;
-use crate::loader::tape::ClipLoader;
 use crate::parameters::EffectParams;
 
 /// Interval at which the worker polls parameters and rings when there are no orders.
@@ -58,7 +58,7 @@ pub struct Worker {
     prepared: Option<Engine>,
     learner: Learner,
     motion: Motion,
-    tape: ClipLoader,
+    clip_loader: ClipLoader,
     recent: Option<Recent>,
 }
 
@@ -91,7 +91,7 @@ impl Worker {
             prepared: None,
             learner: Learner::default(),
             motion: Motion::default(),
-            tape: ClipLoader::default(),
+            clip_loader: ClipLoader::default(),
             recent,
         }
     }
@@ -103,7 +103,7 @@ impl Worker {
             self.status.update(|view| view.recent = known);
         }
         loop {
-            let batch = self.mailbox.take(TICK);
+            let batch = self.mailbox.take_batch(TICK);
             if batch.quit {
                 return;
             }
@@ -151,14 +151,14 @@ impl Worker {
         match self.learner.work(&mut self.session, &engine, &values, job) {
             Ok(false) => {}
             Ok(true) => self.params.session.store(&self.session),
-            Err(Failure::CalledOff) => return Err(Failure::CalledOff),
+            Err(Failure::Cancelled) => return Err(Failure::Cancelled),
             Err(Failure::Message(message)) => self.status.fail(message),
         }
         let cut = self.cut(self.shown);
         let of = self.slots[self.shown].recording.as_deref().map(|recording| (recording, &cut));
-        match self.tape.make(of, engine.sample_rate_hz.round() as u32, job) {
+        match self.clip_loader.make(of, engine.sample_rate_hz.round() as u32, job) {
             Err(Failure::Message(message)) => {
-                self.tape.want(false);
+                self.clip_loader.want(false);
                 self.status.fail(message);
                 Ok(())
             }

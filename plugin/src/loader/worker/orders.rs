@@ -33,7 +33,7 @@ impl Worker {
                 }
                 self.learner.resend();
                 self.motion.resend();
-                self.tape.resend();
+                self.clip_loader.resend();
             }
             Order::Cancel => self.cancel(),
             Order::Cut(cut) => {
@@ -43,7 +43,7 @@ impl Worker {
                 self.status.update(|view| view.error = None);
                 self.params.session.store(&self.session);
             }
-            Order::Audition(wanted) => self.tape.want(wanted),
+            Order::Audition(wanted) => self.clip_loader.want(wanted),
             Order::LearnFrom(path) => self.learner.learn_from(path),
             Order::SavePart(path) => self.save_part(&path),
             Order::Embed(embed) => self.set_embed(embed),
@@ -117,7 +117,7 @@ impl Worker {
             return self.status.fail("there is no recording to be saved; load one first".to_owned());
         };
         let of = Path::new(self.path(self.shown).unwrap_or_default());
-        let part = check_not_among(path, &[of]).and_then(|()| self.cut(self.shown).of(recording));
+        let part = check_not_among(path, &[of]).and_then(|()| self.cut(self.shown).apply(recording));
         let saved = part.and_then(|part| write_wav_f32(path, &part.channels, part.sample_rate_hz));
         match saved {
             Ok(()) => self.status.update(|view| view.notice = Some(format!("Saved: {}", path.display()))),

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::recording::RecordingDictionary;
 
 use super::Worker;
 use crate::loader::link::Update;
 
 impl Worker {
-    pub(super) fn send_dictionary(&mut self, slot: usize, dictionary: Arc<Dictionary>) {
+    pub(super) fn send_dictionary(&mut self, slot: usize, dictionary: Arc<RecordingDictionary>) {
         self.slots[slot].is_sent = self.link.send(Update::Dictionary(slot, Some(dictionary)));
         if slot == self.shown {
             self.show_dictionary();
@@ -44,6 +44,6 @@ impl Worker {
         }
         self.learner.send(&mut self.link, &self.session, &engine, &self.status);
         self.motion.send(&mut self.link);
-        self.tape.send(&mut self.link, &self.status);
+        self.clip_loader.send(&mut self.link, &self.status);
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use pyrophone_analysis::Portrait;
+use pyrophone_analysis::RecordingOverview;
 use pyrophone_settings::Id;
 use pyrophone_synthesis::controls::SLOTS;
 use pyrophone_training::IMPULSIVE;
@@ -19,9 +19,9 @@ impl Worker {
             return;
         }
         self.shown = shown;
-        self.slots[shown].portrait_is_due = true;
-        let portrait = self.slots[shown].portrait.clone();
-        self.status.update(|view| view.portrait = portrait);
+        self.slots[shown].overview_is_due = true;
+        let overview = self.slots[shown].overview.clone();
+        self.status.update(|view| view.overview = overview);
         self.show_session();
         self.show_dictionary();
         self.show_cut();
@@ -44,7 +44,7 @@ impl Worker {
 
     /// Shows the part used for learning, and has the recording redrawn.
     pub(super) fn show_recording(&mut self, slot: usize) {
-        self.slots[slot].portrait_is_due = true;
+        self.slots[slot].overview_is_due = true;
         self.show_cut();
     }
 
@@ -57,25 +57,25 @@ impl Worker {
     pub(super) fn draw(&mut self) {
         let cut = self.cut(self.shown);
         let place = &mut self.slots[self.shown];
-        if !place.portrait_is_due || !self.link.shared.is_watched.load(Ordering::Relaxed) {
+        if !place.overview_is_due || !self.link.shared.is_watched.load(Ordering::Relaxed) {
             return;
         }
-        place.portrait_is_due = false;
-        let known = place.portrait.take();
-        place.portrait = place.recording.as_deref().map(|recording| {
+        place.overview_is_due = false;
+        let known = place.overview.take();
+        place.overview = place.recording.as_deref().map(|recording| {
             Arc::new(match known {
                 Some(known) => known.with_cut(recording, &cut),
-                None => Portrait::of(recording, &cut),
+                None => RecordingOverview::of_recording(recording, &cut),
             })
         });
-        let portrait = place.portrait.clone();
-        self.status.update(|view| view.portrait = portrait);
+        let overview = place.overview.clone();
+        self.status.update(|view| view.overview = overview);
     }
 
     /// Shows the properties of the active slot's dictionary.
     pub(super) fn show_dictionary(&self) {
         let dictionary = self.slots[self.shown].dictionary.as_ref().map(|(_, dictionary)| dictionary);
-        let amplitudes = dictionary.and_then(|dictionary| shown_amplitudes(dictionary.distribution()));
+        let amplitudes = dictionary.and_then(|dictionary| shown_amplitudes(dictionary.windows().distribution()));
         let crackles = dictionary.and_then(|dictionary| dictionary.crackles());
         let crackles_per_s = crackles.map(|crackles| crackles.summary().per_second as f32);
         let warning = dictionary.filter(|dictionary| dictionary.is_impulsive()).map(|_| IMPULSIVE.to_owned());

@@ -8,7 +8,7 @@ use pyrophone::loader::Engine;
 use pyrophone_settings::session::Cut;
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::Channels;
-use pyrophone_synthesis::texture::Dictionary;
+use pyrophone_synthesis::recording::RecordingDictionary;
 
 use super::{Instance, RATE_HZ, Sounds};
 
@@ -19,7 +19,7 @@ fn instances_share_and_nothing_is_kept_after_the_last() {
     let (mut first, mut second) = (Instance::running(), Instance::running());
     first.load(&path);
     second.load(&path);
-    let mut dictionaries: Vec<Arc<Dictionary>> = Vec::new();
+    let mut dictionaries: Vec<Arc<RecordingDictionary>> = Vec::new();
     for instance in [&mut first, &mut second] {
         instance.wait_for("shared", |view| view.recording.is_some() && view.progress.is_none());
         instance.activate(RATE_HZ);
@@ -38,9 +38,9 @@ fn a_dictionary_is_of_the_rate_that_runs() {
     for rate_hz in [44_100.0, 96_000.0, 48_000.0] {
         instance.activate(rate_hz);
         let dictionary = instance.dictionary().unwrap().unwrap();
-        assert_eq!(dictionary.sample_rate_hz(), rate_hz);
-        assert_eq!(dictionary.shape().levels, EngineConfig::default().levels_at(rate_hz));
-        assert!((dictionary.seconds() - 0.5).abs() < 2e-3);
+        assert_eq!(dictionary.windows().sample_rate_hz(), rate_hz);
+        assert_eq!(dictionary.windows().shape().levels, EngineConfig::default().levels_at(rate_hz));
+        assert!((dictionary.windows().seconds() - 0.5).abs() < 2e-3);
     }
 }
 
@@ -62,7 +62,7 @@ fn a_new_structure_is_prepared_before_the_restart() {
     }
     assert!(instance.dictionary().is_none(), "the running engines keep theirs");
     instance.activate(RATE_HZ);
-    assert_eq!(instance.dictionary().unwrap().unwrap().shape().levels, 5);
+    assert_eq!(instance.dictionary().unwrap().unwrap().windows().shape().levels, 5);
 }
 
 #[test]
@@ -92,13 +92,13 @@ fn a_part_of_the_recording_is_learnt_from_and_kept() {
     first.load_and_wait(&path);
     first.activate(RATE_HZ);
     let whole = first.dictionary().unwrap().unwrap();
-    assert!((whole.seconds() - 2.0).abs() < 1e-3);
+    assert!((whole.windows().seconds() - 2.0).abs() < 1e-3);
     let cut = Cut { region_s: Some([0.5, 1.25]), gain_db: -6.0, normalise: true };
     let loader = first.loader.handle();
     loader.set_cut(cut);
     first.activate(RATE_HZ);
     let part = first.dictionary().unwrap().unwrap();
-    assert!((part.seconds() - 0.75).abs() < 1e-3, "{}", part.seconds());
+    assert!((part.windows().seconds() - 0.75).abs() < 1e-3, "{}", part.windows().seconds());
     assert_eq!(first.view().cut, cut);
     assert_eq!(first.saved().cut, cut);
 

@@ -19,7 +19,8 @@ use pyrophone::parameters::EffectParams;
 use pyrophone::persist;
 use pyrophone_settings::{Recent, Session, session};
 use pyrophone_synthesis::chain::Channels;
-use pyrophone_synthesis::texture::{Dictionary, Distribution};
+use pyrophone_synthesis::recording::RecordingDictionary;
+use pyrophone_synthesis::texture::Distribution;
 use pyrophone_synthesis::vortex::SpeedField;
 
 const RATE_HZ: f64 = 44_100.0;
@@ -104,15 +105,15 @@ impl Instance {
         self.last(|update| if let Update::Field(field) = update { Some(field) } else { None })
     }
 
-    fn tape(&mut self) -> Option<Option<AuditionClip>> {
-        self.last(|update| if let Update::Tape(tape) = update { Some(tape) } else { None })
+    fn clip(&mut self) -> Option<Option<AuditionClip>> {
+        self.last(|update| if let Update::Clip(clip) = update { Some(clip) } else { None })
     }
 
     fn distribution(&mut self) -> Option<Option<Arc<Distribution>>> {
         self.last(|update| if let Update::Distribution(found) = update { Some(found) } else { None })
     }
 
-    fn dictionary(&mut self) -> Option<Option<Arc<Dictionary>>> {
+    fn dictionary(&mut self) -> Option<Option<Arc<RecordingDictionary>>> {
         self.last(|update| if let Update::Dictionary(0, dictionary) = update { Some(dictionary) } else { None })
     }
 }

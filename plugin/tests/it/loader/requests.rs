@@ -18,7 +18,7 @@ fn the_latest_request_wins() {
     instance.load_and_wait(&last);
     instance.activate(RATE_HZ);
     let dictionary = instance.dictionary().unwrap().unwrap();
-    assert!((dictionary.seconds() - 0.5).abs() < 1e-3, "{} s", dictionary.seconds());
+    assert!((dictionary.windows().seconds() - 0.5).abs() < 1e-3, "{} s", dictionary.windows().seconds());
     assert_eq!(instance.saved().recording.unwrap().path, last.to_string_lossy());
     std::thread::sleep(Duration::from_millis(300));
     assert!(instance.dictionary().is_none(), "nothing arrives after the last one");
@@ -91,18 +91,18 @@ fn a_recording_is_drawn_for_a_window_alone() {
     let instance = Instance::running();
     instance.load_and_wait(&sounds.wav("long.wav", 2.0, 53));
     instance.activate(RATE_HZ);
-    assert_eq!(instance.view().portrait, None, "nobody looks");
+    assert_eq!(instance.view().overview, None, "nobody looks");
     let handle = instance.loader.handle();
     handle.shared.is_watched.store(true, Ordering::Relaxed);
-    let drawn = instance.wait_for("a picture", |view| view.portrait.is_some());
-    assert_eq!(drawn.portrait.unwrap().start_s, 0.0);
+    let drawn = instance.wait_for("a picture", |view| view.overview.is_some());
+    assert_eq!(drawn.overview.unwrap().start_s, 0.0);
     let cut = Cut { region_s: Some([0.5, 1.25]), gain_db: 0.0, normalise: false };
     handle.set_cut(cut);
-    instance.wait_for("a picture of the part", |view| view.portrait.as_ref().is_some_and(|drawn| drawn.start_s == 0.5));
+    instance.wait_for("a picture of the part", |view| view.overview.as_ref().is_some_and(|drawn| drawn.start_s == 0.5));
     handle.shared.is_watched.store(false, Ordering::Relaxed);
     instance.load_and_wait(&sounds.wav("other.wav", 0.5, 54));
     instance.activate(RATE_HZ);
-    assert_eq!(instance.view().portrait, None, "another recording's picture is not shown for this one");
+    assert_eq!(instance.view().overview, None, "another recording's picture is not shown for this one");
 }
 
 #[test]
@@ -112,17 +112,17 @@ fn a_recording_is_there_to_be_listened_to_as_long_as_that_is_wanted() {
     let loader = instance.loader.handle();
     instance.load_and_wait(&sounds.wav("tape.wav", 1.0, 61));
     instance.activate(RATE_HZ);
-    assert!(instance.tape().flatten().is_none(), "nobody has asked for it");
+    assert!(instance.clip().flatten().is_none(), "nobody has asked for it");
     loader.audition(true);
-    instance.wait_for("a tape", |view| view.has_tape);
-    let tape = instance.tape().unwrap().unwrap();
-    assert_eq!((tape.len(), tape[0].len()), (1, 44_100));
+    instance.wait_for("a clip", |view| view.has_clip);
+    let clip = instance.clip().unwrap().unwrap();
+    assert_eq!((clip.len(), clip[0].len()), (1, 44_100));
     loader.set_cut(Cut { region_s: Some([0.0, 0.5]), ..Cut::default() });
     instance.activate(RATE_HZ);
-    assert_eq!(instance.tape().unwrap().unwrap()[0].len(), 22_050);
+    assert_eq!(instance.clip().unwrap().unwrap()[0].len(), 22_050);
     instance.activate(2.0 * RATE_HZ);
-    assert_eq!(instance.tape().unwrap().unwrap()[0].len(), 44_100, "at the engine's rate");
+    assert_eq!(instance.clip().unwrap().unwrap()[0].len(), 44_100, "at the engine's rate");
     loader.audition(false);
-    instance.wait_for("no tape", |view| !view.has_tape);
-    assert!(instance.tape().unwrap().is_none());
+    instance.wait_for("no clip", |view| !view.has_clip);
+    assert!(instance.clip().unwrap().is_none());
 }

@@ -70,7 +70,7 @@ fn a_changed_file_plays_with_a_warning() {
     let mut second = Instance::new();
     second.load_session(&saved);
     assert!(second.view().error.unwrap().contains("changed"));
-    assert!((second.dictionary().unwrap().unwrap().seconds() - 0.6).abs() < 1e-3);
+    assert!((second.dictionary().unwrap().unwrap().windows().seconds() - 0.6).abs() < 1e-3);
     assert_eq!(second.saved(), saved);
 }
 

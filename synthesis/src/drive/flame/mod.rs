@@ -17,7 +17,7 @@ const FADE_S: f64 = 0.05;
 
 /// The scene that burns, and the time within its period at the timeline's start.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Place {
+struct ScenePosition {
     scene: usize,
     offset_s: f64,
 }
@@ -31,9 +31,9 @@ pub(super) struct Flame {
     wind: Smoothed,
     weights: [f64; WAYS],
     /// The audible place; none right after reset.
-    heard: Option<Place>,
+    audible: Option<ScenePosition>,
     /// The place that replaces it, and the number of samples since that began.
-    coming: Option<(Place, usize)>,
+    coming: Option<(ScenePosition, usize)>,
     fade_samples: usize,
 }
 
@@ -46,25 +46,25 @@ impl Flame {
             intensity: smoothed(),
             wind: smoothed(),
             weights: [0.0; WAYS],
-            heard: None,
+            audible: None,
             coming: None,
             fade_samples: (FADE_S * sample_rate_hz).ceil() as usize,
         })
     }
 
     pub fn reset(&mut self) {
-        self.heard = None;
+        self.audible = None;
         self.coming = None;
     }
 
     /// Renders the samples from `position` on.
     pub fn process(&mut self, controls: &FlameControls, position: i64, out: &mut [f64]) {
-        let wanted = Place {
+        let wanted = ScenePosition {
             scene: controls.scene.min(self.tables.len() - 1),
             offset_s: within(controls.offset_s, 0.0, 3600.0),
         };
         let (intensity, wind) = (within(controls.intensity, 0.0, 2.0), within(controls.wind, 0.0, 1.0));
-        let mut heard = *self.heard.get_or_insert_with(|| {
+        let mut audible = *self.audible.get_or_insert_with(|| {
             (self.intensity.value, self.wind.value) = (intensity, wind);
             self.weights = weights(intensity, wind);
             wanted
@@ -76,25 +76,25 @@ impl Flame {
             if now != before {
                 self.weights = weights(now.0, now.1);
             }
-            if self.coming.is_none() && heard != wanted {
+            if self.coming.is_none() && audible != wanted {
                 self.coming = Some((wanted, 0));
             }
             let at = position.wrapping_add(offset as i64);
-            *sample = self.pressure(heard, at);
+            *sample = self.pressure(audible, at);
             let Some((coming, age)) = &mut self.coming else { continue };
             *age += 1;
             let (coming, age) = (*coming, *age);
             let (old, new) = equal_power(age as f64 / self.fade_samples as f64);
             *sample = old * *sample + new * self.pressure(coming, at);
             if age >= self.fade_samples {
-                heard = coming;
+                audible = coming;
                 self.coming = None;
             }
         }
-        self.heard = Some(heard);
+        self.audible = Some(audible);
     }
 
-    fn pressure(&self, place: Place, position: i64) -> f64 {
+    fn pressure(&self, place: ScenePosition, position: i64) -> f64 {
         let time_s = position as f64 / self.sample_rate_hz + place.offset_s;
         self.tables[place.scene].pressure(time_s, &self.weights)
     }

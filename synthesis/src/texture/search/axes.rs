@@ -212,7 +212,7 @@ struct Columns<'a> {
 }
 
 impl Work for Columns<'_> {
-    type Done = f32;
+    type Output = f32;
 
     #[inline(always)]
     fn with<L: Lanes>(self, _: L) -> f32 {
@@ -236,7 +236,7 @@ struct Needed<'a> {
 }
 
 impl Work for Needed<'_> {
-    type Done = usize;
+    type Output = usize;
 
     #[inline(always)]
     fn with<L: Lanes>(self, _: L) -> usize {
@@ -274,7 +274,7 @@ struct Points<'a> {
 }
 
 impl Work for Points<'_> {
-    type Done = f32;
+    type Output = f32;
 
     #[inline(always)]
     fn with<L: Lanes>(self, _: L) -> f32 {
@@ -305,7 +305,7 @@ struct Covariance<'a> {
 }
 
 impl Work for Covariance<'_> {
-    type Done = DMatrix<f64>;
+    type Output = DMatrix<f64>;
 
     #[inline(always)]
     fn with<L: Lanes>(self, _: L) -> DMatrix<f64> {

@@ -1,6 +1,6 @@
 //! A query as integers, and its least distance from a leaf's sixteen windows.
 
-use super::codes::{CODE_MAX, Frame, QUAD};
+use super::codes::{CODE_MAX, CodeFrame, QUAD};
 use super::lanes::Lanes;
 use super::sizes::AXES_MAX;
 
@@ -32,7 +32,7 @@ impl Coded {
 
     /// Converts `point` to `frame`.
     #[inline(always)]
-    pub fn set<L: Lanes>(&mut self, lanes: L, frame: Frame<'_>, point: &[f32; AXES_MAX]) {
+    pub fn set<L: Lanes>(&mut self, lanes: L, frame: CodeFrame<'_>, point: &[f32; AXES_MAX]) {
         let per_half_step = 1.0 / frame.scale.half_step;
         let taken = lanes.take_in(frame, per_half_step, point, bytemuck::cast_mut(&mut self.steps));
         let [first, all] = [0, 1]

@@ -33,7 +33,7 @@ pub struct Scale {
 
 /// Position of the codes of up to 256 windows.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame<'a> {
+pub struct CodeFrame<'a> {
     /// Middle of the windows along each axis.
     pub middles: &'a [f32],
     /// Largest distance from it.

@@ -3,7 +3,7 @@
 use super::tree::Child;
 
 /// A box of one of the shells.
-pub type Place = (u8, Child);
+pub type TreePosition = (u8, Child);
 
 /// Boxes with their bounds, in no order. Adding one costs next to nothing, and happens up to sixteen times as often as
 /// removing the nearest, which searches all of them.
@@ -11,7 +11,7 @@ pub type Place = (u8, Child);
 pub struct Frontier {
     /// Bounds' bits: those of numbers that are not negative are in the numbers' order.
     bounds: Vec<u32>,
-    places: Vec<Place>,
+    places: Vec<TreePosition>,
     /// Number of boxes stored.
     len: usize,
 }
@@ -33,7 +33,7 @@ impl Frontier {
 
     /// Remembers a box; `bound` is not negative.
     #[inline(always)]
-    pub fn push(&mut self, bound: f32, place: Place) {
+    pub fn push(&mut self, bound: f32, place: TreePosition) {
         if let (Some(room), Some(room_for_place)) = (self.bounds.get_mut(self.len), self.places.get_mut(self.len)) {
             (*room, *room_for_place) = (bound.to_bits(), place);
             self.len += 1;
@@ -42,7 +42,7 @@ impl Frontier {
 
     /// Removes the latest box whose bound is at most `limit`; those skipped on the way are dropped.
     #[inline(always)]
-    pub fn pop_latest(&mut self, limit: f32) -> Option<(f32, Place)> {
+    pub fn pop_latest(&mut self, limit: f32) -> Option<(f32, TreePosition)> {
         while self.len > 0 {
             self.len -= 1;
             let bound = f32::from_bits(self.bounds[self.len]);
@@ -55,7 +55,7 @@ impl Frontier {
 
     /// Removes the nearest box, if its bound is at most `limit`.
     #[inline(always)]
-    pub fn pop_nearest(&mut self, limit: f32) -> Option<(f32, Place)> {
+    pub fn pop_nearest(&mut self, limit: f32) -> Option<(f32, TreePosition)> {
         let bounds = &mut self.bounds[..self.len];
         let least = bounds.iter().copied().min().filter(|least| f32::from_bits(*least) <= limit)?;
         let mut at = 0;
@@ -78,7 +78,7 @@ impl Frontier {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::search::tree::Kind;
+    use crate::texture::search::tree::NodeKind;
 
     #[test]
     fn the_nearest_comes_out_first() {
@@ -91,7 +91,7 @@ mod tests {
         for expected in expected {
             let (found, (_, child)) = aside.pop_nearest(f32::INFINITY).unwrap();
             assert_eq!(found, expected);
-            let Kind::Node(node) = child.kind() else { panic!("{child:?}") };
+            let NodeKind::Node(node) = child.kind() else { panic!("{child:?}") };
             assert_eq!(bound(node as u32), expected);
         }
         assert!(aside.pop_nearest(f32::INFINITY).is_none());

@@ -4,7 +4,7 @@
 //! All of them round in the same way, so that a search within a budget takes the same course on every machine. Bounds
 //! allow for the rounding.
 
-use super::codes::{CHUNK, Frame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
+use super::codes::{CHUNK, CodeFrame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
 use super::sizes::{AXES_MAX, LANES};
 
 /// Number of axes after which bounds are checked against the limit.
@@ -37,7 +37,7 @@ pub trait Lanes: Copy {
     /// outside count as at the edge. Everything is rounded in the same way on every machine.
     fn take_in(
         self,
-        frame: Frame<'_>,
+        frame: CodeFrame<'_>,
         per_half_step: f32,
         point: &[f32; AXES_MAX],
         steps: &mut [i8; AXES_MAX],
@@ -110,7 +110,7 @@ impl Lanes for Portable {
     #[inline(always)]
     fn take_in(
         self,
-        frame: Frame<'_>,
+        frame: CodeFrame<'_>,
         per_half_step: f32,
         point: &[f32; AXES_MAX],
         steps: &mut [i8; AXES_MAX],
@@ -194,7 +194,7 @@ mod x86 {
     use bytemuck::cast;
     use pulp::x86::{V3, V4};
 
-    use crate::texture::search::codes::{CHUNK, Frame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
+    use crate::texture::search::codes::{CHUNK, CodeFrame, QUAD, Quad, ROUNDER, TakenIn, first_axes};
     use crate::texture::search::lanes::{Lanes, sum_of};
     use crate::texture::search::sizes::{AXES_MAX, LANES};
 
@@ -212,7 +212,7 @@ mod x86 {
     #[inline(always)]
     fn take_in(
         V3 { avx, avx2, .. }: V3,
-        frame: Frame<'_>,
+        frame: CodeFrame<'_>,
         per_half_step: f32,
         point: &[f32; AXES_MAX],
         steps: &mut [i8; AXES_MAX],
@@ -291,7 +291,7 @@ mod x86 {
         #[inline(always)]
         fn take_in(
             self,
-            frame: Frame<'_>,
+            frame: CodeFrame<'_>,
             per_half_step: f32,
             point: &[f32; AXES_MAX],
             steps: &mut [i8; AXES_MAX],
@@ -389,7 +389,7 @@ mod x86 {
         #[inline(always)]
         fn take_in(
             self,
-            frame: Frame<'_>,
+            frame: CodeFrame<'_>,
             per_half_step: f32,
             point: &[f32; AXES_MAX],
             steps: &mut [i8; AXES_MAX],
@@ -502,7 +502,7 @@ impl Machine {
 
     /// Does `work` with this arithmetic.
     #[inline(always)]
-    pub fn run<W: Work>(self, work: W) -> W::Done {
+    pub fn run<W: Work>(self, work: W) -> W::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::V4(lanes) => lanes.vectorize(
@@ -522,9 +522,9 @@ impl Machine {
 /// Work that is compiled for every kind of arithmetic; `with` must be inlined.
 pub trait Work {
     /// Result of the work.
-    type Done;
+    type Output;
     /// Does it.
-    fn with<L: Lanes>(self, lanes: L) -> Self::Done;
+    fn with<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
 #[cfg(test)]
@@ -535,15 +535,15 @@ mod tests {
 
     /// A query taken into a frame, and the weighted squares of eight numbers.
     struct Taken<'a> {
-        frame: Frame<'a>,
+        frame: CodeFrame<'a>,
         point: &'a [f32; AXES_MAX],
         numbers: &'a [[f64; 8]; 3],
     }
 
     impl Work for Taken<'_> {
-        type Done = ([i8; AXES_MAX], TakenIn, f64);
+        type Output = ([i8; AXES_MAX], TakenIn, f64);
 
-        fn with<L: Lanes>(self, lanes: L) -> Self::Done {
+        fn with<L: Lanes>(self, lanes: L) -> Self::Output {
             let mut steps = [0; AXES_MAX];
             let taken = lanes.take_in(self.frame, 1.0 / self.frame.scale.half_step, self.point, &mut steps);
             let [a, weight, b] = self.numbers;
@@ -555,12 +555,12 @@ mod tests {
     fn every_machine_converts_queries_alike() {
         let white = White::new(5, 6);
         for round in 0..200 {
-            let number = |at: i64| white.at(100 * round + at);
+            let number = |at: i64| white.sample_at(100 * round + at);
             let axes = [8, 16, 24, 32, 40, 48][round as usize % 6];
             let middles: Vec<f32> = (0..axes).map(|axis| number(axis) as f32).collect();
             let halves: Vec<f32> = (0..axes).map(|axis| (0.3 * number(axis + 50)).abs() as f32).collect();
             let half_step = super::super::codes::half_step_for(halves.iter().copied());
-            let frame = Frame { middles: &middles, halves: &halves, scale: Scale { half_step, slack: 0.0 } };
+            let frame = CodeFrame { middles: &middles, halves: &halves, scale: Scale { half_step, slack: 0.0 } };
             let point = std::array::from_fn(|axis| number(axis as i64 + 17) as f32);
             let numbers = [0, 8, 16].map(|from| std::array::from_fn(|i| number(from + i as i64)));
             let found: Vec<_> = Machine::all()

@@ -8,7 +8,7 @@ use super::frontier::Frontier;
 use super::lanes::{Lanes, Machine, Work};
 use super::shells::{SHELLS, Shell};
 use super::sizes::{AXES_MAX, LANES};
-use super::tree::{Child, Kind};
+use super::tree::{Child, NodeKind};
 use crate::texture::feature::Features;
 
 /// Amount of work that a search may do.
@@ -426,7 +426,7 @@ struct Exact<'a> {
 }
 
 impl Work for Exact<'_> {
-    type Done = SearchResult;
+    type Output = SearchResult;
 
     #[inline(always)]
     fn with<L: Lanes>(self, lanes: L) -> SearchResult {
@@ -443,8 +443,8 @@ impl Work for Exact<'_> {
                     continue;
                 }
                 match child.kind() {
-                    Kind::Leaf(leaf) => search.visit_leaf(leaf),
-                    Kind::Node(node) => {
+                    NodeKind::Leaf(leaf) => search.visit_leaf(leaf),
+                    NodeKind::Node(node) => {
                         let (mut nearest, mut at) = (f32::INFINITY, usize::MAX);
                         search.visit_node(node, |bound, child| {
                             stack.push((bound, child));
@@ -476,7 +476,7 @@ struct Bounded<'a> {
 }
 
 impl Work for Bounded<'_> {
-    type Done = SearchResult;
+    type Output = SearchResult;
 
     #[inline(always)]
     fn with<L: Lanes>(self, lanes: L) -> SearchResult {
@@ -491,8 +491,8 @@ impl Work for Bounded<'_> {
             let mut nearest = (f32::INFINITY, Child::NONE);
             let tree = &search.shell.tree;
             match next.kind() {
-                Kind::Leaf(leaf) => search.visit_leaf(leaf),
-                Kind::Node(node) => search.visit_node(node, |bound, child| {
+                NodeKind::Leaf(leaf) => search.visit_leaf(leaf),
+                NodeKind::Node(node) => search.visit_node(node, |bound, child| {
                     tree.prefetch(lanes, child);
                     let mut farther = (bound, child);
                     if bound < nearest.0 {

@@ -4,7 +4,7 @@ use bitcode::{Decode, Encode};
 use rayon::prelude::*;
 
 use super::axes::{Axes, COLUMNS};
-use super::codes::{Frame, QUAD, Quad, Scale, code_of, first_axes, half_step_for, middle_and_half, square};
+use super::codes::{CodeFrame, QUAD, Quad, Scale, code_of, first_axes, half_step_for, middle_and_half, square};
 use super::lanes::Lanes;
 use super::sizes::LANES;
 use crate::Error;
@@ -22,7 +22,7 @@ const LEAF_BIT: u32 = 1 << 31;
 
 /// Kind of a child, with its number among that kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum NodeKind {
     /// A node.
     Node(usize),
     /// A leaf.
@@ -45,8 +45,12 @@ impl Child {
 
     /// Kind of the child.
     #[inline(always)]
-    pub fn kind(self) -> Kind {
-        if self.0 & LEAF_BIT == 0 { Kind::Node(self.0 as usize) } else { Kind::Leaf((self.0 & !LEAF_BIT) as usize) }
+    pub fn kind(self) -> NodeKind {
+        if self.0 & LEAF_BIT == 0 {
+            NodeKind::Node(self.0 as usize)
+        } else {
+            NodeKind::Leaf((self.0 & !LEAF_BIT) as usize)
+        }
     }
 
     /// The same child of a tree with `nodes` and `leaves` inserted in front.
@@ -182,9 +186,9 @@ impl Tree {
 
     /// A group's frame.
     #[inline(always)]
-    pub fn frame(&self, group: u32) -> Frame<'_> {
+    pub fn frame(&self, group: u32) -> CodeFrame<'_> {
         let (middles, halves) = self.frames[2 * group as usize * self.axes..][..2 * self.axes].split_at(self.axes);
-        Frame { middles, halves, scale: self.scales[group as usize] }
+        CodeFrame { middles, halves, scale: self.scales[group as usize] }
     }
 
     /// A node.
@@ -197,11 +201,11 @@ impl Tree {
     #[inline(always)]
     pub fn prefetch<L: Lanes>(&self, lanes: L, child: Child) {
         match child.kind() {
-            Kind::Leaf(leaf) => {
+            NodeKind::Leaf(leaf) => {
                 let first = first_axes(self.axes) / QUAD;
                 lanes.prefetch(&self.codes[leaf * first..]);
             }
-            Kind::Node(node) => lanes.prefetch(&self.faces[node * self.axes..]),
+            NodeKind::Node(node) => lanes.prefetch(&self.faces[node * self.axes..]),
         }
     }
 

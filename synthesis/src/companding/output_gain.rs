@@ -23,7 +23,7 @@ impl OutputGain {
 
     /// The factor, at the fraction `part` of the way to the next frame, for a recording of this `level`.
     #[inline]
-    pub fn at(&self, part: f64, level: f64) -> f64 {
+    pub fn gain_at(&self, part: f64, level: f64) -> f64 {
         let [from, to] = [self.from, self.to].map(|[loudness, audible]| level * loudness * audible);
         from + part * (to - from)
     }
@@ -44,6 +44,6 @@ mod tests {
         };
         [3, 3, 4, 9].into_iter().for_each(|frame| go_to(&mut gain, frame));
         assert_eq!(asked, [3, 4, 5, 9, 10]);
-        assert_eq!((gain.at(0.0, 2.0), gain.at(0.5, 2.0)), (9.0, 9.5));
+        assert_eq!((gain.gain_at(0.0, 2.0), gain.gain_at(0.5, 2.0)), (9.0, 9.5));
     }
 }

@@ -11,7 +11,7 @@ pub(super) struct Interpolator {
 impl Interpolator {
     /// The value at `place`; `tell` is called once for every frame.
     #[inline]
-    pub fn at(&mut self, place: (i64, f64), mut tell: impl FnMut(i64) -> f64) -> f64 {
+    pub fn value_at(&mut self, place: (i64, f64), mut tell: impl FnMut(i64) -> f64) -> f64 {
         let (frame, part) = place;
         if self.frame != Some(frame) {
             let goes_on = self.frame.is_some_and(|before| before + 1 == frame);

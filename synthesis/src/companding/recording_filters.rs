@@ -16,7 +16,7 @@ const FLOOR_STREAM: u32 = 0x4849_5300;
 
 /// Filters of one recording.
 #[derive(Debug)]
-pub(super) struct Deck {
+pub(super) struct RecordingFilters {
     /// Removes the energy that changing windows leave above a band-limited recording's limit; its noise floor is added back.
     band_limit: Equalizer,
     equalizer: Equalizer,
@@ -34,10 +34,10 @@ pub(super) struct Deck {
     floor_gains: Vec<f64>,
 }
 
-impl Deck {
-    /// A deck for the recording in `slot`, with `channels` in blocks of up to `block` samples.
+impl RecordingFilters {
+    /// The filters of the recording in `slot`, with `channels` in blocks of up to `block` samples.
     pub fn new(slot: usize, sample_rate_hz: f64, channels: usize, block: usize) -> Self {
-        let mut deck = Self {
+        let mut filters = Self {
             band_limit: Equalizer::new(sample_rate_hz, channels),
             equalizer: Equalizer::new(sample_rate_hz, channels),
             image: (channels == 2).then(|| Image::new(sample_rate_hz, block)),
@@ -48,10 +48,10 @@ impl Deck {
             floor: White::new(FLOOR_SEED, FLOOR_STREAM + slot as u32),
             floor_gains: vec![0.0; block],
         };
-        let memory_samples = deck.band_limit.memory_samples() + deck.equalizer.memory_samples();
-        deck.forgets_after = memory_samples + deck.tail_samples();
-        deck.reset();
-        deck
+        let memory_samples = filters.band_limit.memory_samples() + filters.equalizer.memory_samples();
+        filters.forgets_after = memory_samples + filters.tail_samples();
+        filters.reset();
+        filters
     }
 
     /// Resets to silence.
@@ -119,7 +119,7 @@ impl Deck {
         }
         if let Some(profile) = recorded.profile.filter(|profile| profile.floor > 0.0) {
             for i in range {
-                let noise = profile.floor * self.floor_gains[i] * self.floor.at(position.wrapping_add(i as i64));
+                let noise = profile.floor * self.floor_gains[i] * self.floor.sample_at(position.wrapping_add(i as i64));
                 channels.iter_mut().for_each(|channel| channel[i] += noise);
             }
         }
@@ -148,15 +148,15 @@ mod tests {
         let mut noise = vec![0.0; 24_000];
         White::new(5, 6).fill(0, &mut noise);
         noise[6_000..18_000].fill(0.0);
-        let mut profile = Profile::compress(&mut [noise.clone()], RATE_HZ);
+        let (_, mut profile) = Profile::compress(&mut [noise.clone()], RATE_HZ);
         profile.set_calibration(1.0, design(&[6.0; 23], RATE_HZ), Vec::new());
-        let mut deck = Deck::new(0, RATE_HZ, 1, 1000);
+        let mut filters = RecordingFilters::new(0, RATE_HZ, 1, 1000);
         let mut at = 0;
         while at < noise.len() {
             let end = (at + cut).min((at / 1000 + 1) * 1000);
             let is_there = always || !(6_000..18_000).contains(&at);
             let recorded = Recorded { profile: is_there.then_some(&profile), gain: 1.0 };
-            deck.process(&recorded, 1.0, &mut [&mut noise], at..end, 0);
+            filters.process(&recorded, 1.0, &mut [&mut noise], at..end, 0);
             at = end;
         }
         noise
@@ -166,14 +166,14 @@ mod tests {
     fn a_noise_floor_comes_with_the_recording_however_it_is_cut() {
         let mut noise = vec![0.0; 100_000];
         White::new(5, 6).fill(0, &mut noise);
-        let mut profile = Profile::compress(&mut [noise], RATE_HZ);
+        let (_, mut profile) = Profile::compress(&mut [noise], RATE_HZ);
         let mut heard = |floor: f64, cut: usize| {
             profile.floor = floor;
             let recorded = Recorded { profile: Some(&profile), gain: 1.0 };
-            let (mut deck, mut silence) = (Deck::new(1, RATE_HZ, 1, 1000), vec![0.0; 1000]);
-            (0..1000).for_each(|i| deck.set_floor_gain(i, 0.5));
+            let (mut filters, mut silence) = (RecordingFilters::new(1, RATE_HZ, 1, 1000), vec![0.0; 1000]);
+            (0..1000).for_each(|i| filters.set_floor_gain(i, 0.5));
             for start in (0..1000).step_by(cut) {
-                deck.process(&recorded, 1.0, &mut [&mut silence], start..(start + cut).min(1000), 77);
+                filters.process(&recorded, 1.0, &mut [&mut silence], start..(start + cut).min(1000), 77);
             }
             silence
         };

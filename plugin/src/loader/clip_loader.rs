@@ -41,7 +41,7 @@ impl ClipLoader {
         };
         let key = (recording.content_hash.clone(), *cut, rate_hz);
         if self.made.as_ref().is_none_or(|(made, _)| *made != key) {
-            let part = cut.of(recording)?;
+            let part = cut.apply(recording)?;
             let progress = |done: f32| job.goes_on("Preparing playback", done);
             let resampled = pyrophone_recording::resample(&part, rate_hz, &progress)?;
             self.made = Some((key, Arc::new(resampled.channels)));
@@ -55,9 +55,9 @@ impl ClipLoader {
         if self.is_sent {
             return;
         }
-        let tape = self.made.as_ref().map(|(_, tape)| tape.clone());
-        let has_tape = tape.is_some();
-        self.is_sent = link.send(Update::Tape(tape));
-        status.update(|view| view.has_tape = has_tape);
+        let clip = self.made.as_ref().map(|(_, clip)| clip.clone());
+        let has_clip = clip.is_some();
+        self.is_sent = link.send(Update::Clip(clip));
+        status.update(|view| view.has_clip = has_clip);
     }
 }
