@@ -44,7 +44,7 @@ pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut
     let shows_engines = left.height() >= ROOM_FOR_ENGINES;
     let spectra = if shows_engines { left.with_max_y(left.bottom() - ENGINES - GAP) } else { left };
     let (told, portrait) = (parts.told, parts.view.portrait.clone());
-    parts.monitor.spectra.show(ui, spectra, portrait.as_deref(), &told, hand);
+    parts.monitor.spectra().show(ui, spectra, portrait.as_deref(), &told, hand);
     if shows_engines {
         engines(ui, left.with_min_y(left.bottom() - ENGINES), parts, hand);
     }
@@ -93,8 +93,8 @@ fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Param
         let top = rect.top() + index * (course + GAP);
         rect.with_min_y(top).with_max_y(top + course)
     };
-    parts.monitor.drive.show(ui, row(0.0), theme::BLUE);
-    parts.monitor.output.show(ui, row(1.0), theme::EMBER);
+    parts.monitor.drive().show(ui, row(0.0), theme::BLUE);
+    parts.monitor.output().show(ui, row(1.0), theme::EMBER);
     parts.recording.show_pictures(ui, [row(2.0), row(3.0)], parts.loader, view);
     parts.monitor.heat.show(ui, row(2.0));
     part(ui, words, "recording", |ui| {

@@ -22,7 +22,7 @@ const STRIP: f32 = 22.0;
 pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let (picture, strip) = rect.split_top_bottom_at_y(rect.bottom() - STRIP);
     ui.painter().rect_filled(rect, f32::from(theme::ROUNDING) + 2.0, theme::PANEL);
-    parts.monitor.output.show_picture(ui, picture);
+    parts.monitor.output().show_picture(ui, picture);
     let painter = ui.painter().with_clip_rect(picture);
     let readable = |at: Pos2, anchor: Align2, text: &str, font, color| {
         let galley = painter.layout_no_wrap(text.to_owned(), font, color);
