@@ -33,11 +33,17 @@ const COURSE_STEP_S: f64 = 1.0 / 60.0;
 const SPECTRUM_PAST_S: f64 = 3.0;
 const COURSE_PAST_S: f64 = COLUMNS as f64 * COURSE_STEP_S;
 
-/// Largest share of its time that a block has used, over about a second.
+/// Seconds for which the load stays as it is: figures that change with every frame cannot be read, and their text is laid
+/// out each time.
+const LOAD_S: f64 = 0.25;
+
+/// Share of their time that blocks use, as shown, and the largest over about a second.
 #[derive(Debug, Default)]
-struct Worst {
+struct Load {
+    shown: (f32, f32),
+    shown_until_s: f64,
     held: f32,
-    until_s: f64,
+    held_until_s: f64,
 }
 
 /// Analysers of drive and output.
@@ -62,7 +68,7 @@ pub struct Monitor {
     pub space: Space,
     /// Recorded drive and output, for saving.
     pub take: Take,
-    worst: Worst,
+    load: Load,
 }
 
 struct Sides {
@@ -167,7 +173,7 @@ impl Monitor {
             dynamics: DynamicsPlot::default(),
             space: Space::default(),
             take: Take::default(),
-            worst: Worst::default(),
+            load: Load::default(),
         }
     }
 
@@ -300,11 +306,15 @@ impl Monitor {
 
     /// Share of their time that blocks use, and the maximum in the last second; `now_s` is the window's clock.
     pub fn load(&mut self, now_s: f64) -> (f32, f32) {
-        let (load, worst) = self.probe.load();
-        if worst >= self.worst.held || now_s >= self.worst.until_s {
-            self.worst = Worst { held: worst, until_s: now_s + 1.0 };
+        let (mean, worst) = self.probe.load();
+        let load = &mut self.load;
+        if worst >= load.held || now_s >= load.held_until_s {
+            (load.held, load.held_until_s) = (worst, now_s + 1.0);
         }
-        (load, self.worst.held)
+        if now_s >= load.shown_until_s {
+            (load.shown, load.shown_until_s) = ((mean, load.held), now_s + LOAD_S);
+        }
+        load.shown
     }
 }
 

@@ -16,7 +16,7 @@ use raw_window_handle::HasWindowHandle;
 use super::dialog::{Ask, Dialog};
 use super::drop::DropTarget;
 use super::param_editor::ParamEditor;
-use super::plots::outline;
+use super::plots::outline::RecordingOutline;
 use super::plots::spectrogram::{Still, label};
 use super::{map, theme};
 use crate::loader::LoaderHandle;
@@ -36,6 +36,7 @@ pub struct RecordingPanel {
     dialog: Option<(Ask, Dialog)>,
     drops: Option<DropTarget>,
     course: Still,
+    outline: RecordingOutline,
     region: Region,
     /// The part and level while being typed or dragged.
     held: Option<Cut>,
@@ -53,6 +54,7 @@ impl RecordingPanel {
             dialog: None,
             drops: None,
             course: Still::default(),
+            outline: RecordingOutline::default(),
             region: Region::default(),
             held: None,
             rate_hz: None,
@@ -80,6 +82,7 @@ impl RecordingPanel {
     /// Drops the pictures drawn for a window that is gone.
     pub fn clear_pictures(&mut self) {
         self.course.clear();
+        self.outline = RecordingOutline::default();
     }
 
     /// Loads a file dropped on the window or chosen in a dialog: a speed field by its extension, otherwise a recording.
@@ -262,7 +265,7 @@ impl RecordingPanel {
         let painter = ui.painter();
         painter.rect_filled(above, 3.0, theme::WELL);
         if let Some(portrait) = &view.portrait {
-            outline::show(ui, above, portrait);
+            self.outline.show(ui, above, portrait);
             let shown = self.held.unwrap_or(view.cut).region_s;
             let change = self.region.show(ui, above, portrait.duration_s, shown);
             if let Some(change) = change {
