@@ -198,6 +198,7 @@ impl Window {
             self.monitor.watch(true);
         }
         self.monitor.follow(self.meters.engine());
+        map::analysed(ui.ctx(), began);
         ResizableWindow::new("window").min_size(egui::vec2(SMALLEST.0, SMALLEST.1)).show(ui, |ui| {
             let all = ui.max_rect();
             ui.painter().rect_filled(all, 0.0, theme::GROUND);
