@@ -13,7 +13,7 @@ use pyrophone_settings::session::{Cut, MAX_CUT_GAIN_DB};
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use raw_window_handle::HasWindowHandle;
 
-use super::dialog::{Ask, Dialog};
+use super::dialog::{Answer, Ask, Dialog};
 use super::drop::DropTarget;
 use super::param_editor::ParamEditor;
 use super::plots::outline::RecordingOutline;
@@ -25,6 +25,9 @@ use region::{Change, Region, SHORTEST_S};
 
 /// File name extension of speed fields.
 const FIELD_EXTENSION: &str = "field";
+/// Message where the system shows no dialog.
+const NO_DIALOG: &str =
+    "This system shows no file dialog. Drop the file on the window, or type its path on the Engines page.";
 /// Height of a plot that has room for a name in its corner, in points.
 const ROOM_FOR_LABEL: f32 = 24.0;
 
@@ -99,9 +102,10 @@ impl RecordingPanel {
         {
             self.dialog = None;
             match (ask, chosen) {
-                (Ask::Drive, Some(path)) => loader.learn_from(path),
-                (_, Some(path)) => self.take(path, loader),
-                (_, None) => {}
+                (Ask::Drive, Answer::Chosen(path)) => loader.learn_from(path),
+                (_, Answer::Chosen(path)) => self.take(path, loader),
+                (_, Answer::Unavailable) => loader.status.update(|view| view.error = Some(NO_DIALOG.to_owned())),
+                (_, Answer::Cancelled) => {}
             }
         }
     }
