@@ -14,10 +14,9 @@ use super::super::widgets::section::{section, within};
 use super::super::{map, theme};
 
 /// Height of the panel in points.
-pub const HEIGHT: f32 = 136.0;
-/// Width of the names on the left, and of the buttons to the right of the path, in points.
+pub const HEIGHT: f32 = 160.0;
+/// Width of the names on the left, in points.
 const NAME: f32 = 88.0;
-const BUTTONS: f32 = 176.0;
 
 /// Outcome of a task: a change of the folder if there was one, and a message.
 struct Outcome {
@@ -107,8 +106,9 @@ impl UserPanel {
             });
             ui.horizontal(|ui| {
                 name(ui, "Presets folder");
-                self.path(ui);
+                self.buttons(ui);
             });
+            self.path(ui);
             let (words, color) = match (&self.error, &self.located) {
                 (Some(error), _) => (error.as_str(), theme::ALARM),
                 (None, Some((_, Origin::Environment))) => {
@@ -145,11 +145,15 @@ impl UserPanel {
         }
     }
 
+    /// True if the user may choose another folder.
+    fn is_free(&self) -> bool {
+        self.located.as_ref().is_some_and(|(_, origin)| *origin != Origin::Environment)
+    }
+
     fn path(&mut self, ui: &mut Ui) {
-        let is_free = self.located.as_ref().is_some_and(|(_, origin)| *origin != Origin::Environment);
-        let room = (ui.available_width() - BUTTONS).max(60.0);
-        let field = TextEdit::singleline(&mut self.typed).font(theme::small()).desired_width(room);
-        let typed = ui.add_enabled(is_free, field).on_hover_text(&self.typed);
+        let is_free = self.is_free();
+        let field = TextEdit::singleline(&mut self.typed).font(theme::small()).desired_width(f32::INFINITY);
+        let typed = ui.add_enabled(is_free, field);
         map::note(ui, "field.Presets folder", typed.rect);
         if typed.lost_focus() {
             let entered = ui.input(|input| input.key_pressed(Key::Enter));
@@ -160,6 +164,10 @@ impl UserPanel {
                 self.locate();
             }
         }
+    }
+
+    fn buttons(&mut self, ui: &mut Ui) {
+        let is_free = self.is_free();
         let open = ui.small_button("Open").on_hover_text("Shows the folder in the system's file manager");
         map::note(ui, "button.Open presets folder", open.rect);
         if open.clicked()

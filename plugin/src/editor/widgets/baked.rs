@@ -58,7 +58,8 @@ mod tests {
                     vec![Shape::circle_filled(Pos2::new(5.0, 5.0), 4.0, Color32::WHITE)]
                 });
             };
-            let output = context.run_ui(RawInput::default(), &mut frame);
+            let mut output = context.run_ui(RawInput::default(), &mut frame);
+            output.textures_delta.clear();
             let meshes = output.shapes.iter().filter(|clipped| matches!(&clipped.shape, Shape::Mesh(_))).count();
             assert_eq!(meshes, 1);
         }
