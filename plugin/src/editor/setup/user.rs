@@ -153,6 +153,7 @@ impl UserPanel {
     fn path(&mut self, ui: &mut Ui) {
         let is_free = self.is_free();
         let field = TextEdit::singleline(&mut self.typed).font(theme::small()).desired_width(f32::INFINITY);
+        let field = field.align(egui::Align2::LEFT_CENTER);
         let typed = ui.add_enabled(is_free, field);
         map::note(ui, "field.Presets folder", typed.rect);
         if typed.lost_focus() {
