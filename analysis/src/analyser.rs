@@ -44,7 +44,10 @@ impl Analyser {
     /// Adds a sample; returns the densities when a step is complete, in full scale squared per Hz.
     pub fn push(&mut self, sample: f32) -> Option<&[f32; BANDS]> {
         self.past[self.next] = if sample.is_finite() { sample } else { 0.0 };
-        self.next = (self.next + 1) % self.past.len();
+        self.next += 1;
+        if self.next == self.past.len() {
+            self.next = 0;
+        }
         self.until_step -= 1;
         if self.until_step > 0 {
             return None;

@@ -17,15 +17,22 @@ const LARGEST: f32 = 8192.0;
 pub struct WindowSize {
     /// Width and height, 32 bits each.
     bits: AtomicU64,
-    /// Pixels of a point on the last window's screen; 0 before there was one.
+    /// Pixels of the system's unit on the last window's screen; 0 before there was one.
     scale: AtomicF64,
+    /// The system's units of a point: the scale that the user has chosen.
+    zoom: AtomicF64,
     /// True if a session has brought it and no window has used it yet.
     is_new: AtomicBool,
 }
 
 impl Default for WindowSize {
     fn default() -> Self {
-        Self { bits: AtomicU64::new(pack(SIZE)), scale: AtomicF64::new(0.0), is_new: AtomicBool::new(false) }
+        Self {
+            bits: AtomicU64::new(pack(SIZE)),
+            scale: AtomicF64::new(0.0),
+            zoom: AtomicF64::new(1.0),
+            is_new: AtomicBool::new(false),
+        }
     }
 }
 
@@ -65,7 +72,7 @@ impl WindowSize {
     /// Sets the window's current size.
     pub fn set(&self, size: baseview::WindowSize) {
         self.set_points([size.logical.width as f32, size.logical.height as f32]);
-        self.set_scale(size.scale_factor);
+        self.set_scale(size.scale_factor / self.zoom());
     }
 
     /// Width and height in points.
@@ -73,7 +80,17 @@ impl WindowSize {
         self.bits.store(pack(size), Ordering::Relaxed);
     }
 
-    /// Pixels of a point.
+    /// The system's units of a point.
+    pub fn zoom(&self) -> f64 {
+        self.zoom.load(Ordering::Relaxed)
+    }
+
+    /// Sets the system's units of a point.
+    pub(crate) fn set_zoom(&self, zoom: f64) {
+        self.zoom.store(zoom, Ordering::Relaxed);
+    }
+
+    /// Pixels of the system's unit.
     pub(crate) fn set_scale(&self, scale: f64) {
         self.scale.store(scale, Ordering::Relaxed);
     }
@@ -85,7 +102,7 @@ impl WindowSize {
             scale if scale > 0.0 => scale,
             _ => desktop_scale(),
         };
-        NativeSize::from_size(LogicalSize::new(width, height).into(), scale)
+        NativeSize::from_size(LogicalSize::new(width, height).into(), scale * self.zoom())
     }
 }
 
@@ -108,6 +125,23 @@ fn desktop_scale() -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn hosts_see_a_scaled_window_larger() {
+        let size = WindowSize::default();
+        size.set_points([800.0, 600.0]);
+        size.set_scale(1.5);
+        size.set_zoom(2.0);
+        let points = LogicalSize::new(800.0f32, 600.0);
+        assert_eq!(size.native(), NativeSize::from_size(points.into(), 3.0));
+        // The toolkit reports both factors as one.
+        size.set(baseview::WindowSize {
+            logical: LogicalSize::new(700.0, 500.0),
+            physical: nice_plug_core::editor::dpi::PhysicalSize::new(2100, 1500),
+            scale_factor: 3.0,
+        });
+        assert_eq!(size.native(), NativeSize::from_size(LogicalSize::new(700.0f32, 500.0).into(), 3.0));
+    }
 
     #[test]
     fn sizes_are_kept_and_garbage_is_not() {

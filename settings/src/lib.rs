@@ -15,6 +15,7 @@ pub mod table;
 mod user_file;
 pub mod values;
 pub mod vst3_preset;
+pub mod window_scale;
 
 pub use automation::Automation;
 pub use controller_file::ControllerFile;
@@ -26,3 +27,4 @@ pub use recent::Recent;
 pub use session::Session;
 pub use table::{COUNT, Id, PARAMETERS, host_order, index_of};
 pub use values::Values;
+pub use window_scale::ScaleFile;

@@ -6,10 +6,13 @@ use std::path::{Path, PathBuf};
 
 use crate::names::folded;
 use crate::preset::LARGEST_BYTES;
-use crate::{Error, Preset};
+use crate::{Error, Preset, user_file};
 
 /// Variable that names the folder, instead of the system's.
 pub const FOLDER_VARIABLE: &str = "PYROPHONE_PRESETS";
+
+/// File beside the default folder that names the folder chosen by the user.
+const CHOSEN: &str = "presets-folder.txt";
 
 /// Extension of preset files.
 const EXTENSION: &str = "toml";
@@ -29,6 +32,17 @@ pub struct Library {
     folder: PathBuf,
 }
 
+/// Who decided on the user's folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// The environment variable `PYROPHONE_PRESETS`, which beats any choice.
+    Environment,
+    /// The user, in the window.
+    Chosen,
+    /// Nobody: it is the default.
+    Default,
+}
+
 /// A preset and its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stored {
@@ -39,11 +53,61 @@ pub struct Stored {
 }
 
 impl Library {
-    /// The user's folder: that in `PYROPHONE_PRESETS`, otherwise `Pyrophone/presets` in the system's data folder. None
-    /// if the user has no home.
+    /// The user's folder: that in `PYROPHONE_PRESETS`, otherwise the one chosen in the window, otherwise
+    /// `Pyrophone/presets` in the system's data folder. None if the user has no home.
     pub fn of_user() -> Option<Self> {
-        let named = std::env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from);
-        named.or_else(|| Some(dirs::data_dir()?.join("Pyrophone").join("presets"))).map(Self::new)
+        Self::located().map(|(library, _)| library)
+    }
+
+    /// The user's folder, and who decided on it.
+    pub fn located() -> Option<(Self, Origin)> {
+        if let Some(named) = std::env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()) {
+            return Some((Self::new(named.into()), Origin::Environment));
+        }
+        Some(Self::located_in(&Self::home()?))
+    }
+
+    /// Chooses the user's folder, which is created if needed; with none, the default applies again.
+    ///
+    /// # Errors
+    /// If the path is relative, the folder cannot be created, or the choice cannot be stored.
+    pub fn choose(folder: Option<&Path>) -> Result<(), Error> {
+        let home = Self::home().ok_or_else(|| Error::FileWrite {
+            path: CHOSEN.into(),
+            source: std::io::Error::other("there is no home folder; set PYROPHONE_PRESETS"),
+        })?;
+        Self::choose_in(&home, folder)
+    }
+
+    fn home() -> Option<PathBuf> {
+        Some(dirs::data_dir()?.join("Pyrophone"))
+    }
+
+    fn located_in(home: &Path) -> (Self, Origin) {
+        let text = user_file::read(&home.join(CHOSEN));
+        let chosen = Path::new(text.trim_end_matches(['\r', '\n']));
+        if chosen.is_absolute() {
+            (Self::new(chosen.to_owned()), Origin::Chosen)
+        } else {
+            (Self::new(home.join("presets")), Origin::Default)
+        }
+    }
+
+    fn choose_in(home: &Path, folder: Option<&Path>) -> Result<(), Error> {
+        let text = match folder {
+            None => "",
+            Some(folder) => {
+                let refuse = |source| Error::FileWrite { path: folder.to_owned(), source };
+                let name = folder.to_str().filter(|name| folder.is_absolute() && !name.contains(['\n', '\r']));
+                let name = name.ok_or_else(|| {
+                    refuse(std::io::Error::other("give the whole path of a folder, from the root or the drive"))
+                })?;
+                fs::create_dir_all(folder).map_err(refuse)?;
+                name
+            }
+        };
+        let path = home.join(CHOSEN);
+        user_file::write(&path, text).map_err(|source| Error::FileWrite { path, source })
     }
 
     /// A library in `folder`, which need not exist yet.
@@ -232,6 +296,25 @@ mod tests {
         assert!(errors.is_empty());
         let files = fs::read_dir(library.folder()).expect("a folder").count();
         assert_eq!(files, 4, "nothing half-written is left");
+    }
+
+    #[test]
+    fn chosen_folder_is_made_and_can_be_given_up() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let home = folder.path().join("Pyrophone");
+        let default = (Library::new(home.join("presets")), Origin::Default);
+        assert_eq!(Library::located_in(&home), default);
+        let chosen = folder.path().join("Feuer, für Filme");
+        Library::choose_in(&home, Some(&chosen)).expect("stored");
+        assert!(chosen.is_dir());
+        assert_eq!(Library::located_in(&home), (Library::new(chosen.clone()), Origin::Chosen));
+        fs::write(chosen.join("file"), "").expect("written");
+        for wrong in [Path::new("relative"), Path::new(""), &chosen.join("file"), &chosen.join("a\nb")] {
+            assert!(Library::choose_in(&home, Some(wrong)).is_err(), "{wrong:?}");
+            assert_eq!(Library::located_in(&home).0.folder(), chosen);
+        }
+        Library::choose_in(&home, None).expect("stored");
+        assert_eq!(Library::located_in(&home), default);
     }
 
     #[test]

@@ -70,7 +70,7 @@ fn try_format(desk: &TestDisplay, format: Format) {
         try_part(&mut hand, format);
         try_listening(&mut hand, desk, format);
     }
-    try_sizes(&mut hand, format);
+    try_sizes(&mut hand, desk, format);
     let UiDriver { window, .. } = hand;
     window.close(live.plugin());
 
@@ -331,10 +331,28 @@ fn try_listening(hand: &mut UiDriver<'_>, desk: &TestDisplay, format: Format) {
     std::fs::rename(original, answer).expect("put back");
 }
 
+/// The user's own scale, which makes the window larger with all that is in it, and the folder of presets beside it.
+fn try_scale(hand: &mut UiDriver<'_>, desk: &TestDisplay, format: Format) {
+    hand.click("button.Setup");
+    hand.place("field.Presets folder");
+    hand.click("scale");
+    hand.click("scale.150");
+    hand.wait_for_size((SMALL.0 * 3 / 2, SMALL.1 * 3 / 2));
+    hand.screenshot(&format!("{format}-user-scale"));
+    let kept = || std::fs::read_to_string(desk.presets().join("window-scale.txt")).unwrap_or_default();
+    hand.wait_until("a scale that is kept", |_| kept() == "150\n");
+    hand.click("scale");
+    hand.click("scale.100");
+    hand.wait_for_size(SMALL);
+    hand.wait_until("the usual scale", |_| kept() == "100\n");
+    hand.click("button.Engines");
+}
+
 /// Sizes by the host's frame, down to the smallest, and by the corner that the window draws itself.
-fn try_sizes(hand: &mut UiDriver<'_>, format: Format) {
+fn try_sizes(hand: &mut UiDriver<'_>, desk: &TestDisplay, format: Format) {
     hand.resize(SMALL);
     hand.screenshot(&format!("{format}-small"));
+    try_scale(hand, desk, format);
     hand.window.resize(hand.live.plugin(), (200, 100)).expect("as small as it goes");
     hand.wait_for_size(SMALL);
     hand.drag_corner((200, 150));

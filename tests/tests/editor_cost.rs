@@ -93,21 +93,28 @@ impl Stage<'_> {
         }
     }
 
-    /// Frames that the window has drawn, and what laying them out has taken.
-    fn drawn(&self) -> (u64, Duration) {
-        self.desk.map().map_or((0, Duration::ZERO), |map| (map.frames, map.spent))
+    /// Frames that the window has drawn, and the time for laying them out and for analysing the sound.
+    fn drawn(&self) -> (u64, Duration, Duration) {
+        self.desk.map().map_or_else(Default::default, |map| (map.frames, map.spent - map.analysing, map.analysing))
     }
 
     /// Watches a state and prints its row.
     fn measure(&mut self, state: &str, is_playing: bool) {
-        let ((frames_then, contents_then), then, began) = (self.drawn(), spent(&self.before), Instant::now());
+        let ((frames_then, contents_then, analysis_then), then, began) =
+            (self.drawn(), spent(&self.before), Instant::now());
         self.play(WATCHED, is_playing);
-        let ((frames, contents), now, seconds) = (self.drawn(), spent(&self.before), began.elapsed().as_secs_f64());
+        let ((frames, contents, analysis), now, seconds) =
+            (self.drawn(), spent(&self.before), began.elapsed().as_secs_f64());
         let frames = (frames - frames_then) as f64;
         let share = |then: Duration, now: Duration| 100.0 * now.saturating_sub(then).as_secs_f64() / seconds;
-        let at_rate = |then: Duration, now: Duration| match frames {
+        // At another rate of frames as much sound is analysed a second.
+        let analysed = analysis.saturating_sub(analysis_then);
+        let at_rate = |then: Duration, now: Duration, analysed: Duration| match frames {
             0.0 => "–".to_owned(),
-            _ => format!("{:.1} %", 100.0 * FRAMES_HZ * now.saturating_sub(then).as_secs_f64() / frames),
+            _ => {
+                let drawn = now.saturating_sub(then).saturating_sub(analysed).as_secs_f64() * FRAMES_HZ / frames;
+                format!("{:.1} %", 100.0 * (drawn + analysed.as_secs_f64() / seconds))
+            }
         };
         let case = if std::env::var_os("GALLIUM_NOOP").is_some() { ", nothing rasterised" } else { "" };
         println!(
@@ -116,9 +123,9 @@ impl Stage<'_> {
             share(then.engines, now.engines),
             share(then.window, now.window),
             share(then.rasteriser, now.rasteriser),
-            at_rate(contents_then, contents),
-            at_rate(then.window, now.window),
-            at_rate(then.rasteriser, now.rasteriser),
+            at_rate(contents_then, contents + analysed, analysed),
+            at_rate(then.window, now.window, analysed),
+            at_rate(then.rasteriser, now.rasteriser, Duration::ZERO),
         );
     }
 }
@@ -126,9 +133,12 @@ impl Stage<'_> {
 #[test]
 #[ignore = "a measurement"]
 fn cost_of_drawing() {
-    // As it draws for users.
+    // As it draws for users, and without the list of items that other tests need.
     // SAFETY: the only test of its program, and no plugin is there yet; nobody else reads or writes the environment.
-    unsafe { std::env::set_var("PYROPHONE_FRAMES_PER_SECOND", "64") };
+    unsafe {
+        std::env::set_var("PYROPHONE_FRAMES_PER_SECOND", "64");
+        std::env::set_var("PYROPHONE_EDITOR_ITEMS", "0");
+    }
     let Some(desk) = TestDisplay::set_up() else { return };
     let path = recording(desk.folder(), "campfire.wav", 2, 150_000);
     let mut plugin = open(Format::Clap);

@@ -62,7 +62,10 @@ impl Lines {
     /// Adds a sample.
     pub fn push(&mut self, sample: f32) {
         self.past[self.next] = if sample.is_finite() { sample } else { 0.0 };
-        self.next = (self.next + 1) % self.past.len();
+        self.next += 1;
+        if self.next == self.past.len() {
+            self.next = 0;
+        }
         self.until_step -= 1;
         if self.until_step > 0 {
             return;

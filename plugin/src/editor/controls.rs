@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use egui::{Frame, Margin, RichText, ScrollArea, Ui};
-use pyrophone_settings::{PARAMETERS, ParameterKind};
+use pyrophone_settings::{PARAMETERS, Parameter, ParameterKind};
 
 use super::param_editor::ParamEditor;
 use super::theme;
@@ -43,7 +43,7 @@ impl Page {
             Self::Play => "Perform: flame, layers, macros, takes",
             Self::Engines => "Displays and all parameters of each engine",
             Self::Space => "The whoosh of moving gas, and its position",
-            Self::Setup => "Engine sizes, which decide the latency; MIDI controllers",
+            Self::Setup => "Engine sizes, which decide the latency; scale, folder of presets, MIDI controllers",
         }
     }
 
@@ -68,8 +68,11 @@ impl Page {
                 Group::new("Levels", "the mix"),
             ]
         });
-        static SETUP: LazyLock<[Group; 1]> = LazyLock::new(|| {
-            [Group::new("Structure", "engine sizes: a change restarts the engines and may change the latency")]
+        static SETUP: LazyLock<[Group; 2]> = LazyLock::new(|| {
+            [
+                Group::new("Structure", "engine sizes: a change restarts the engines and may change the latency"),
+                Group::of("Quality", "effort of each search", |parameter| parameter.id == "quality"),
+            ]
         });
         match self {
             Self::Play => &[],
@@ -120,8 +123,12 @@ struct Group {
 impl Group {
     /// All of a group except the bypass switch, which is in the window's header.
     fn new(name: &'static str, note: &'static str) -> Self {
-        let members =
-            (0..PARAMETERS.len()).filter(|index| PARAMETERS[*index].group == name && PARAMETERS[*index].id != "bypass");
+        Self::of(name, note, |parameter| parameter.group == name && parameter.id != "bypass")
+    }
+
+    /// The parameters that are members.
+    fn of(name: &str, note: &'static str, is_member: impl Fn(&Parameter) -> bool) -> Self {
+        let members = (0..PARAMETERS.len()).filter(|index| is_member(&PARAMETERS[*index]));
         let (picks, knobs) = members.partition(|index| {
             matches!(PARAMETERS[*index].kind, ParameterKind::Choice { .. } | ParameterKind::Toggle { .. })
         });

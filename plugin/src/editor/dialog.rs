@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll, Wake, Waker};
 use std::thread::{JoinHandle, Thread};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use nice_plug_egui::RepaintNotifier;
 use rfd::AsyncFileDialog;
@@ -25,6 +25,9 @@ const VARIABLE: &str = "PYROPHONE_DIALOG";
 /// Interval at which the thread checks for cancellation.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
+/// Least time in which a user cancels a dialog.
+const QUICKEST: Duration = Duration::from_millis(300);
+
 /// Purpose of the dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Ask {
@@ -34,11 +37,36 @@ pub enum Ask {
     Drive,
     /// A destination for a sound, with a suggested name.
     Save(String),
+    /// A folder for presets.
+    Folder,
+}
+
+/// Outcome of a dialog.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answer {
+    /// A file or folder.
+    Chosen(PathBuf),
+    /// Nothing, by the user's decision.
+    Cancelled,
+    /// Nothing, because the system shows no dialog.
+    Unavailable,
+}
+
+impl Answer {
+    /// The outcome of a dialog that was open for `open_for`. The library reports a dialog that could not be shown as one
+    /// that was cancelled, but nobody reads and cancels one so quickly.
+    fn of(chosen: Option<PathBuf>, open_for: Duration) -> Self {
+        match chosen {
+            Some(path) => Self::Chosen(path),
+            None if open_for < QUICKEST => Self::Unavailable,
+            None => Self::Cancelled,
+        }
+    }
 }
 
 /// An open dialog; dropping it cancels it.
 pub struct Dialog {
-    chosen: Mutex<Receiver<Option<PathBuf>>>,
+    chosen: Mutex<Receiver<Answer>>,
     called_off: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -60,23 +88,24 @@ impl Dialog {
         let called_off = Arc::new(AtomicBool::new(false));
         let flag = called_off.clone();
         let ask = move || {
+            let began = Instant::now();
             let chosen = answer.or_else(|| show(&ask, folder.as_deref(), &flag));
             // Fails only if the window is gone, and then nobody needs the answer.
-            let _ = sender.send(chosen);
+            let _ = sender.send(Answer::of(chosen, began.elapsed()));
             notifier.request_repaint();
         };
-        // Without a thread the receiver is disconnected, which reads as "nothing chosen".
+        // Without a thread the receiver is disconnected, which reads as "unavailable".
         let thread = std::thread::Builder::new().name("pyrophone-dialog".to_owned()).spawn(ask).ok();
         Self { chosen: Mutex::new(receiver), called_off, thread }
     }
 
-    /// The answer, once there is one: a file, or none if cancelled.
-    pub fn poll(&mut self) -> Option<Option<PathBuf>> {
+    /// The answer, once there is one.
+    pub fn poll(&mut self) -> Option<Answer> {
         let receiver = self.chosen.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner);
         match receiver.try_recv() {
             Ok(chosen) => Some(chosen),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(None),
+            Err(TryRecvError::Disconnected) => Some(Answer::Unavailable),
         }
     }
 }
@@ -111,6 +140,7 @@ fn show(ask: &Ask, folder: Option<&Path>, called_off: &AtomicBool) -> Option<Pat
             let dialog = dialog.set_title("Save a sound").set_file_name(name).add_filter("WAV", &["wav"]);
             wait_for(dialog.save_file(), called_off)
         }
+        Ask::Folder => wait_for(dialog.set_title("Choose the folder of your presets").pick_folder(), called_off),
     };
     chosen.flatten().map(|file| file.path().to_owned())
 }
@@ -132,6 +162,14 @@ fn wait_for<T>(future: impl Future<Output = T>, called_off: &AtomicBool) -> Opti
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn dialog_that_closes_at_once_was_never_shown() {
+        let path = PathBuf::from("/a.wav");
+        assert_eq!(Answer::of(Some(path.clone()), Duration::ZERO), Answer::Chosen(path));
+        assert_eq!(Answer::of(None, Duration::from_millis(20)), Answer::Unavailable);
+        assert_eq!(Answer::of(None, Duration::from_secs(2)), Answer::Cancelled);
+    }
 
     #[test]
     fn a_future_ends_or_is_called_off() {

@@ -25,6 +25,12 @@ const CONTROLS: f32 = 388.0;
 const ENGINES: f32 = 84.0;
 const ROOM_FOR_ENGINES: f32 = 270.0;
 
+/// Explanations of the running spectrograms.
+const COURSES: [&str; 2] = [
+    "Flame of the last eight seconds: low frequencies at the bottom, louder is brighter; delayed to be in time with the output",
+    "Output of the last eight seconds: low frequencies at the bottom, louder is brighter",
+];
+
 /// Draws the page.
 pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let controls = pictures(ui, rest, parts, hand);
@@ -44,7 +50,7 @@ pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut
     let shows_engines = left.height() >= ROOM_FOR_ENGINES;
     let spectra = if shows_engines { left.with_max_y(left.bottom() - ENGINES - GAP) } else { left };
     let (told, overview) = (parts.told, parts.view.overview.clone());
-    parts.monitor.spectra.show(ui, spectra, overview.as_deref(), &told, hand);
+    parts.monitor.spectra().show(ui, spectra, overview.as_deref(), &told, hand);
     if shows_engines {
         engines(ui, left.with_min_y(left.bottom() - ENGINES), parts, hand);
     }
@@ -93,10 +99,14 @@ fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Param
         let top = rect.top() + index * (course + GAP);
         rect.with_min_y(top).with_max_y(top + course)
     };
-    parts.monitor.drive.show(ui, row(0.0), theme::BLUE);
-    parts.monitor.output.show(ui, row(1.0), theme::EMBER);
+    parts.monitor.drive().show(ui, row(0.0), theme::BLUE);
+    parts.monitor.output().show(ui, row(1.0), theme::EMBER);
     parts.recording.show_pictures(ui, [row(2.0), row(3.0)], parts.loader, view);
     parts.monitor.heat.show(ui, row(2.0));
+    for (index, words) in COURSES.into_iter().enumerate() {
+        let id = egui::Id::unique(("courses", index));
+        ui.interact(row(index as f32), id, egui::Sense::hover()).on_hover_text(words);
+    }
     part(ui, words, "recording", |ui| {
         parts.recording.show(ui, parts.loader, hand, view);
         if cancels && view.error.is_none() {

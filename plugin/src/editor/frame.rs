@@ -15,6 +15,8 @@ use nice_plug_egui::{
     create_egui_editor,
 };
 
+use pyrophone_settings::ScaleFile;
+
 use super::Window;
 use crate::window_size::{SMALLEST, WindowSize};
 
@@ -45,6 +47,10 @@ impl NiceEguiApp for Pane {
         self.contents().resized(size);
     }
 
+    fn zoom_factor_changed(&mut self, zoom_factor: f32) {
+        self.contents().zoom_factor_changed(zoom_factor);
+    }
+
     fn editor_closed(&mut self) {
         self.contents().editor_closed();
     }
@@ -61,20 +67,26 @@ pub struct PyrophoneEditor {
 struct Inner {
     editor: EguiEditor<Pane>,
     state: Arc<EguiEditorState>,
+    zoom: f64,
 }
 
 impl PyrophoneEditor {
     /// An editor of these contents; `size` is saved in the session, and `notifier` requests frames.
     pub fn new(contents: Window, size: Arc<WindowSize>, notifier: RepaintNotifier) -> Option<Self> {
         let contents = Arc::new(Mutex::new(contents));
+        size.set_zoom(stored_zoom());
         let inner = Mutex::new(Inner::new(&contents, &size, &notifier)?);
         Some(Self { contents, size, notifier, inner })
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
         let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
-        if !inner.state.is_open()
-            && self.size.take_new()
+        if inner.state.is_open() {
+            return inner;
+        }
+        // Another instance may have changed the scale.
+        self.size.set_zoom(stored_zoom());
+        if (self.size.take_new() || inner.zoom != self.size.zoom())
             && let Some(other) = Inner::new(&self.contents, &self.size, &self.notifier)
         {
             *inner = other;
@@ -98,15 +110,22 @@ fn repaint_interval(frames_per_second: Option<&str>) -> Duration {
     Duration::from_secs_f64(1.0 / frames)
 }
 
+/// The scale that the user has chosen.
+fn stored_zoom() -> f64 {
+    ScaleFile::of_user().map_or(1.0, |file| f64::from(file.read()) / 100.0)
+}
+
 impl Inner {
     fn new(contents: &Arc<Mutex<Window>>, size: &WindowSize, notifier: &RepaintNotifier) -> Option<Self> {
         let [width, height] = size.get();
-        let state = EguiEditorState::from_size(LogicalSize::new(width, height), 1.0);
+        let zoom = size.zoom();
+        let state = EguiEditorState::from_size(LogicalSize::new(width, height), zoom as f32);
+        let smallest = LogicalSize::new(SMALLEST.0 * zoom as f32, SMALLEST.1 * zoom as f32);
         let hint = ResizeHint {
             can_resize: true,
             can_resize_horizontally: true,
             can_resize_vertically: true,
-            size_constraints: SizeConstraints::min_logical_size(LogicalSize::new(SMALLEST.0, SMALLEST.1)),
+            size_constraints: SizeConstraints::min_logical_size(smallest),
             ..ResizeHint::NON_RESIZABLE
         };
         let settings = EguiNiceSettings::new()
@@ -114,7 +133,7 @@ impl Inner {
             .with_resize_hint(hint)
             .with_repaint_poll_interval(repaint_interval(std::env::var(FRAMES_VARIABLE).ok().as_deref()));
         let editor = create_egui_editor(state.clone(), notifier.clone(), settings, Pane(contents.clone()))?;
-        Some(Self { editor, state })
+        Some(Self { editor, state, zoom })
     }
 }
 
@@ -135,7 +154,8 @@ impl Editor for PyrophoneEditor {
         let found = spawned.window.size();
         // With baseview 0.4.2 the size of a new X11 window ignores the scale that the host has set.
         let [width, height] = wanted;
-        let native = NativeSize::from_size(LogicalSize::new(width, height).into(), found.scale_factor);
+        let scale = found.scale_factor * self.size.zoom();
+        let native = NativeSize::from_size(LogicalSize::new(width, height).into(), scale);
         let is_found = native == NativeSize::from_logical_or_physical(found.logical, found.physical);
         if !is_found {
             spawned.handle.set_size(native, &spawned.window)?;

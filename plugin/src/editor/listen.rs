@@ -6,11 +6,12 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use egui::{Button, Rect, RichText, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_recording::write_wav_f32;
+use pyrophone_settings::library::Origin;
 use pyrophone_settings::table::DRIVE_MODES;
 use pyrophone_settings::{Id, Library};
 use raw_window_handle::HasWindowHandle;
 
-use super::dialog::{Ask, Dialog};
+use super::dialog::{Answer, Ask, Dialog};
 use super::drag::{DragSource, Outcome};
 use super::monitor::Monitor;
 use super::param_editor::ParamEditor;
@@ -91,8 +92,18 @@ impl ListenPanel {
             return;
         };
         self.dialog = None;
-        if let Some(path) = chosen.map(with_extension) {
-            self.save(sound, path, monitor, loader);
+        match chosen {
+            Answer::Chosen(path) => self.save(sound, with_extension(path), monitor, loader),
+            // Saved anyway; a message says where.
+            Answer::Unavailable => match take_path() {
+                Some(path) => {
+                    // If this fails, so does saving, which says why.
+                    let _ = path.parent().map(std::fs::create_dir_all);
+                    self.save(sound, path, monitor, loader);
+                }
+                None => self.message = Some(("This system shows no file dialog.".to_owned(), true)),
+            },
+            Answer::Cancelled => {}
         }
     }
 
@@ -250,10 +261,12 @@ pub fn monitoring(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &
     }
 }
 
-/// A separate file in the folder of recorded takes, beside the presets': the other program may use it in place.
+/// A separate file in the folder of recorded takes: the other program may use it in place. The folder is beside the
+/// presets', or within a folder that the user has chosen, because what is beside that is not ours.
 fn take_path() -> Option<PathBuf> {
-    let library = Library::of_user()?;
-    let folder = library.folder().parent()?.join("takes");
+    let (library, origin) = Library::located()?;
+    let home = if origin == Origin::Chosen { library.folder() } else { library.folder().parent()? };
+    let folder = home.join("takes");
     let now_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_secs());
     let name = |number: u32| match number {
         1 => format!("take {now_s}.wav"),

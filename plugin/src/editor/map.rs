@@ -4,7 +4,8 @@
 //! Its first lines are `frame`, the number of frames since the window opened; `size`, the window's width and height;
 //! and `ui_us`, microseconds of processor time for layout and drawing in all these frames, without tessellation and the
 //! graphics card's part. They are followed by a line for each visible item: left, top, right, bottom and name. All are
-//! in physical pixels.
+//! in physical pixels. With `PYROPHONE_EDITOR_ITEMS=0` the items are left out, so that measurements do not include the cost
+//! of listing them. `analysis_us` is the part of `ui_us` that grows with the sound and not with the frames.
 
 use std::fmt::{Display, Write};
 use std::path::PathBuf;
@@ -14,14 +15,19 @@ use std::time::Duration;
 use egui::{Context, Id, Rect, Ui};
 
 const VARIABLE: &str = "PYROPHONE_EDITOR_MAP";
+const ITEMS_VARIABLE: &str = "PYROPHONE_EDITOR_ITEMS";
 
 static FILE: LazyLock<Option<PathBuf>> = LazyLock::new(|| std::env::var_os(VARIABLE).map(PathBuf::from));
+
+static LISTS_ITEMS: LazyLock<bool> =
+    LazyLock::new(|| FILE.is_some() && std::env::var_os(ITEMS_VARIABLE).is_none_or(|value| value != "0"));
 
 /// Notes of a window so far.
 #[derive(Debug, Clone, Default)]
 struct Notes {
     frames: u64,
     spent: Duration,
+    analysing: Duration,
     /// Items of the current frame.
     things: String,
 }
@@ -31,6 +37,13 @@ pub fn begin(context: &Context) -> Option<Duration> {
     FILE.as_ref()?;
     with_notes(context, |notes| notes.things.clear());
     Some(thread_time())
+}
+
+/// Notes the time since `began` as analysis of the sound.
+pub fn analysed(context: &Context, began: Option<Duration>) {
+    let Some(began) = began else { return };
+    let spent = thread_time().saturating_sub(began);
+    with_notes(context, |notes| notes.analysing += spent);
 }
 
 /// Processor time of this thread: on a busy machine, wall time would include other threads' work.
@@ -51,7 +64,7 @@ fn thread_time() -> Duration {
 
 /// Notes the visible part of an item.
 pub fn note(ui: &Ui, name: impl Display, place: Rect) {
-    if FILE.is_none() {
+    if !*LISTS_ITEMS {
         return;
     }
     let seen = place.intersect(ui.clip_rect());
@@ -73,7 +86,8 @@ pub fn end(context: &Context, began: Option<Duration>) {
         notes.frames += 1;
         notes.spent += spent;
         let (frames, us, things) = (notes.frames, notes.spent.as_micros(), &notes.things);
-        format!("frame {frames}\nsize {} {}\nui_us {us}\n{things}", size.x.round(), size.y.round())
+        let (width, height, analysis_us) = (size.x.round(), size.y.round(), notes.analysing.as_micros());
+        format!("frame {frames}\nsize {width} {height}\nui_us {us}\nanalysis_us {analysis_us}\n{things}")
     });
     // Renamed when complete, so that a reader never sees half a frame.
     let unfinished = file.with_extension("unfinished");

@@ -1,9 +1,10 @@
 //! The meters side by side, with solo and mute of the layers below them.
 
-use egui::{Align2, Button, FontFamily, FontId, Pos2, Rect, RichText, Ui, Vec2};
+use egui::{Align2, FontFamily, FontId, Pos2, Rect, Ui, Vec2};
 
 use super::levels::{FLOOR_DB, LAYER_NAMES, Levels, Meter};
-use super::{map, theme};
+use super::theme;
+use super::widgets::section::filled;
 use crate::probe::LAYERS;
 
 /// The highest level shown, in dB.
@@ -36,14 +37,9 @@ pub fn switches(ui: &mut Ui, places: [Rect; 2], layer: usize, levels: &mut Level
     let Some((short, long)) = LAYER_NAMES.get(layer) else { return };
     let mut switch = |place: Rect, is_on: &mut bool, letter: &str, how: &str| {
         let place = place.shrink2(Vec2::new(0.0, 0.5));
-        let text = RichText::new(letter).font(theme::small());
-        let mut spot = ui.new_child(egui::UiBuilder::new().id_salt((letter, layer)).max_rect(place));
-        spot.spacing_mut().button_padding = Vec2::ZERO;
-        spot.spacing_mut().interact_size = place.size();
-        let button = spot.put(place, Button::new(text).selected(*is_on).min_size(place.size()));
-        map::note(ui, format_args!("button.{letter} {short}"), place);
-        let hint = format!("Hear {long} {how}, until the window closes. Not saved, not automated.");
-        if button.on_hover_text(hint).clicked() {
+        let button = filled(ui, place, letter, &format!("{letter} {short}"), *is_on, true);
+        let hint = || format!("Hear {long} {how}, until the window closes. Not saved, not automated.");
+        if button.on_hover_ui(|ui| drop(ui.label(hint()))).clicked() {
             *is_on = !*is_on;
         }
     };

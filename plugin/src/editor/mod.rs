@@ -8,7 +8,7 @@
 //! | [`play`] | the first page: flame, output, recording, layers, macros, takes |
 //! | [`space`] | vortex sound from above, and the settings for its position |
 //! | [`engines`] | pictures of the engines, and their parameters |
-//! | [`setup`] | sizes of the engines, and the MIDI controllers that move parameters |
+//! | [`setup`] | sizes of the engines, the presets' folder, the window's scale, and MIDI controllers |
 //! | [`plots`] | spectra with handles, running spectrograms, the recording's outline, pictures of the engines |
 //! | [`recording`] | the recording: loading it, its name, progress, messages; learning |
 //! | [`controls`] | parameters by page, as [`widgets`] |
@@ -80,6 +80,7 @@ use plots::spectrum::Advice;
 use pyrophone_analysis::fidelity::Diagnosis;
 use pyrophone_analysis::range::{BUZZING_DB, mean_gain_db};
 use recording::RecordingPanel;
+use setup::user::UserPanel;
 
 /// Space between parts, in points.
 const GAP: f32 = 6.0;
@@ -100,6 +101,7 @@ pub struct Window {
     listen: ListenPanel,
     pad: Pad,
     midi: MidiPanel,
+    user: UserPanel,
     /// True once a frame was drawn since the window opened.
     is_seen: bool,
 }
@@ -123,9 +125,10 @@ impl Window {
             monitor: Monitor::new(probe),
             history: UndoHistory::default(),
             levels: Levels::default(),
-            listen: ListenPanel::new(notifier),
+            listen: ListenPanel::new(notifier.clone()),
             pad: Pad::default(),
             midi: MidiPanel::default(),
+            user: UserPanel::new(notifier.clone()),
             is_seen: false,
         }
     }
@@ -164,11 +167,16 @@ impl NiceEguiApp for Window {
         self.header.presets.close();
         self.recording.clear_pictures();
         self.listen.close(&self.loader);
+        self.user.close();
         self.params.controllers.stop_learning();
     }
 
     fn resized(&mut self, size: baseview::WindowSize) {
         self.params.window.set(size);
+    }
+
+    fn zoom_factor_changed(&mut self, zoom_factor: f32) {
+        self.params.window.set_zoom(f64::from(zoom_factor));
     }
 }
 
@@ -180,6 +188,7 @@ impl Window {
         self.loader.shared.is_watched.store(true, Ordering::Relaxed);
         self.is_seen = false;
         self.midi.open();
+        self.user.open();
     }
 
     /// Shows this page.
@@ -198,6 +207,7 @@ impl Window {
             self.monitor.watch(true);
         }
         self.monitor.follow(self.meters.engine());
+        map::analysed(ui.ctx(), began);
         ResizableWindow::new("window").min_size(egui::vec2(SMALLEST.0, SMALLEST.1)).show(ui, |ui| {
             let all = ui.max_rect();
             ui.painter().rect_filled(all, 0.0, theme::GROUND);
@@ -245,10 +255,13 @@ impl Window {
             Page::Play => play::show(ui, rest, &mut parts, &mut hand),
             Page::Space => space::show(ui, rest, &mut parts, &mut hand),
             Page::Engines => engines::show(ui, rest, &mut parts, &mut hand),
-            Page::Setup => setup::show(ui, rest, &mut parts, &mut self.midi, &mut hand),
+            Page::Setup => setup::show(ui, rest, &mut self.user, &mut self.midi, &mut hand),
         }
         self.monitor.silence(self.levels.silenced());
         self.midi.show(ui, all, &self.params.controllers);
+        if self.user.follow() {
+            self.header.presets.relocate();
+        }
     }
 }
 

@@ -69,6 +69,12 @@ impl Presets {
         }
     }
 
+    /// Looks for the user's presets in the folder that is theirs now.
+    pub fn relocate(&mut self) {
+        self.library = Library::of_user();
+        self.run(|_| Ok(Done::Listed));
+    }
+
     /// Cancels pending work when a window closes.
     pub fn close(&mut self) {
         self.list.close();

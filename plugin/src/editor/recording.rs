@@ -13,10 +13,10 @@ use pyrophone_settings::session::{Cut, MAX_CUT_GAIN_DB};
 use pyrophone_settings::table::DYNAMIC_RANGES;
 use raw_window_handle::HasWindowHandle;
 
-use super::dialog::{Ask, Dialog};
+use super::dialog::{Answer, Ask, Dialog};
 use super::drop::DropTarget;
 use super::param_editor::ParamEditor;
-use super::plots::outline;
+use super::plots::outline::RecordingOutline;
 use super::plots::spectrogram::{Still, label};
 use super::{map, theme};
 use crate::loader::LoaderHandle;
@@ -25,6 +25,9 @@ use region::{Change, Region, SHORTEST_S};
 
 /// File name extension of speed fields.
 const FIELD_EXTENSION: &str = "field";
+/// Message where the system shows no dialog.
+const NO_DIALOG: &str =
+    "This system shows no file dialog. Drop the file on the window, or type its path on the Engines page.";
 /// Height of a plot that has room for a name in its corner, in points.
 const ROOM_FOR_LABEL: f32 = 24.0;
 
@@ -36,6 +39,7 @@ pub struct RecordingPanel {
     dialog: Option<(Ask, Dialog)>,
     drops: Option<DropTarget>,
     course: Still,
+    outline: RecordingOutline,
     region: Region,
     /// The part and level while being typed or dragged.
     held: Option<Cut>,
@@ -53,6 +57,7 @@ impl RecordingPanel {
             dialog: None,
             drops: None,
             course: Still::default(),
+            outline: RecordingOutline::default(),
             region: Region::default(),
             held: None,
             rate_hz: None,
@@ -80,6 +85,7 @@ impl RecordingPanel {
     /// Drops the pictures drawn for a window that is gone.
     pub fn clear_pictures(&mut self) {
         self.course.clear();
+        self.outline = RecordingOutline::default();
     }
 
     /// Loads a file dropped on the window or chosen in a dialog: a speed field by its extension, otherwise a recording.
@@ -96,9 +102,10 @@ impl RecordingPanel {
         {
             self.dialog = None;
             match (ask, chosen) {
-                (Ask::Drive, Some(path)) => loader.learn_from(path),
-                (_, Some(path)) => self.take(path, loader),
-                (_, None) => {}
+                (Ask::Drive, Answer::Chosen(path)) => loader.learn_from(path),
+                (_, Answer::Chosen(path)) => self.take(path, loader),
+                (_, Answer::Unavailable) => loader.status.update(|view| view.error = Some(NO_DIALOG.to_owned())),
+                (_, Answer::Cancelled) => {}
             }
         }
     }
@@ -262,7 +269,7 @@ impl RecordingPanel {
         let painter = ui.painter();
         painter.rect_filled(above, 3.0, theme::WELL);
         if let Some(overview) = &view.overview {
-            outline::show(ui, above, overview);
+            self.outline.show(ui, above, overview);
             let shown = self.held.unwrap_or(view.cut).region_s;
             let change = self.region.show(ui, above, overview.duration_s, shown);
             if let Some(change) = change {

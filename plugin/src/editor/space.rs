@@ -23,7 +23,7 @@ pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut Par
     parts.monitor.space.show(ui, view.with_max_y(view.top() + side), channels, hand);
     let below = view.with_min_y(view.top() + side + GAP);
     if below.height() >= ROOM_FOR_COURSE {
-        parts.monitor.output.show(ui, below, theme::EMBER);
+        parts.monitor.output().show(ui, below, theme::EMBER);
     }
     let mut controls = right.with_min_x(right.left() + GAP);
     if rest.width() >= ROOM_FOR_METERS {

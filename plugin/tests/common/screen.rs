@@ -5,7 +5,7 @@ use std::path::Path;
 
 use egui::accesskit::TreeUpdate;
 use egui::epaint::{ClippedShape, ImageData, Mesh, Primitive, TextureId, Vertex};
-use egui::{Color32, ColorImage, Context, Pos2, RawInput, Rect, Vec2};
+use egui::{Color32, ColorImage, Context, Event, Key, Modifiers, Pos2, RawInput, Rect, Vec2};
 use pyrophone::editor::Window;
 use pyrophone::editor::controls::Page;
 
@@ -21,6 +21,7 @@ pub struct Screen {
     textures: HashMap<TextureId, ColorImage>,
     shapes: Vec<ClippedShape>,
     tree: Option<TreeUpdate>,
+    events: Vec<Event>,
     size: Vec2,
     frame: usize,
 }
@@ -29,7 +30,8 @@ impl Screen {
     /// An open window.
     pub fn new(window: Window) -> Self {
         let (context, textures) = (Context::default(), HashMap::new());
-        let mut screen = Self { window, context, textures, shapes: vec![], tree: None, size: Vec2::ZERO, frame: 0 };
+        let (shapes, events) = (vec![], vec![]);
+        let mut screen = Self { window, context, textures, shapes, tree: None, events, size: Vec2::ZERO, frame: 0 };
         screen.window.open(&screen.context, deaf_host::context());
         screen
     }
@@ -47,6 +49,7 @@ impl Screen {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size)),
             time: Some(self.frame as f64 / FRAMES_HZ),
             focused: true,
+            events: std::mem::take(&mut self.events),
             ..RawInput::default()
         };
         self.frame += 1;
@@ -64,6 +67,16 @@ impl Screen {
         self.tree = output.platform_output.accesskit_update.take();
         self.shapes = output.shapes.clone();
         output.shapes
+    }
+
+    /// Presses and releases a key.
+    #[allow(dead_code, reason = "not every test has a keyboard")]
+    pub fn press(&mut self, key: Key) {
+        for pressed in [true, false] {
+            let (physical_key, repeat, modifiers) = (None, false, Modifiers::NONE);
+            self.events.push(Event::Key { key, physical_key, pressed, repeat, modifiers });
+            self.draw();
+        }
     }
 
     /// What assistive technology would be told of a frame that is drawn now.

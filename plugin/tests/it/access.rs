@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::screen::Screen;
-use egui::Vec2;
 use egui::accesskit::Role;
+use egui::{Key, Vec2};
 use pyrophone::Pyrophone;
 use pyrophone::editor::controls::Page;
 use pyrophone_settings::{PARAMETERS, ParameterKind};
@@ -49,4 +49,30 @@ fn every_parameter_is_named_and_has_a_value() {
         }
     }
     assert!(missing.is_empty(), "not told by name and value:\n{}", missing.join("\n"));
+}
+
+#[test]
+fn menu_of_a_parameter_opens_and_closes_by_keys() {
+    let plugin = Pyrophone::default();
+    let mut screen = Screen::new(plugin.window());
+    screen.turn_to(Page::Play, SIZE, 1.0);
+    (0..3).for_each(|_| drop(screen.draw()));
+    let focused = |screen: &mut Screen| {
+        let tree = screen.tree();
+        tree.nodes.into_iter().find(|(id, _)| *id == tree.focus).map(|(_, node)| node)
+    };
+    let is_slider = |screen: &mut Screen| {
+        screen.press(Key::Tab);
+        focused(screen).is_some_and(|node| node.role() == Role::Slider)
+    };
+    assert!((0..100).any(|_| is_slider(&mut screen)), "Tab reaches a knob");
+    let learns = |screen: &mut Screen| screen.tree().nodes.iter().any(|(_, node)| node.label() == Some("MIDI learn"));
+    assert!(!learns(&mut screen));
+    screen.press(Key::M);
+    assert!(learns(&mut screen), "the menu is open");
+    let line = focused(&mut screen).and_then(|node| node.label().map(str::to_owned));
+    assert!(line.as_ref().is_some_and(|line| line.starts_with("Reset to")), "the focus is in it: {line:?}");
+    screen.press(Key::Escape);
+    screen.draw();
+    assert!(!learns(&mut screen), "the menu is closed");
 }

@@ -11,6 +11,8 @@ pub struct Map {
     pub size: (u32, u32),
     /// Processor time that laying out and drawing all these frames have taken.
     pub spent: Duration,
+    /// The part of it that analysing the sound has taken.
+    pub analysing: Duration,
     /// Left, top, right and bottom of all that can be seen, by name.
     pub things: HashMap<String, [i16; 4]>,
 }
@@ -30,8 +32,9 @@ impl Map {
         let (width, height) = lines.next()?.strip_prefix("size ")?.split_once(' ')?;
         let size = (width.parse().ok()?, height.parse().ok()?);
         let spent = Duration::from_micros(lines.next()?.strip_prefix("ui_us ")?.parse().ok()?);
+        let analysing = Duration::from_micros(lines.next()?.strip_prefix("analysis_us ")?.parse().ok()?);
         let things = lines.map(thing).collect::<Option<_>>()?;
-        Some(Self { frames, size, spent, things })
+        Some(Self { frames, size, spent, analysing, things })
     }
 
     /// The middle of something, if it can be seen.
@@ -54,8 +57,10 @@ mod tests {
 
     #[test]
     fn reads_what_windows_write() {
-        let map = Map::parse("frame 7\nsize 1060 760\nui_us 1500\n10 20 30 41 handle.blend low\n0 0 5 5 a\n").unwrap();
-        assert_eq!((map.frames, map.size, map.spent), (7, (1060, 760), Duration::from_micros(1500)));
+        let text = "frame 7\nsize 1060 760\nui_us 1500\nanalysis_us 400\n10 20 30 41 handle.blend low\n0 0 5 5 a\n";
+        let map = Map::parse(text).unwrap();
+        assert_eq!((map.frames, map.size), (7, (1060, 760)));
+        assert_eq!((map.spent, map.analysing), (Duration::from_micros(1500), Duration::from_micros(400)));
         assert_eq!(map.middle("handle.blend low"), Some((20, 30)));
         assert_eq!(map.middle("b"), None);
         assert!(Map::parse("frame 7\nsize 1060\n").is_none());

@@ -41,13 +41,8 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
 
 fn dial(ui: &mut Ui, rect: Rect, line: &Macro, hand: &mut ParamEditor<'_>) {
     let radius = (0.5 * (rect.height() - WORDS)).min(0.36 * rect.width()).clamp(RADII.0, RADII.1);
-    let look = Look {
-        name: line.name,
-        font: theme::strong(),
-        color: color(line.id),
-        radius,
-        more: format!("Raises: {}.\nFrom -100 to 100 %: {}.", line.figure, line.effects_in_words()),
-    };
+    let more = || format!("Raises: {}.\nFrom -100 to 100 %: {}.", line.figure, line.effects_in_words());
+    let look = Look { name: line.name, font: theme::strong(), color: color(line.id), radius, more: Some(&more) };
     named_dial(ui, rect, line.id as usize, &look, hand);
 }
 

@@ -6,6 +6,7 @@ use pyrophone_settings::table::{DRIVE_MODES, FLAME_SCENES};
 
 use super::super::levels::{FLOOR_DB, Level, Meter};
 use super::super::param_editor::ParamEditor;
+use super::super::widgets::baked::{baked, bits};
 use super::super::widgets::knob::{Look, named_dial};
 use super::super::widgets::pick::list;
 use super::super::widgets::section::{columns, filled, section, within};
@@ -99,7 +100,7 @@ fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut Pa
         _ => [(Id::DriveGain, "Gain"), (Id::HighPass, "High-pass"), (Id::Dynamics, "Dynamics")],
     };
     for (place, (id, name)) in columns(rect, 3, 2.0).zip(knobs) {
-        let look = Look { name, font: theme::small(), color: theme::EMBER, radius, more: String::new() };
+        let look = Look { name, font: theme::small(), color: theme::EMBER, radius, more: None };
         named_dial(ui, place, id as usize, &look, hand);
     }
 }
@@ -203,24 +204,29 @@ fn tile(ui: &Ui, rect: Rect, scene: &str, is_chosen: bool) -> bool {
     let response = ui.interact(rect, Place::unique(("scene", scene)), Sense::click());
     map::note(ui, format_args!("scene.{scene}"), rect);
     let is_hot = response.hovered() || response.has_focus();
-    let color = if is_chosen { theme::EMBER } else { theme::EMBER.gamma_multiply(0.55) };
-    let painter = ui.painter();
-    painter.rect_filled(rect, 4.0, if is_chosen { theme::WELL } else { theme::GROUND });
-    let border = if is_chosen || is_hot { theme::EMBER } else { theme::LINE };
-    painter.rect_stroke(rect, 4.0, Stroke::new(1.0, border), StrokeKind::Inside);
     let font = FontId::new(9.5, FontFamily::Proportional);
     let words = if is_chosen { theme::TEXT } else { theme::WEAK };
-    let name_at = rect.center_bottom() - Vec2::new(0.0, 3.0);
-    let name = painter.text(name_at, Align2::CENTER_BOTTOM, name, font, words);
-    let room = rect.with_max_y(name.top() - 2.0).shrink2(Vec2::new(6.0, 4.0));
-    let height = room.height().min(1.5 * room.width());
-    let size = Vec2::new(0.7 * wide * room.width().min(height), tall * height);
-    flame_shape(&painter.with_clip_rect(rect), room.center_bottom(), size, color);
+    let painter = ui.painter();
+    let galley = painter.layout_no_wrap(name.to_owned(), font, words);
+    let spot = Align2::CENTER_BOTTOM.anchor_size(rect.center_bottom() - Vec2::new(0.0, 3.0), galley.size());
+    baked(painter, response.id, (bits(rect), bits(spot), is_chosen, is_hot), || {
+        let color = if is_chosen { theme::EMBER } else { theme::EMBER.gamma_multiply(0.55) };
+        let border = if is_chosen || is_hot { theme::EMBER } else { theme::LINE };
+        let room = rect.with_max_y(spot.top() - 2.0).shrink2(Vec2::new(6.0, 4.0));
+        let height = room.height().min(1.5 * room.width());
+        let size = Vec2::new(0.7 * wide * room.width().min(height), tall * height);
+        vec![
+            Shape::rect_filled(rect, 4.0, if is_chosen { theme::WELL } else { theme::GROUND }),
+            Shape::rect_stroke(rect, 4.0, Stroke::new(1.0, border), StrokeKind::Inside),
+            flame_shape(room.center_bottom(), size, color),
+        ]
+    });
+    painter.galley(spot.min, galley, words);
     response.clicked()
 }
 
 /// A flame whose base is at `foot`.
-fn flame_shape(painter: &egui::Painter, foot: Pos2, size: Vec2, color: egui::Color32) {
+fn flame_shape(foot: Pos2, size: Vec2, color: egui::Color32) -> Shape {
     const STEPS: usize = 12;
     let half = 0.5 * size.x;
     // A round foot that runs into a point: half an ellipse below, straight flanks above.
@@ -230,5 +236,5 @@ fn flame_shape(painter: &egui::Painter, foot: Pos2, size: Vec2, color: egui::Col
         Pos2::new(foot.x + half * angle.cos(), waist + 0.35 * size.y * angle.sin())
     });
     let points = arc.chain([Pos2::new(foot.x, foot.y - size.y)]).collect();
-    painter.add(Shape::convex_polygon(points, color.gamma_multiply(0.55), Stroke::new(1.2, color)));
+    Shape::convex_polygon(points, color.gamma_multiply(0.55), Stroke::new(1.2, color))
 }

@@ -17,12 +17,14 @@ use pyrophone_analysis::fidelity::Diagnosis;
 
 /// Height of the strip in points.
 const STRIP: f32 = 22.0;
+/// Height of the button in it.
+const BUTTON: f32 = 17.0;
 
 /// The panel.
 pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
     let (picture, strip) = rect.split_top_bottom_at_y(rect.bottom() - STRIP);
     ui.painter().rect_filled(rect, f32::from(theme::ROUNDING) + 2.0, theme::PANEL);
-    parts.monitor.output.show_picture(ui, picture);
+    parts.monitor.output().show_picture(ui, picture);
     let painter = ui.painter().with_clip_rect(picture);
     let readable = |at: Pos2, anchor: Align2, text: &str, font, color| {
         let galley = painter.layout_no_wrap(text.to_owned(), font, color);
@@ -57,6 +59,8 @@ fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>)
 
 /// One line: a lamp, the figures, and a suggestion where there is a fault.
 fn figures(ui: &mut Ui, told: &Advice, hand: &mut ParamEditor<'_>) {
+    // Otherwise a button would be higher than the strip, and cut.
+    ui.spacing_mut().interact_size.y = BUTTON;
     ui.horizontal_centered(|ui| {
         let words = words(told);
         let (lamp, color) = match (told.fault, words.is_empty()) {
@@ -102,7 +106,7 @@ fn advise(ui: &mut Ui, fault: Diagnosis, hand: &mut ParamEditor<'_>) {
     });
     let Some(cure) = cure else { return };
     let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
-    let button = ui.add_sized(Vec2::new(room - 8.0, 17.0), button);
+    let button = ui.add_sized(Vec2::new(room - 8.0, BUTTON), button);
     map::note(ui, "button.Cure", button.rect);
     let what = format!("{}. Undo reverts it.", cure.words);
     if button.on_hover_text(what).clicked() {

@@ -8,6 +8,7 @@ use egui::{
 use pyrophone_settings::macros::MACROS;
 
 use super::super::param_editor::ParamEditor;
+use super::super::widgets::baked::{baked, bits};
 use super::super::widgets::section::{columns, within};
 use super::super::{map, theme};
 
@@ -108,15 +109,7 @@ impl Pad {
 
     fn draw(&mut self, ui: &Ui, pad: Rect, hand: &ParamEditor<'_>) {
         let painter = ui.painter().with_clip_rect(pad);
-        painter.rect_filled(pad, 4.0, theme::WELL);
-        for n in 1..LINES {
-            let share = n as f32 / LINES as f32;
-            let middle = if 2 * n == LINES { 1.0 } else { 0.5 };
-            let rule = Stroke::new(1.0, theme::LINE.gamma_multiply(middle));
-            painter.vline(pad.left() + share * pad.width(), pad.y_range(), rule);
-            painter.hline(pad.x_range(), pad.top() + share * pad.height(), rule);
-        }
-        painter.rect_stroke(pad, 4.0, Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
+        baked(&painter, Place::unique("pad grid"), bits(pad), || grid(pad));
         let names = self.axes.map(|axis| MACROS[axis].name);
         let weak = theme::WEAK.gamma_multiply(0.7);
         painter.text(pad.right_bottom() - Vec2::splat(5.0), Align2::RIGHT_BOTTOM, names[0], theme::small(), weak);
@@ -133,10 +126,30 @@ impl Pad {
             inner.left_bottom()
                 + Vec2::new((x + 100.0) as f32 * inner.width(), -(y + 100.0) as f32 * inner.height()) / 200.0
         };
+        // The trail changes only when the pad or its macros move.
         let points: Vec<Pos2> = self.trail.iter().copied().map(place).collect();
-        painter.add(Shape::line(points, Stroke::new(1.2, theme::EMBER.gamma_multiply(0.5))));
-        let at = place(now);
-        painter.circle_filled(at, DOT, theme::EMBER);
-        painter.circle_stroke(at, DOT + 4.0, Stroke::new(1.0, theme::EMBER.gamma_multiply(0.5)));
+        let key: Vec<[u32; 2]> = points.iter().map(|point| [point.x, point.y].map(f32::to_bits)).collect();
+        baked(&painter, Place::unique("pad trail"), key, || {
+            let (at, faint) = (place(now), theme::EMBER.gamma_multiply(0.5));
+            vec![
+                Shape::line(points, Stroke::new(1.2, faint)),
+                Shape::circle_filled(at, DOT, theme::EMBER),
+                Shape::circle_stroke(at, DOT + 4.0, Stroke::new(1.0, faint)),
+            ]
+        });
     }
+}
+
+/// The pad without its dot.
+fn grid(pad: Rect) -> Vec<Shape> {
+    let mut shapes = vec![Shape::rect_filled(pad, 4.0, theme::WELL)];
+    for n in 1..LINES {
+        let share = n as f32 / LINES as f32;
+        let middle = if 2 * n == LINES { 1.0 } else { 0.5 };
+        let rule = Stroke::new(1.0, theme::LINE.gamma_multiply(middle));
+        shapes.push(Shape::vline(pad.left() + share * pad.width(), pad.y_range(), rule));
+        shapes.push(Shape::hline(pad.x_range(), pad.top() + share * pad.height(), rule));
+    }
+    shapes.push(Shape::rect_stroke(pad, 4.0, Stroke::new(1.0, theme::LINE), StrokeKind::Inside));
+    shapes
 }

@@ -10,7 +10,7 @@ use pyrophone_analysis::recording_overview::COLUMNS as PORTRAIT_COLUMNS;
 use pyrophone_analysis::{FLOOR_DB, RecordingOverview};
 
 /// Number of columns stored: eight seconds.
-const COLUMNS: usize = 480;
+pub const COLUMNS: usize = 480;
 /// Levels from dark to light, in dB per Hz below the recent maximum.
 const RANGE_DB: f32 = 70.0;
 /// Decay of the recent maximum, in dB per column.
@@ -63,9 +63,14 @@ impl Spectrogram {
             let black = ColorImage::filled([COLUMNS, BANDS], theme::glow(0.0));
             ui.ctx().load_texture(self.name, black, TextureOptions::LINEAR)
         });
-        for back in (1..=self.pending).rev() {
-            let at = (self.next + COLUMNS - back) % COLUMNS;
-            picture.set_partial([at, 0], column_image(&self.columns[at], top_db), TextureOptions::LINEAR);
+        // New columns are one piece, or two where they reach round the end.
+        let first = (self.next + COLUMNS - self.pending) % COLUMNS;
+        let before_end = self.pending.min(COLUMNS - first);
+        for (from, count) in [(first, before_end), (0, self.pending - before_end)] {
+            if count > 0 {
+                let image = columns_image(&self.columns[from..from + count], top_db);
+                picture.set_partial([from, 0], image, TextureOptions::LINEAR);
+            }
         }
         self.pending = 0;
         let seam = self.next as f32 / COLUMNS as f32;
@@ -120,13 +125,11 @@ fn shade(level_db: f32, top_db: f32) -> f32 {
     1.0 + (level_db - top_db) / RANGE_DB
 }
 
-/// One column, the highest band on top.
-fn column_image(levels: &[f32; BANDS], top_db: f32) -> ColorImage {
-    let mut image = ColorImage::filled([1, BANDS], Color32::BLACK);
-    for (pixel, level) in image.pixels.iter_mut().zip(levels.iter().rev()) {
-        *pixel = theme::glow(shade(*level, top_db));
-    }
-    image
+/// Columns side by side, the highest band on top.
+fn columns_image(columns: &[[f32; BANDS]], top_db: f32) -> ColorImage {
+    let pixels = (0..BANDS).rev().flat_map(|band| columns.iter().map(move |levels| levels[band]));
+    let pixels = pixels.map(|level| theme::glow(shade(level, top_db))).collect();
+    ColorImage::new([columns.len(), BANDS], pixels)
 }
 
 /// A plot's name in its upper left corner, readable over anything.

@@ -1,11 +1,12 @@
 //! A fader over the meter of the level that it sets.
 
-use egui::{Align2, Color32, Id, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, Vec2};
+use egui::{Align2, Color32, Id, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
 use pyrophone_settings::PARAMETERS;
 
 use super::super::levels::{FLOOR_DB, Level};
 use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
+use super::baked::{baked, bits};
 use super::turn::{Travel, turn};
 
 /// Size of the handle, in points, and the width of the track.
@@ -35,7 +36,15 @@ pub fn fader(ui: &mut Ui, rect: Rect, index: usize, track: &Track, hand: &mut Pa
     let y = |level_db: f64| travel.bottom() - parameter.to_normalised(level_db) as f32 * travel.height();
 
     let painter = ui.painter();
-    painter.rect_filled(well, 3.0, theme::WELL);
+    // Under the meter: the well, and 0 dB, where the fader leaves the level unchanged.
+    baked(painter, response.id.with("well"), bits(rect), || {
+        let zero = Stroke::new(1.0, theme::WEAK.gamma_multiply(0.7));
+        let tick = |side: f32| {
+            let x = rect.center().x + side * (0.5 * TRACK + 2.0);
+            Shape::line_segment([Pos2::new(x, y(0.0)), Pos2::new(x + 3.0 * side, y(0.0))], zero)
+        };
+        vec![Shape::rect_filled(well, 3.0, theme::WELL), tick(-1.0), tick(1.0)]
+    });
     let level = &track.level;
     let color = if track.is_silenced { theme::WEAK } else { track.color };
     if level.shown_db > FLOOR_DB {
@@ -45,20 +54,18 @@ pub fn fader(ui: &mut Ui, rect: Rect, index: usize, track: &Track, hand: &mut Pa
     if level.held_db > FLOOR_DB {
         painter.hline(well.x_range(), y(f64::from(level.held_db)), Stroke::new(1.5, color));
     }
-    // 0 dB, where the fader leaves the level unchanged.
-    let zero = Stroke::new(1.0, theme::WEAK.gamma_multiply(0.7));
-    for side in [-1.0, 1.0] {
-        let x = rect.center().x + side * (0.5 * TRACK + 2.0);
-        painter.line_segment([Pos2::new(x, y(0.0)), Pos2::new(x + 3.0 * side, y(0.0))], zero);
-    }
     let handle =
         Rect::from_center_size(Pos2::new(rect.center().x, y(plain)), Vec2::new(HANDLE.x.min(rect.width()), HANDLE.y));
     let is_hot = response.hovered() || response.dragged() || response.has_focus();
-    let border = if is_hot { theme::EMBER } else { theme::WEAK };
-    painter.rect_filled(handle, 3.0, theme::LINE);
-    painter.rect_stroke(handle, 3.0, Stroke::new(1.0, border), StrokeKind::Inside);
-    let middle = handle.shrink2(Vec2::new(4.0, 0.0));
-    painter.hline(middle.x_range(), handle.center().y, Stroke::new(1.5, theme::TEXT));
+    baked(painter, response.id.with("handle"), (bits(handle), is_hot), || {
+        let border = if is_hot { theme::EMBER } else { theme::WEAK };
+        let middle = handle.shrink2(Vec2::new(4.0, 0.0));
+        vec![
+            Shape::rect_filled(handle, 3.0, theme::LINE),
+            Shape::rect_stroke(handle, 3.0, Stroke::new(1.0, border), StrokeKind::Inside),
+            Shape::hline(middle.x_range(), handle.center().y, Stroke::new(1.5, theme::TEXT)),
+        ]
+    });
     if response.dragged() {
         let (at, text) = (handle.center_top() - Vec2::new(0.0, 2.0), parameter.to_text(plain));
         painter.text(at, Align2::CENTER_BOTTOM, text, theme::small(), theme::TEXT);

@@ -1,10 +1,11 @@
 //! A knob: its dial, its name and its value.
 
-use egui::{Align2, Color32, Id, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use egui::{Align2, Color32, Id, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2};
 use pyrophone_settings::{PARAMETERS, Parameter};
 
 use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
+use super::baked::baked;
 use super::turn::{Travel, turn};
 use super::value::value;
 use crate::entry::indication::Automation;
@@ -23,7 +24,7 @@ const LINE: f32 = 15.0;
 const DIMMED: f32 = 0.45;
 
 /// Appearance of a dial.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Look<'a> {
     /// Its name.
     pub name: &'a str,
@@ -33,16 +34,15 @@ pub struct Look<'a> {
     pub color: Color32,
     /// Radius of the dial in points.
     pub radius: f32,
-    /// Tooltip text besides the parameter's help.
-    pub more: String,
+    /// Tooltip text besides the parameter's help, made where it is shown.
+    pub more: Option<&'a dyn Fn() -> String>,
 }
 
 /// The knob of a parameter, its name above the dial.
 pub fn knob(ui: &mut Ui, index: usize, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let (rect, _) = ui.allocate_exact_size(SIZE, Sense::hover());
-    let look =
-        Look { name: parameter.name, font: theme::small(), color: theme::EMBER, radius: RADIUS, more: String::new() };
+    let look = Look { name: parameter.name, font: theme::small(), color: theme::EMBER, radius: RADIUS, more: None };
     let centre = Pos2::new(rect.center().x, rect.top() + 37.0);
     let is_dimmed = hand.inert(index).is_some();
     let color = faded(theme::WEAK, is_dimmed);
@@ -93,8 +93,8 @@ fn dial(ui: &mut Ui, centre: Pos2, index: usize, look: &Look<'_>, hand: &mut Par
         if let Some(number) = controller {
             ui.label(egui::RichText::new(format!("MIDI controller {number}")).font(theme::small()).color(theme::BLUE));
         }
-        if !look.more.is_empty() {
-            ui.label(egui::RichText::new(&look.more).font(theme::small()).color(theme::WEAK));
+        if let Some(more) = look.more {
+            ui.label(egui::RichText::new(more()).font(theme::small()).color(theme::WEAK));
         }
         if let Some(reason) = reason {
             ui.label(egui::RichText::new(format!("No effect at present: {reason}.")).color(theme::ALARM));
@@ -131,27 +131,35 @@ fn draw(
     look: &Look<'_>,
     is_dimmed: bool,
 ) {
-    let painter = ui.painter();
     let radius = look.radius;
     let (place, default) = (parameter.to_normalised(plain), parameter.to_normalised(parameter.default_value()));
-    let at = |place: f64, radius: f32| centre + radius * Vec2::angled(START + TURN * place as f32);
-    let width = (radius / 7.0).clamp(2.5, 5.0);
-    let arc = |from: f64, to: f64, stroke: Stroke| {
-        let steps = (48.0 * (to - from).abs()).ceil().max(1.0) as usize;
-        let points = (0..=steps).map(|n| at(from + (to - from) * n as f64 / steps as f64, radius)).collect();
-        painter.line(points, stroke);
-    };
     let is_hot = response.hovered() || response.dragged();
-    let fill = if is_hot { theme::LINE } else { theme::GROUND };
-    painter.circle_filled(centre, radius - width - 2.0, fill);
-    arc(0.0, 1.0, Stroke::new(width, theme::LINE));
-    // Bipolar values grow from the middle.
-    let from: f64 = if parameter.low() == -parameter.high() { 0.5 } else { 0.0 };
-    arc(from.min(place), from.max(place), Stroke::new(width, faded(look.color, is_dimmed)));
-    painter.circle_filled(at(default, radius + 0.5 * width + 2.5), 1.3, theme::WEAK);
-    let hand = Stroke::new(2.0, faded(theme::TEXT, is_dimmed));
-    painter.line_segment([at(place, 0.32 * radius), at(place, radius - width - 3.0)], hand);
-    if response.has_focus() {
-        painter.circle_stroke(centre, radius + width + 3.5, Stroke::new(1.0, theme::EMBER));
-    }
+    let has_focus = response.has_focus();
+    let color = faded(look.color, is_dimmed);
+    let at = [centre.x, centre.y, radius].map(f32::to_bits);
+    let key = (at, place.to_bits(), color, is_dimmed, is_hot, has_focus);
+    baked(ui.painter(), response.id, key, || {
+        let at = |place: f64, radius: f32| centre + radius * Vec2::angled(START + TURN * place as f32);
+        let width = (radius / 7.0).clamp(2.5, 5.0);
+        let arc = |from: f64, to: f64, stroke: Stroke| {
+            let steps = (48.0 * (to - from).abs()).ceil().max(1.0) as usize;
+            let points = (0..=steps).map(|n| at(from + (to - from) * n as f64 / steps as f64, radius)).collect();
+            Shape::line(points, stroke)
+        };
+        let fill = if is_hot { theme::LINE } else { theme::GROUND };
+        // Bipolar values grow from the middle.
+        let from: f64 = if parameter.low() == -parameter.high() { 0.5 } else { 0.0 };
+        let hand = Stroke::new(2.0, faded(theme::TEXT, is_dimmed));
+        let mut shapes = vec![
+            Shape::circle_filled(centre, radius - width - 2.0, fill),
+            arc(0.0, 1.0, Stroke::new(width, theme::LINE)),
+            arc(from.min(place), from.max(place), Stroke::new(width, color)),
+            Shape::circle_filled(at(default, radius + 0.5 * width + 2.5), 1.3, theme::WEAK),
+            Shape::line_segment([at(place, 0.32 * radius), at(place, radius - width - 3.0)], hand),
+        ];
+        if has_focus {
+            shapes.push(Shape::circle_stroke(centre, radius + width + 3.5, Stroke::new(1.0, theme::EMBER)));
+        }
+        shapes
+    });
 }

@@ -1,6 +1,6 @@
-//! The context menu of a parameter.
+//! The context menu of a parameter, on the right button or, while it has the focus, on M.
 
-use egui::{Response, Ui};
+use egui::{Key, Popup, PopupAnchor, Response, Ui};
 use pyrophone_settings::PARAMETERS;
 
 use super::super::map;
@@ -11,14 +11,30 @@ use crate::host_menu::Line;
 /// The menu of a parameter on `response`; `has_text` if its value can be typed and copied.
 pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
-    if response.secondary_clicked() {
+    let is_key =
+        response.has_focus() && response.ctx.input(|input| input.key_pressed(Key::M) && input.modifiers.is_none());
+    if response.secondary_clicked() || is_key {
         hand.params.host_menu.ask(index);
     }
-    response.context_menu(|ui| {
+    let id = Popup::default_response_id(response);
+    if is_key {
+        Popup::open_id(&response.ctx, id);
+    }
+    let popup = Popup::context_menu(response);
+    // A menu that was opened by a key has no pointer to stand at.
+    let popup = match Popup::position_of_id(&response.ctx, id) {
+        None if !response.secondary_clicked() => popup.anchor(PopupAnchor::ParentRect(response.rect)),
+        _ => popup,
+    };
+    popup.show(|ui| {
         // A host's entries may be long.
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
         let default = parameter.to_text(parameter.default_value());
-        if entry(ui, format!("Reset to {default}"), "Reset") {
+        let reset = button(ui, format!("Reset to {default}"), "Reset");
+        if is_key {
+            reset.request_focus();
+        }
+        if closes(ui, &reset) {
             hand.set_once(index, parameter.default_value());
         }
         if has_text {
@@ -115,9 +131,19 @@ fn controllers(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
 
 /// A line of the menu, which closes it; true if it was clicked.
 fn entry(ui: &mut Ui, words: String, name: &str) -> bool {
+    let line = button(ui, words, name);
+    closes(ui, &line)
+}
+
+fn button(ui: &mut Ui, words: String, name: &str) -> Response {
     let button = ui.button(words);
     map::note(ui, format_args!("menu.{name}"), button.rect);
-    let is_clicked = button.clicked();
+    button
+}
+
+/// True if the line was clicked, which closes the menu.
+fn closes(ui: &Ui, line: &Response) -> bool {
+    let is_clicked = line.clicked();
     if is_clicked {
         ui.close();
     }

@@ -8,7 +8,9 @@
 //! | [`menu`](mod@menu) | the context menu |
 //! | [`pick`] | choices and switches |
 //! | [`section`](mod@section) | panels, and areas in them |
+//! | [`baked`](mod@baked) | shapes that rarely change |
 
+pub mod baked;
 pub mod fader;
 mod keys;
 pub mod knob;

