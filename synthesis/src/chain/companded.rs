@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::blocks::{MAX_CHANNELS, with_blocks};
 use super::bus::CHUNK;
+use super::layers::VoiceLayers;
 use super::recordings::Recordings;
-use super::voice::VoiceLayers;
 use crate::Controls;
 use crate::companding::{Companding, DriveEnvelope, Recorded};
 use crate::controls::{CrackleControls, Fuel, SLOTS, TextureControls};

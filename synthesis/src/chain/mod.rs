@@ -10,6 +10,7 @@ mod blocks;
 mod bus;
 mod companded;
 mod input;
+mod layers;
 mod meters;
 mod recordings;
 mod silence;

@@ -1,8 +1,7 @@
 //! The drive's overall level as it is used: learned or estimated, and smoothed.
 
 use super::frames::FrameHistory;
-use super::level::{NOMINAL, RunningLevel};
-use super::{SILENCE, SMOOTHING_S};
+use super::level::{NOMINAL, RunningLevel, SILENCE, SMOOTHING_S};
 use crate::controls::{DynamicRange, TextureControls};
 use crate::dsp::Smoothed;
 

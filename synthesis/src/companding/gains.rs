@@ -2,14 +2,19 @@
 
 use super::drive_level::DriveLevel;
 use super::interpolator::Interpolator;
+use super::level::{SILENCE, SMOOTHING_S};
 use super::loudness_meter::{LoudnessMeter, Use};
+use super::low_end::{HIGHEST_HZ, LOWEST_HZ};
 use super::output_gain::OutputGain;
+use super::profile::{MATCH_EXPONENT, Profile};
 use super::recorded::Recorded;
-use super::{MATCH_EXPONENT, MATCH_FACTOR, Profile, SILENCE, SMOOTHING_S, low_end};
 use crate::controls::{RecordingControls, SLOTS, TextureControls};
 use crate::dsp::{Smoothed, Timeline};
 use crate::error::within;
 
+/// Factor by which the drive is matched louder than the recording's mean: quiet windows are many, but fire is made of
+/// loud ones.
+pub(super) const MATCH_FACTOR: f64 = 2.83;
 /// Loudness relative to the drive's level below which matching no longer follows it: -40 dB.
 const FLOOR: f64 = 0.01;
 /// Range of the factor applied before matching.
@@ -123,7 +128,7 @@ impl Gains {
     ) -> f64 {
         let own_shares = &mut self.shares;
         self.low_end.value_at(place, |frame| {
-            let crossover_hz = within(controls.companding.low_end_hz, low_end::LOWEST_HZ, low_end::HIGHEST_HZ);
+            let crossover_hz = within(controls.companding.low_end_hz, LOWEST_HZ, HIGHEST_HZ);
             let wanted = shares(&controls.recordings);
             let mut below = 0.0;
             for ((share, wanted), recorded) in own_shares.iter_mut().zip(wanted).zip(recordings) {

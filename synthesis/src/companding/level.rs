@@ -2,6 +2,10 @@
 
 use crate::dsp::MEAN_EXPONENT;
 
+/// Loudness that counts as silence regardless of the drive.
+pub(super) const SILENCE: f64 = 1e-6;
+/// Time constant in seconds of all levels.
+pub(super) const SMOOTHING_S: f64 = 0.02;
 /// Level assumed for an unknown drive: that of the flames used in development.
 pub const NOMINAL: f64 = 0.085;
 /// Seconds after which past loudness counts 1/e.

@@ -52,7 +52,7 @@ use crate::error::within;
 use crate::texture::Distribution;
 use drive_level::DriveLevel;
 use frames::frame_samples;
-use gains::Gains;
+use gains::{Gains, MATCH_FACTOR};
 pub use learn::loudnesses;
 use loudness_meter::{FrameLoudness, LoudnessMeter, Use};
 use low_end::LowEnd;
@@ -60,20 +60,12 @@ pub use profile::{MATCH_EXPONENT, Profile};
 pub use recorded::Recorded;
 use recording_filters::RecordingFilters;
 
-/// Factor by which the drive is matched louder than the recording's mean: quiet windows are many, but fire is made of
-/// loud ones.
-const MATCH_FACTOR: f64 = 2.83;
 /// Level of an added noise, relative to the matched signal: -10 dB. When a drive pauses while its loudness still falls,
 /// the match is then fire, not the same quiet window over and over.
 const MATCH_NOISE: f64 = 0.32;
 /// White-noise stream of that noise, which no other stage uses.
 const MATCH_NOISE_SEED: u32 = 0x4649_5245;
 const MATCH_NOISE_STREAM: u32 = 0x434F_4D50;
-/// Loudness that counts as silence regardless of the drive.
-const SILENCE: f64 = 1e-6;
-/// Time constant in seconds of all levels.
-const SMOOTHING_S: f64 = 0.02;
-
 /// The envelope that a drive was made from: its loudness, without the chance of the drive's own noise.
 #[derive(Debug, Clone, Copy)]
 pub struct DriveEnvelope<'a> {

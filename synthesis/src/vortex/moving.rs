@@ -83,7 +83,7 @@ impl HopControls {
     }
 }
 
-/// A [`Place`] with its angles converted.
+/// A [`PoseControls`] with its angles converted.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pose {
     spread_m: f64,
@@ -117,11 +117,11 @@ impl PoseControls {
 impl Pose {
     /// Right, front and up from the listener, in m, for a position in the ball over which sources are spread.
     pub fn in_ball(&self, ball: [f64; 3]) -> [f64; 3] {
-        self.to_world(ball.map(|x| self.spread_m * x))
+        self.position_of(ball.map(|x| self.spread_m * x))
     }
 
     /// The same for a position in m from the centre. Right and front are those of a listener who faces the centre.
-    pub fn to_world(&self, [right, front, up]: [f64; 3]) -> [f64; 3] {
+    pub fn position_of(&self, [right, front, up]: [f64; 3]) -> [f64; 3] {
         let front = front + self.front_m;
         [right * self.cos + front * self.sin, front * self.cos - right * self.sin, up + self.up_m]
     }
@@ -179,8 +179,8 @@ mod tests {
         let place = HopControls::of_controls(&controls).pose.stand();
         let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
         assert!(close(place.in_ball([0.0; 3]), [2.0, 0.0, 0.0]));
-        assert!(close(place.to_world([0.0, 1.0, 0.0]), [3.0, 0.0, 0.0]));
-        assert!(close(place.to_world([1.0, 0.0, 0.5]), [2.0, -1.0, 0.5]));
+        assert!(close(place.position_of([0.0, 1.0, 0.0]), [3.0, 0.0, 0.0]));
+        assert!(close(place.position_of([1.0, 0.0, 0.5]), [2.0, -1.0, 0.5]));
         let above = HopControls::of_controls(&VortexControls { elevation_deg: 90.0, ..controls }).pose.stand();
         assert!(close(above.in_ball([0.0; 3]), [0.0, 0.0, 2.0]));
     }
@@ -190,9 +190,9 @@ mod tests {
         let mut moving = ControlSnapshot::new(750.0);
         moving.jump(&VortexControls { azimuth_deg: 170.0, ..VortexControls::default() });
         let target = VortexControls { azimuth_deg: -170.0, distance_m: 9.0, level: 3.0, ..VortexControls::default() };
-        let mut before = moving.now().pose.stand().to_world([0.0; 3]);
+        let mut before = moving.now().pose.stand().position_of([0.0; 3]);
         for _ in 0..600 {
-            let at = moving.next(&target).pose.stand().to_world([0.0; 3]);
+            let at = moving.next(&target).pose.stand().position_of([0.0; 3]);
             // The short way, behind the listener.
             assert!(at[1] < 0.0 && (at[0] - before[0]).abs() < 0.5);
             before = at;

@@ -195,7 +195,7 @@ impl Vortex {
             (None, hop.ln_speed + source.ln_deviation, 1.0)
         } else if let Some(told) = motion.state_at(source.identity.flow, index, end) {
             let speed_m_s = (hop.frame.field_speed * told.speed_m_s) as f32;
-            (Some(stand.to_world(told.position)), maths::ln(speed_m_s), told.presence)
+            (Some(stand.position_of(told.position)), maths::ln(speed_m_s), told.presence)
         } else {
             return Edge { distance_m: edge.distance_m, ..Edge::default() };
         };
