@@ -1,6 +1,6 @@
 //! Flames around a listener, as first-order ambisonics.
 //!
-//! AmbiX: channels W, Y, Z, X (ACN order) with SN3D weights, in which W is the sound pressure and the others are W times
+//! AmbiX: channels W, Y, Z, X with SN3D weights, in which W is the sound pressure and the others are W times
 //! the direction's cosines towards left, up and front. Nachbar, Zotter, Deleflie, Sontacchi (2011), "AmbiX – A Suggested
 //! Ambisonics Format".
 

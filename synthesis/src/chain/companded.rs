@@ -7,7 +7,7 @@ use super::bus::CHUNK;
 use super::layers::VoiceLayers;
 use super::recordings::Recordings;
 use crate::Controls;
-use crate::companding::{Companding, DriveEnvelope, Recorded};
+use crate::companding::{Companding, DriveBlock, Recorded};
 use crate::controls::{CrackleControls, Fuel, SLOTS, TextureControls};
 use crate::crackle::{Crackle, Crackles, Sources};
 use crate::dsp::Smoothed;
@@ -129,17 +129,16 @@ impl Companded {
     /// One chunk of texture in a world without slow loudness.
     pub fn process(
         &mut self,
-        drive: &[f64],
-        envelope: Option<DriveEnvelope<'_>>,
+        drive: DriveBlock<'_>,
         controls: &TextureControls,
         texture: &mut Texture,
         recordings: &Recordings,
         target_lufs: Option<f64>,
         outputs: &mut [&mut [f64]],
     ) {
-        let samples = drive.len();
+        let samples = drive.samples.len();
         let (flat, loudness) = (&mut self.flat[..samples], &mut self.loudness[..samples]);
-        self.companding.compress(drive, envelope, controls, recordings.reference_profile(), flat, loudness);
+        self.companding.compress(drive, controls, recordings.reference_profile(), flat, loudness);
         let channels = outputs.len().min(MAX_CHANNELS);
         let mut blocks: [[&mut [f64]; MAX_CHANNELS]; SLOTS] = Default::default();
         for (blocks, texture) in blocks.iter_mut().zip(&mut self.textures) {

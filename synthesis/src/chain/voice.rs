@@ -9,7 +9,7 @@ use super::layers::VoiceLayers;
 use super::recordings::Recordings;
 use super::telemetry::Telemetry;
 use super::vortex_layer::VortexLayer;
-use crate::companding::{DriveEnvelope, Profile};
+use crate::companding::{DriveBlock, DriveEnvelope, Profile};
 use crate::controls::{DriveMode, Fuel, RecordingControls};
 use crate::drive::Drive;
 use crate::dsp::Delay;
@@ -227,8 +227,7 @@ impl Voice {
             Some(companded) => {
                 with_blocks(&mut self.layers.texture, samples, |outputs| {
                     companded.process(
-                        drive,
-                        envelope,
+                        DriveBlock { samples: drive, envelope },
                         &texture,
                         &mut self.texture,
                         &self.recordings,

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::Companding;
 use super::bands::{Power, distance_db, typical_third_octaves_db};
 use super::equalizer::{Equalizer, LIMIT_DB, design};
 use super::image::{Levels, side_of, side_taps};
 use super::level::NOMINAL;
 use super::loudness_meter::MATCH_FUTURE_S;
 use super::profile::Profile;
+use super::{Companding, DriveBlock};
 use crate::Error;
 use crate::controls::{CompandingControls, DynamicRange, TextureControls};
 use crate::crackle::Crackles;
@@ -170,7 +170,7 @@ fn trial(dictionary: &Arc<Dictionary>, profile: &Profile, seed: u32, progress: P
     for (number, drive) in drive.chunks(BLOCK).enumerate() {
         let samples = drive.len();
         let (flat, loudness) = (&mut flat[..samples], &mut loudness[..samples]);
-        companding.compress(drive, None, &controls, Some(profile), flat, loudness);
+        companding.compress(DriveBlock::of(drive), &controls, Some(profile), flat, loudness);
         let mut blocks: Vec<&mut [f64]> =
             channels.iter_mut().map(|channel| &mut channel[number * BLOCK..][..samples]).collect();
         texture.process(flat, Some(loudness), &controls, &mut blocks);

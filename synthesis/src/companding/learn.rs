@@ -1,7 +1,7 @@
 //! Loudnesses of a whole drive, learned before it is played.
 
 use super::frames::frame_samples;
-use super::{Companding, DriveEnvelope};
+use super::{Companding, DriveBlock, DriveEnvelope};
 use crate::Error;
 use crate::controls::TextureControls;
 
@@ -23,7 +23,7 @@ pub fn loudnesses(drive: &[f64], envelope: Option<DriveEnvelope<'_>>, sample_rat
         let envelope = envelope
             .map(|whole| DriveEnvelope { values: &whole.values[number * LEARN_BLOCK..][..drive.len()], ..whole });
         let (flat, loudness) = (&mut flat[..drive.len()], &mut loudness[..drive.len()]);
-        companding.compress(drive, envelope, &TextureControls::default(), None, flat, loudness);
+        companding.compress(DriveBlock { samples: drive, envelope }, &TextureControls::default(), None, flat, loudness);
         all.extend_from_slice(companding.measured_loudnesses());
     }
     Ok(all)

@@ -75,6 +75,22 @@ pub struct DriveEnvelope<'a> {
     pub delay_s: f64,
 }
 
+/// A block of the drive, and of the envelope that it was made from, if there is one.
+#[derive(Debug, Clone, Copy)]
+pub struct DriveBlock<'a> {
+    /// The drive.
+    pub samples: &'a [f64],
+    /// Its envelope.
+    pub envelope: Option<DriveEnvelope<'a>>,
+}
+
+impl<'a> DriveBlock<'a> {
+    /// A drive without an envelope.
+    pub fn of(samples: &'a [f64]) -> Self {
+        Self { samples, envelope: None }
+    }
+}
+
 /// Processing around texture synthesis in the companded mode.
 #[derive(Debug)]
 pub struct Companding {
@@ -183,8 +199,7 @@ impl Companding {
     /// envelope that it was made from.
     pub fn compress(
         &mut self,
-        drive: &[f64],
-        envelope: Option<DriveEnvelope<'_>>,
+        DriveBlock { samples: drive, envelope }: DriveBlock<'_>,
         controls: &TextureControls,
         profile: Option<&Profile>,
         flat: &mut [f64],
@@ -362,7 +377,7 @@ mod tests {
                 .collect();
             let (mut flat, mut loudness, mut gain) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![1.0; BLOCK]);
             let controls = if block / 20 % 2 == 0 { calm } else { moved };
-            companding.compress(&drive, None, controls, Some(&profile), &mut flat, &mut loudness);
+            companding.compress(DriveBlock::of(&drive), controls, Some(&profile), &mut flat, &mut loudness);
             companding.expand_one(Some(&profile), &mut [&mut gain]);
             flats.extend(flat);
             gains.extend(gain);
@@ -382,7 +397,7 @@ mod tests {
             let values: Vec<f64> = (start..start + BLOCK).map(|at| bump(at as f64 - delay_s * RATE_HZ)).collect();
             let (mut flat, mut loudness, mut out) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![0.0; BLOCK]);
             let envelope = Some(DriveEnvelope { values: &values, delay_s });
-            companding.compress(&drive, envelope, &controls, None, &mut flat, &mut loudness);
+            companding.compress(DriveBlock { samples: &drive, envelope }, &controls, None, &mut flat, &mut loudness);
             companding.expand_one(None, &mut [&mut out]);
             heard.extend_from_slice(companding.relative_loudness(BLOCK));
         }
