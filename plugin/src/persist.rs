@@ -1,7 +1,6 @@
 //! The state's field with the recording and the learned distribution, between the host, which loads and saves it on any
 //! thread, and the loader, which interprets it.
 
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pyrophone_settings::Session;
@@ -10,8 +9,6 @@ use pyrophone_settings::Session;
 /// unreadable or whose recording is missing is saved unharmed.
 pub struct SessionStore {
     inner: Mutex<Inner>,
-    /// Fields that have arrived so far.
-    arrivals: AtomicU64,
     /// Called after a field has arrived; must not block.
     on_arrival: Box<dyn Fn() + Send + Sync>,
 }
@@ -27,11 +24,7 @@ impl SessionStore {
     /// thread.
     pub fn new(on_arrival: impl Fn() + Send + Sync + 'static) -> Self {
         let field = encode(&Session::default());
-        Self {
-            inner: Mutex::new(Inner { field, unread: false }),
-            arrivals: AtomicU64::new(0),
-            on_arrival: Box::new(on_arrival),
-        }
+        Self { inner: Mutex::new(Inner { field, unread: false }), on_arrival: Box::new(on_arrival) }
     }
 
     /// The field to be saved.
@@ -47,13 +40,7 @@ impl SessionStore {
             std::mem::replace(&mut inner.field, field)
         };
         drop(old);
-        self.arrivals.fetch_add(1, Ordering::Relaxed);
         (self.on_arrival)();
-    }
-
-    /// The number of fields loaded by the host so far.
-    pub fn arrivals(&self) -> u64 {
-        self.arrivals.load(Ordering::Relaxed)
     }
 
     /// The field loaded by the host, once.
