@@ -22,7 +22,7 @@ const PLAYERS: [&str; 8] =
 /// Wine, and a separate folder for its Windows installation.
 struct Wine {
     program: &'static str,
-    environment: [(&'static str, String); 2],
+    environment: Vec<(&'static str, String)>,
 }
 
 /// Builds the Windows packages' contents, and tries all of them.
@@ -37,11 +37,16 @@ pub(super) fn soak(tally: &mut Tally) -> Result<()> {
     wine.digests(tally, &built.program)?;
     let folder = project::target_dir().join("wine-bounces");
     if tally.step("our host for Windows", || build_players(&built, &folder)) {
-        tally.step("bounces under Wine", || wine.bounces(&built.program, &folder));
-        match screen::obstacle() {
-            Some(why) => tally.skip("window under Wine", why),
-            None => drop(tally.step("window under Wine", || wine.windows(&folder))),
+        let tests = ["bounces under Wine", "window under Wine"];
+        if let Some(why) = screen::obstacle() {
+            tests.iter().for_each(|test| tally.skip(test, why));
+            return Ok(());
         }
+        // Plug-ins need one even for a bounce: a VST3's messages go through a hidden window.
+        let screen = Screen::start()?;
+        let wine = wine.with_screen(&screen)?;
+        tally.step(tests[0], || wine.bounces(&built.program, &folder));
+        tally.step(tests[1], || wine.windows(&screen, &folder));
     }
     Ok(())
 }
@@ -87,10 +92,14 @@ impl Wine {
             tally.skip(&name, &format!("there is no {} here", missing.join(" ")));
             return Ok(None);
         }
-        let prefix = project::target_dir().join("wine");
-        std::fs::create_dir_all(&prefix).context("a folder for Wine")?;
-        let environment = [("WINEPREFIX", prefix.to_string_lossy().into_owned()), ("WINEDEBUG", "-all".to_owned())];
-        Ok(Some(Self { program, environment }))
+        Ok(Some(Self { program, environment: environment("wine")? }))
+    }
+
+    /// The same on a screen. A Windows that has begun without a screen does not find one later, so it is another one.
+    fn with_screen(&self, screen: &Screen) -> Result<Self> {
+        let mut environment = environment("wine-with-screen")?;
+        environment.push(("DISPLAY", screen.display().to_owned()));
+        Ok(Self { program: self.program, environment })
     }
 
     fn digests(&self, tally: &mut Tally, program: &Path) -> Result<()> {
@@ -139,18 +148,13 @@ impl Wine {
     }
 
     /// Opens both bundles' windows on a virtual screen, and turns a page of each.
-    fn windows(&self, folder: &Path) -> Result<()> {
-        let screen = Screen::start()?;
-        // A Windows that has begun without a screen does not find one later.
-        let prefix = project::target_dir().join("wine-with-screen");
-        std::fs::create_dir_all(&prefix).context("a folder for Wine")?;
+    fn windows(&self, screen: &Screen, folder: &Path) -> Result<()> {
         for bundle in ["Pyrophone.clap", "Pyrophone.vst3"] {
             let map = folder.join(format!("{bundle}.map"));
             let _ = std::fs::remove_file(&map);
             let mut command = self.command(&release().join("examples/window.exe"), folder);
             command.arg(shown(&folder.join("bundled").join(bundle))).arg("600");
-            command.env("DISPLAY", screen.display()).env("PYROPHONE_EDITOR_MAP", shown(&map));
-            command.env("WINEPREFIX", &prefix);
+            command.env("PYROPHONE_EDITOR_MAP", shown(&map));
             let mut window = command.spawn().context("calling wine")?;
             let turned = screen.turn_page(&map);
             let kept = screen.photograph(&map, &folder.join(format!("{bundle}.png")));
@@ -162,6 +166,13 @@ impl Wine {
         }
         Ok(())
     }
+}
+
+/// Wine's environment, with a Windows installation in this folder.
+fn environment(folder: &str) -> Result<Vec<(&'static str, String)>> {
+    let prefix = project::target_dir().join(folder);
+    std::fs::create_dir_all(&prefix).context("a folder for Wine")?;
+    Ok(vec![("WINEPREFIX", prefix.to_string_lossy().into_owned()), ("WINEDEBUG", "-all".to_owned())])
 }
 
 /// A path as programs under Wine know it: the root is drive Z.
