@@ -98,8 +98,8 @@ fn start(at: &Path) -> Daemons {
     daemons.0.push(spawn(at, Command::new("/usr/sbin/slurmctld").arg("-D").arg("-f").arg(&conf), "slurmctld"));
     daemons.0.push(spawn(at, Command::new("/usr/sbin/slurmd").args(["-D", "-b"]).arg("-f").arg(&conf), "slurmd"));
     wait_for("an idle node", || {
-        let told = Command::new("sinfo").args(["-h", "-o", "%T"]).env("SLURM_CONF", &conf).output().unwrap();
-        String::from_utf8_lossy(&told.stdout).trim() == "idle"
+        let printed = Command::new("sinfo").args(["-h", "-o", "%T"]).env("SLURM_CONF", &conf).output().unwrap();
+        String::from_utf8_lossy(&printed.stdout).trim() == "idle"
     });
     daemons
 }
@@ -190,8 +190,8 @@ fn an_array_with_a_requeued_task_makes_what_one_run_makes() {
     wait_for("the merge", || at.join("farm.wav").exists() && at.join("farm.field").exists());
     let logs = at.read_dir().unwrap().map(|entry| entry.unwrap().path());
     let logs = logs.filter(|path| path.extension().is_some_and(|extension| extension == "out"));
-    let told: String = logs.filter_map(|path| std::fs::read_to_string(path).ok()).collect();
-    assert!(told.contains(&format!("of {CHUNK} frames are reused from an interrupted run")), "{told}");
+    let printed: String = logs.filter_map(|path| std::fs::read_to_string(path).ok()).collect();
+    assert!(printed.contains(&format!("of {CHUNK} frames are reused from an interrupted run")), "{printed}");
     let run = ["flux", "--input", "cache", "--output", "one.wav", "--speed-field", "one.field"];
     pyrophone(&[&run[..], &options].concat());
     for (one, farm) in [("one.wav", "farm.wav"), ("one.field", "farm.field")] {

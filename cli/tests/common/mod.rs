@@ -10,17 +10,17 @@ use std::process::{Command, Output};
 use pyrophone_recording::{Recording, decode, no_progress, write_wav_f32};
 
 /// Runs `pyrophone` in `folder` with arguments parted by spaces. Lines of progress, which only a busy machine sees, are
-/// left out of what it told.
+/// left out of what it printed.
 pub fn pyrophone(folder: &Path, arguments: &str) -> Output {
     let arguments = arguments.split_whitespace();
     // Help is wrapped to this width.
     let width = ("COLUMNS", "100");
     let binary = env!("CARGO_BIN_EXE_pyrophone");
     let mut output = Command::new(binary).current_dir(folder).envs([width]).args(arguments).output().unwrap();
-    let told = String::from_utf8_lossy(&output.stderr);
+    let printed = String::from_utf8_lossy(&output.stderr);
     let is_progress =
         |line: &str| line.ends_with(" %\n") && !line.starts_with("error: ") && !line.starts_with("note: ");
-    output.stderr = told.split_inclusive('\n').filter(|line| !is_progress(line)).collect::<String>().into_bytes();
+    output.stderr = printed.split_inclusive('\n').filter(|line| !is_progress(line)).collect::<String>().into_bytes();
     output
 }
 

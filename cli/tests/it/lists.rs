@@ -24,7 +24,7 @@ const COMMANDS: [&str; 12] = [
 ];
 
 #[track_caller]
-fn told(arguments: &str) -> String {
+fn printed(arguments: &str) -> String {
     let output = pyrophone(Path::new("."), arguments);
     assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
@@ -68,8 +68,8 @@ fn presets_lists_the_factory_s_and_the_user_s() {
 
 #[test]
 fn parameters_lists_all_with_their_ranges() {
-    let plain = told("parameters");
-    let json: Value = serde_json::from_str(&told("parameters --json")).unwrap();
+    let plain = printed("parameters");
+    let json: Value = serde_json::from_str(&printed("parameters --json")).unwrap();
     let listed = json["parameters"].as_array().unwrap();
     assert_eq!(listed.len(), PARAMETERS.len());
     for (listed, parameter) in listed.iter().zip(PARAMETERS) {
@@ -85,14 +85,14 @@ fn parameters_lists_all_with_their_ranges() {
 #[test]
 fn completions_know_every_command_in_every_shell() {
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        let script = told(&format!("completions {shell}"));
+        let script = printed(&format!("completions {shell}"));
         for word in COMMANDS.iter().chain(&["training", "json"]) {
             assert!(script.contains(word), "{shell}: {word}");
         }
     }
     // What is there to read it says whether it is right.
     let script = tempfile::NamedTempFile::new().unwrap();
-    std::fs::write(script.path(), told("completions bash")).unwrap();
+    std::fs::write(script.path(), printed("completions bash")).unwrap();
     match Command::new("bash").arg("-n").arg(script.path()).output() {
         Ok(checked) => assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr)),
         Err(_) => eprintln!("skipped: there is no bash"),
@@ -119,7 +119,7 @@ fn man_writes_a_page_for_every_command() {
 
 #[test]
 fn version_tells_the_commit_where_there_is_one() {
-    let version = told("--version");
+    let version = printed("--version");
     let plain = concat!("pyrophone ", env!("CARGO_PKG_VERSION"));
     let git =
         Command::new("git").args(["rev-parse", "--short=12", "HEAD"]).current_dir(env!("CARGO_MANIFEST_DIR")).output();
@@ -132,7 +132,7 @@ fn version_tells_the_commit_where_there_is_one() {
 
 #[test]
 fn exit_codes_are_in_the_help() {
-    let help = told("--help");
+    let help = printed("--help");
     for code in ["0:", "1:", "2:", "130", "143"] {
         assert!(help.contains(code), "{code}");
     }
@@ -147,7 +147,7 @@ fn a_closed_pipe_is_no_error() {
         let mut child = command.spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success() && told.is_empty(), "{arguments}: {told}");
+        let printed = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && printed.is_empty(), "{arguments}: {printed}");
     }
 }

@@ -82,9 +82,9 @@ fn drives_of_flames_add_up_to_the_whole_and_know_their_places() {
             "{notes}"
         );
         assert_eq!(drives_add_up(at, &format!("{name}.wav"), name), 4);
-        let told: Vec<Vec<String>> = rows(&at.join(name).join("clusters.csv"));
+        let listed: Vec<Vec<String>> = rows(&at.join(name).join("clusters.csv"));
         let why: Vec<[&str; 4]> =
-            told.iter().map(|row| [&row[3], &row[4], &row[5], &row[6]].map(|x| x.as_str())).collect();
+            listed.iter().map(|row| [&row[3], &row[4], &row[5], &row[6]].map(|x| x.as_str())).collect();
         assert_eq!(
             why,
             [

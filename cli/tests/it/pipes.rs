@@ -34,16 +34,16 @@ fn standard_input_and_output_are_wav_of_unknown_length() {
     hum[4..8].fill(0xff);
     for command in ["extend", "render --preset extend", "texture --training fire.wav"] {
         let output = fed(folder.path(), &format!("{command} --input - --output -"), &hum);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{command}: {told}");
+        let printed = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{command}: {printed}");
         succeeds(folder.path(), &format!("{command} --input hum.wav --output file.wav"));
         let piped = decode_bytes(&output.stdout, "piped", &no_progress).unwrap();
         let file = read(&folder.path().join("file.wav"));
         assert!(piped.channels == file.channels && piped.sample_rate_hz == file.sample_rate_hz, "{command}");
     }
     let summary = fed(folder.path(), "extend --input - --output - --json --quiet", &hum);
-    let told: serde_json::Value = serde_json::from_slice(&summary.stderr).unwrap();
-    assert_eq!(told["output"], "-");
+    let printed: serde_json::Value = serde_json::from_slice(&summary.stderr).unwrap();
+    assert_eq!(printed["output"], "-");
     assert!(summary.stdout.starts_with(b"RIFF"));
 }
 
@@ -59,8 +59,8 @@ fn bad_pipes_are_refused() {
         ("extend --input - --output out.wav", &vec![], "standard input: the file is empty"),
     ] {
         let output = fed(folder.path(), arguments, bytes);
-        let told = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.code() == Some(1) && told.contains(says), "{arguments}: {told}");
+        let printed = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(1) && printed.contains(says), "{arguments}: {printed}");
         assert!(!folder.path().join("out.wav").exists());
     }
 }

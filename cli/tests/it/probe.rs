@@ -94,8 +94,8 @@ fn the_other_recipes_make_what_is_read() {
     std::fs::write(at.join("case_hrr.csv"), table).unwrap();
     let output = pyrophone(at, "flux --input case_hrr.csv --output flame.wav --json");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!((told["seconds"].as_f64().unwrap() - 2.0).abs() < 0.01, "{told}");
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!((printed["seconds"].as_f64().unwrap() - 2.0).abs() < 0.01, "{printed}");
 }
 
 /// A frame of `flames` alone, as a NumPy array: no velocity beside it.

@@ -44,8 +44,8 @@ fn signals_in_mid_render_leave_nothing_and_kill_the_process() {
         send(&child, signal);
         let output = child.wait_with_output().unwrap();
         assert_eq!((output.status.signal(), output.status.code()), (Some(signal), None), "{work}");
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(told.ends_with("error: cancelled; nothing was written\n"), "{work}: {told}");
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(printed.ends_with("error: cancelled; nothing was written\n"), "{work}: {printed}");
         assert!(output.stdout.is_empty(), "{work}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "{work}: something was left behind");
     }

@@ -50,11 +50,11 @@ fn every_command_that_writes_tells_the_same_keys() {
         ),
         ("man --output pages", "man", false),
     ] {
-        let told = summary(&folder, &format!("{arguments} --json"));
-        assert_eq!(keys(&told), keys(&render), "{arguments}");
-        assert_eq!(told["command"], command);
-        assert_eq!(told["hash"].is_string(), is_sound, "{arguments}");
-        for file in told["files"].as_array().unwrap() {
+        let printed = summary(&folder, &format!("{arguments} --json"));
+        assert_eq!(keys(&printed), keys(&render), "{arguments}");
+        assert_eq!(printed["command"], command);
+        assert_eq!(printed["hash"].is_string(), is_sound, "{arguments}");
+        for file in printed["files"].as_array().unwrap() {
             assert!(folder.path().join(file.as_str().unwrap()).is_file(), "{arguments}: {file}");
         }
     }
@@ -66,15 +66,15 @@ fn figures_are_those_of_the_file_that_was_written() {
     for (name, arguments) in
         [("a.wav", "--set output_level=-6"), ("a.flac", ""), ("loud.flac", "--set output_level=24 --set ceiling=off")]
     {
-        let told =
+        let printed =
             summary(&folder, &format!("--json render --preset extend {arguments} --input noise.wav --output {name}"));
         let file = read(&folder.path().join(name));
-        assert_eq!(told["hash"], samples_hash(&file.channels), "{name}");
-        assert_eq!(told["seconds"], 1.0);
-        assert_eq!((told["channels"].as_u64(), told["sample_rate_hz"].as_u64()), (Some(2), Some(48_000)));
-        assert!(told["latency_samples"].as_u64().unwrap() > 0);
-        assert!(told["lufs"].as_f64().unwrap() < 24.0, "{told}");
-        let notes = told["notes"].as_array().unwrap();
+        assert_eq!(printed["hash"], samples_hash(&file.channels), "{name}");
+        assert_eq!(printed["seconds"], 1.0);
+        assert_eq!((printed["channels"].as_u64(), printed["sample_rate_hz"].as_u64()), (Some(2), Some(48_000)));
+        assert!(printed["latency_samples"].as_u64().unwrap() > 0);
+        assert!(printed["lufs"].as_f64().unwrap() < 24.0, "{printed}");
+        let notes = printed["notes"].as_array().unwrap();
         let clips = notes.iter().any(|note| note.as_str().unwrap().contains("clipped"));
         assert_eq!(clips, name == "loud.flac", "{notes:?}");
     }
@@ -91,8 +91,8 @@ fn too_loud_and_too_quiet_outputs_are_noted_with_their_peak() {
         let notes = summary(&folder, render)["notes"].clone();
         assert!(notes.as_array().unwrap().len() == 1 && notes[0].as_str().unwrap().contains(says), "{notes}");
         let plain = pyrophone(folder.path(), &render.replace(" --json", ""));
-        let told = String::from_utf8(plain.stderr).unwrap();
-        assert!(told.starts_with("note: ") && told.contains(says), "{told}");
+        let printed = String::from_utf8(plain.stderr).unwrap();
+        assert!(printed.starts_with("note: ") && printed.contains(says), "{printed}");
         assert!(plain.stdout.is_empty());
     }
 }

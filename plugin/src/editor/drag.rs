@@ -183,7 +183,7 @@ struct Drag {
     uri: String,
     target: Option<Target>,
     /// Position last sent to the target, and whether a reply to it is pending.
-    told: Option<(i16, i16)>,
+    reported: Option<(i16, i16)>,
     is_awaited: bool,
     is_accepted: bool,
 }
@@ -206,7 +206,7 @@ impl Drag {
             source,
             uri,
             target: None,
-            told: None,
+            reported: None,
             is_awaited: false,
             is_accepted: false,
         })
@@ -356,10 +356,12 @@ impl Drag {
     }
 
     fn tell_place(&mut self, place: (i16, i16)) -> Result<(), Error> {
-        let Some(target) = self.target.filter(|_| !self.is_awaited && self.told != Some(place)) else { return Ok(()) };
+        let Some(target) = self.target.filter(|_| !self.is_awaited && self.reported != Some(place)) else {
+            return Ok(());
+        };
         let packed = u32::from(place.0 as u16) << 16 | u32::from(place.1 as u16);
         self.tell(target, self.words.XdndPosition, [0, packed, x11rb::CURRENT_TIME, self.words.XdndActionCopy])?;
-        (self.told, self.is_awaited) = (Some(place), true);
+        (self.reported, self.is_awaited) = (Some(place), true);
         Ok(())
     }
 
@@ -369,7 +371,7 @@ impl Drag {
             // Closing a connection with unread replies discards its last requests.
             self.connection.sync()?;
         }
-        (self.told, self.is_awaited, self.is_accepted) = (None, false, false);
+        (self.reported, self.is_awaited, self.is_accepted) = (None, false, false);
         Ok(())
     }
 

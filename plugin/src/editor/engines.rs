@@ -49,8 +49,8 @@ pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut
 
     let shows_engines = left.height() >= ROOM_FOR_ENGINES;
     let spectra = if shows_engines { left.with_max_y(left.bottom() - ENGINES - GAP) } else { left };
-    let (told, overview) = (parts.told, parts.view.overview.clone());
-    parts.monitor.spectra().show(ui, spectra, overview.as_deref(), &told, hand);
+    let (assessment, overview) = (parts.assessment, parts.view.overview.clone());
+    parts.monitor.spectra().show(ui, spectra, overview.as_deref(), &assessment, hand);
     if shows_engines {
         engines(ui, left.with_min_y(left.bottom() - ENGINES), parts, hand);
     }

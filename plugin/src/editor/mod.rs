@@ -239,7 +239,7 @@ impl Window {
         self.monitor.follow_traces(overview.map(|overview| [overview.duration_s, overview.start_s]), now_s);
         let figures = self.monitor.figures(overview.map(|overview| &overview.character));
         let fault = figures.fault().or_else(|| foreseen(&mut self.monitor, &view, &hand, now_s));
-        let told = Advice { figures, fault, scaling_alpha: self.meters.scaling_alpha() };
+        let assessment = Advice { figures, fault, scaling_alpha: self.meters.scaling_alpha() };
         let mut parts = play::Parts {
             monitor: &mut self.monitor,
             levels: &mut self.levels,
@@ -249,7 +249,7 @@ impl Window {
             loader: &self.loader,
             meters: &self.meters,
             view: &view,
-            told,
+            assessment,
         };
         match self.header.page {
             Page::Play => play::show(ui, rest, &mut parts, &mut hand),

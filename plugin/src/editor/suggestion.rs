@@ -61,10 +61,10 @@ mod tests {
     /// Clicks until there is nothing left to click.
     fn clicks(fault: Diagnosis, mut values: Values) -> Vec<(Id, f64)> {
         let mut done = vec![];
-        while let Some(cure) = Suggestion::of(fault, &values) {
-            values.set(cure.id as usize, cure.plain).expect("in range");
-            assert!(cure.words.contains(cure.id.parameter().name), "{}", cure.words);
-            done.push((cure.id, cure.plain));
+        while let Some(remedy) = Suggestion::of(fault, &values) {
+            values.set(remedy.id as usize, remedy.plain).expect("in range");
+            assert!(remedy.words.contains(remedy.id.parameter().name), "{}", remedy.words);
+            done.push((remedy.id, remedy.plain));
             assert!(done.len() < 30, "{fault:?} never ends");
         }
         done

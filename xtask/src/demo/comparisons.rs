@@ -89,7 +89,13 @@ impl Pair {
         })
     }
 
-    fn burn(&self, studio: &Studio, name: &str, settings: &[&str], recording: Option<&Pair>) -> Result<RenderedJob> {
+    fn render_fire(
+        &self,
+        studio: &Studio,
+        name: &str,
+        settings: &[&str],
+        recording: Option<&Pair>,
+    ) -> Result<RenderedJob> {
         let values = preset(name, settings.iter().copied())?;
         let training = recording.map(|pair| pair.training.as_path());
         studio.render(&Job { input: &self.input, training, values: &values, output_channels: 1 })
@@ -100,8 +106,8 @@ impl Pair {
     }
 }
 
-fn timed(mut row: Row, burnt: &RenderedJob) -> Row {
-    row.facts.push(burnt.speed());
+fn timed(mut row: Row, rendered: &RenderedJob) -> Row {
+    row.facts.push(rendered.speed());
     row
 }
 
@@ -118,10 +124,10 @@ fn example(studio: &Studio, pair: &Pair) -> Result<(Section, Timing)> {
         &Beside::Training,
     )?;
 
-    let extended = pair.burn(studio, "extend", &[], None)?;
+    let extended = pair.render_fire(studio, "extend", &[], None)?;
     let extension =
         studio.row(&slug("extend"), "Extension", "alpha 2.5.", &extended.sound, &pair.beside(None, Some(2.5)))?;
-    let textured = pair.burn(studio, "texture-paper", &[], Some(pair))?;
+    let textured = pair.render_fire(studio, "texture-paper", &[], Some(pair))?;
     let texture = studio.row(
         &slug("texture"),
         "Texture, as published",
@@ -149,10 +155,11 @@ fn exponents(studio: &Studio, pair: &Pair) -> Result<Section> {
         (3.0, "The paper: reasonable."),
         (3.5, "The paper: too much at the bottom."),
     ] {
-        let burnt = pair.burn(studio, "extend", &[&format!("alpha={alpha}")], None)?;
+        let rendered = pair.render_fire(studio, "extend", &[&format!("alpha={alpha}")], None)?;
         let slug = format!("{}-alpha-{alpha}", pair.slug);
-        let row = studio.row(&slug, &format!("alpha {alpha}"), note, &burnt.sound, &pair.beside(None, Some(alpha)))?;
-        rows.push(timed(row, &burnt));
+        let row =
+            studio.row(&slug, &format!("alpha {alpha}"), note, &rendered.sound, &pair.beside(None, Some(alpha)))?;
+        rows.push(timed(row, &rendered));
     }
     Ok(Section {
         title: format!("Varying the exponent: {}", pair.title),
@@ -165,12 +172,12 @@ fn exponents(studio: &Studio, pair: &Pair) -> Result<Section> {
 fn crossed(studio: &Studio, pairs: &[(&Pair, &Pair)]) -> Result<Section> {
     let mut rows = vec![];
     for (flame, fire) in pairs {
-        let burnt = flame.burn(studio, "texture-paper", &[], Some(fire))?;
+        let rendered = flame.render_fire(studio, "texture-paper", &[], Some(fire))?;
         let slug = format!("{}-from-{}", flame.slug, fire.slug);
         let name = format!("{}, {}'s fire", flame.title, fire.title);
         let note = format!("The flame of {}, with the recording of {}.", flame.title, fire.title);
-        let row = studio.row(&slug, &name, &note, &burnt.sound, &flame.beside(Some(fire), None))?;
-        rows.push(timed(row, &burnt));
+        let row = studio.row(&slug, &name, &note, &rendered.sound, &flame.beside(Some(fire), None))?;
+        rows.push(timed(row, &rendered));
     }
     Ok(Section {
         title: "Other recordings".into(),
@@ -192,10 +199,11 @@ fn dynamic_range(studio: &Studio, pair: &Pair) -> Result<Section> {
     ];
     let mut rows = vec![];
     for (name, note, settings) in variants {
-        let burnt = pair.burn(studio, "texture-paper", settings, Some(pair))?;
+        let rendered = pair.render_fire(studio, "texture-paper", settings, Some(pair))?;
         let slug = format!("{}-dynamics-{name}", pair.slug);
-        let row = studio.row(&slug, &format!("Dynamics {name}"), note, &burnt.sound, &pair.beside(Some(pair), None))?;
-        rows.push(timed(row, &burnt));
+        let row =
+            studio.row(&slug, &format!("Dynamics {name}"), note, &rendered.sound, &pair.beside(Some(pair), None))?;
+        rows.push(timed(row, &rendered));
     }
     Ok(Section {
         title: format!("Dynamic range mapping: {}", pair.title),

@@ -116,7 +116,7 @@ fn engines(studio: &Studio, args: &Args, flame: &DemoSource, fire: &DemoSource) 
         let uses_recording = name != "extend";
         let burns = values.controls().drive.mode == DriveMode::Flame;
         let (played, heard) = if burns { (&silence, &silence_sound) } else { (input, &flame.sound) };
-        let burnt = studio.render(&Job {
+        let rendered = studio.render(&Job {
             input: played,
             training: uses_recording.then_some(fire.path.as_path()),
             values: &values,
@@ -127,12 +127,12 @@ fn engines(studio: &Studio, args: &Args, flame: &DemoSource, fire: &DemoSource) 
             training: uses_recording.then_some(&fire.sound),
             alpha: (name == "extend").then_some(2.5),
         };
-        let mut row = studio.row(name, title, note, &burnt.sound, &beside)?;
-        row.facts.push(burnt.speed());
+        let mut row = studio.row(name, title, note, &rendered.sound, &beside)?;
+        row.facts.push(rendered.speed());
         row.facts.push(format!("preset {name}"));
         rows.push(row);
         if pair.is_none() {
-            pair = Some(studio.pair([&flame.sound, &burnt.sound], ["input", name])?);
+            pair = Some(studio.pair([&flame.sound, &rendered.sound], ["input", name])?);
         }
     }
     let intro = if args.input.is_none() || args.training.is_none() {
@@ -214,7 +214,7 @@ fn systems(studio: &Studio, flame: &DemoSource, fire: &DemoSource) -> Result<Sec
         let levels = levels.map(|(layer, level)| format!("{layer}_level={level}"));
         let values = preset("default", levels.iter().map(String::as_str))?;
         let uses_recording = texture != "off";
-        let burnt = studio.render(&Job {
+        let rendered = studio.render(&Job {
             input: &flame.recording,
             training: uses_recording.then_some(fire.path.as_path()),
             values: &values,
@@ -222,8 +222,8 @@ fn systems(studio: &Studio, flame: &DemoSource, fire: &DemoSource) -> Result<Sec
         })?;
         let beside =
             Beside::Result { input: &flame.sound, training: uses_recording.then_some(&fire.sound), alpha: None };
-        let mut row = studio.row(name, title, note, &burnt.sound, &beside)?;
-        row.facts.push(burnt.speed());
+        let mut row = studio.row(name, title, note, &rendered.sound, &beside)?;
+        row.facts.push(rendered.speed());
         rows.push(row);
     }
     let intro = "Each system alone, with the input above, and all of them as layers of one instance.";

@@ -98,7 +98,7 @@ fn drums(folder: &Path) -> Result<Recording> {
 
 fn made_by(command: &mut Command) -> Result<()> {
     let program = command.get_program().to_string_lossy().into_owned();
-    let told = command.output().with_context(|| format!("{program} is not installed"))?;
-    ensure!(told.status.success(), "{program}: {}", String::from_utf8_lossy(&told.stderr).trim());
+    let printed = command.output().with_context(|| format!("{program} is not installed"))?;
+    ensure!(printed.status.success(), "{program}: {}", String::from_utf8_lossy(&printed.stderr).trim());
     Ok(())
 }

@@ -44,10 +44,10 @@ pub fn crackle(python: &Path, program: &Path, output: &Path, training: &Path) ->
 
 fn run(command: &mut Command, program: &Path, output: &Path, training: &Path) -> Result<Value> {
     command.args(["--json", "--output"]).arg(output).arg("--training").arg(training).env("OMP_NUM_THREADS", "1");
-    let told = command.output()?;
-    ensure!(told.status.success(), "{}: {}", program.display(), String::from_utf8_lossy(&told.stderr));
+    let output = command.output()?;
+    ensure!(output.status.success(), "{}: {}", program.display(), String::from_utf8_lossy(&output.stderr));
     // Python writes invalid numbers in a form that JSON readers reject.
-    let text = String::from_utf8_lossy(&told.stdout).replace("NaN", "null").replace("-Infinity", "null");
+    let text = String::from_utf8_lossy(&output.stdout).replace("NaN", "null").replace("-Infinity", "null");
     serde_json::from_str(&text.replace("Infinity", "null"))
         .with_context(|| format!("{} printed no JSON", program.display()))
 }

@@ -135,8 +135,8 @@ fn cell(column: &Column, draws: &[Value]) -> String {
     format!("{:.2} ±{:.2}{own}", mean(&found), 0.5 * range)
 }
 
-fn figure(told: &Value, path: &str) -> Option<f64> {
-    path.split('.').try_fold(told, |value, key| value.get(key))?.as_f64()
+fn figure(scores: &Value, path: &str) -> Option<f64> {
+    path.split('.').try_fold(scores, |value, key| value.get(key))?.as_f64()
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub struct Parts<'a> {
     /// State of the loader.
     pub view: &'a View,
     /// Match of the output.
-    pub told: Advice,
+    pub assessment: Advice,
 }
 
 /// The page.

@@ -38,8 +38,8 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
         readable(Pos2::new(picture.right() - 6.0, y), Align2::RIGHT_CENTER, name, theme::small(), theme::WEAK);
     }
     light(ui, picture, parts, hand);
-    let told = parts.told;
-    within(ui, strip.shrink2(Vec2::new(9.0, 2.0)), "match", |ui| figures(ui, &told, hand));
+    let assessment = parts.assessment;
+    within(ui, strip.shrink2(Vec2::new(9.0, 2.0)), "match", |ui| figures(ui, &assessment, hand));
 }
 
 /// An offer to start the built-in flame where no input arrives: the first thing a user sees after loading the plug-in.
@@ -58,19 +58,19 @@ fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>)
 }
 
 /// One line: a lamp, the figures, and a suggestion where there is a fault.
-fn figures(ui: &mut Ui, told: &Advice, hand: &mut ParamEditor<'_>) {
+fn figures(ui: &mut Ui, assessment: &Advice, hand: &mut ParamEditor<'_>) {
     // Otherwise a button would be higher than the strip, and cut.
     ui.spacing_mut().interact_size.y = BUTTON;
     ui.horizontal_centered(|ui| {
-        let words = words(told);
-        let (lamp, color) = match (told.fault, words.is_empty()) {
+        let words = words(assessment);
+        let (lamp, color) = match (assessment.fault, words.is_empty()) {
             (Some(_), _) => (theme::ALARM, theme::TEXT),
             (None, true) => (theme::LINE, theme::WEAK),
             (None, false) => (theme::WELL_DONE, theme::TEXT),
         };
         let (spot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
         ui.painter().circle_filled(spot.center(), 3.5, lamp);
-        if let Some(fault) = told.fault {
+        if let Some(fault) = assessment.fault {
             advise(ui, fault, hand);
             return;
         }
@@ -84,32 +84,32 @@ const EXPLANATION: &str = "Over the last eight seconds. Sync: correlation of the
     best. Buzz: how far the output's strongest tones stand out beyond the recording's. Crackle: how sudden the output is, \
     as a multiple of the recording, 1 at best.";
 
-fn words(told: &Advice) -> Vec<String> {
+fn words(assessment: &Advice) -> Vec<String> {
     let mut words = vec![];
-    words.extend(told.figures.follows.map(|follows| format!("sync {follows:.2}")));
-    words.extend(told.figures.lines_db.map(|lines_db| match lines_db {
+    words.extend(assessment.figures.follows.map(|follows| format!("sync {follows:.2}")));
+    words.extend(assessment.figures.lines_db.map(|lines_db| match lines_db {
         ..1.0 => "no buzz".to_owned(),
         _ => format!("tones +{lines_db:.1} dB"),
     }));
-    words.extend(told.figures.crackle.map(|crackle| format!("crackle ×{crackle:.1}")));
+    words.extend(assessment.figures.crackle.map(|crackle| format!("crackle ×{crackle:.1}")));
     words
 }
 
 /// The fault, and a button that applies the suggestion.
 fn advise(ui: &mut Ui, fault: Diagnosis, hand: &mut ParamEditor<'_>) {
-    let cure = Suggestion::of(fault, &hand.values());
-    let advice = fault.advice(cure.is_none());
-    let room = if cure.is_some() { 130.0 } else { 0.0 };
+    let remedy = Suggestion::of(fault, &hand.values());
+    let advice = fault.advice(remedy.is_none());
+    let room = if remedy.is_some() { 130.0 } else { 0.0 };
     ui.allocate_ui(Vec2::new((ui.available_width() - room).max(60.0), ui.available_height()), |ui| {
         let label = egui::Label::new(RichText::new(advice).font(theme::small()).color(theme::EMBER)).truncate();
         ui.add(label).on_hover_text(advice);
     });
-    let Some(cure) = cure else { return };
-    let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
+    let Some(remedy) = remedy else { return };
+    let button = Button::new(RichText::new(&remedy.words).font(theme::small())).truncate();
     let button = ui.add_sized(Vec2::new(room - 8.0, BUTTON), button);
     map::note(ui, "button.Cure", button.rect);
-    let what = format!("{}. Undo reverts it.", cure.words);
+    let what = format!("{}. Undo reverts it.", remedy.words);
     if button.on_hover_text(what).clicked() {
-        hand.set_once(cure.id as usize, cure.plain);
+        hand.set_once(remedy.id as usize, remedy.plain);
     }
 }

@@ -342,14 +342,14 @@ impl Advice {
         );
         let Some(fault) = self.fault else { return };
         let at = at + Vec2::new(0.0, 15.0);
-        let cure = Suggestion::of(fault, &hand.values());
-        let advice = readable(painter, at, fault.advice(cure.is_none()), theme::EMBER);
-        let Some(cure) = cure else { return };
+        let remedy = Suggestion::of(fault, &hand.values());
+        let advice = readable(painter, at, fault.advice(remedy.is_none()), theme::EMBER);
+        let Some(remedy) = remedy else { return };
         let place = Rect::from_min_size(advice.left_bottom() + Vec2::new(0.0, 3.0), Vec2::new(150.0, 18.0));
-        let button = Button::new(RichText::new(&cure.words).font(theme::small())).truncate();
+        let button = Button::new(RichText::new(&remedy.words).font(theme::small())).truncate();
         map::note(ui, "button.Cure", place);
         if ui.put(place, button).on_hover_text("Applies the suggestion; Undo reverts it").clicked() {
-            hand.set_once(cure.id as usize, cure.plain);
+            hand.set_once(remedy.id as usize, remedy.plain);
         }
     }
 }
