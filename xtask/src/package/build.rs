@@ -76,7 +76,12 @@ pub fn link(triple: &str, linker: &Path, kit: &Path) -> Result<PathBuf> {
 /// Runs a build.
 fn finish(mut command: Command, name: &str) -> Result<()> {
     command.current_dir(project::root()).arg("--release");
-    command.env("CARGO_TARGET_DIR", project::target_dir().join("cross")).env("CARGO_INCREMENTAL", "0");
+    let folder = project::target_dir().join("cross");
+    // Linkers for Windows sort imports by the paths of the libraries, some of which are temporary. So those lie beside the
+    // others, or the order would depend on where the project lies.
+    let temporary = folder.join("tmp");
+    std::fs::create_dir_all(&temporary).with_context(|| temporary.display().to_string())?;
+    command.env("TMPDIR", &temporary).env("CARGO_TARGET_DIR", &folder).env("CARGO_INCREMENTAL", "0");
     // Paths of this machine do not belong in released programs, and would make two builds differ.
     command.env("RUSTFLAGS", remapped());
     // Linkers for Windows would write the present time. 1980-01-01, in seconds, as in the archives.
