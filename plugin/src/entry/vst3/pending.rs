@@ -22,7 +22,7 @@ struct Slot {
     blocks: AtomicU8,
     /// The latest values reported to the host, as 32-bit floats, and their count.
     reported: [AtomicF32; REPORTED],
-    told_count: AtomicU32,
+    reported_count: AtomicU32,
 }
 
 impl Slot {
@@ -31,7 +31,7 @@ impl Slot {
             bits: AtomicU64::new(NONE),
             blocks: AtomicU8::new(0),
             reported: std::array::from_fn(|_| AtomicF32::new(f32::NAN)),
-            told_count: AtomicU32::new(0),
+            reported_count: AtomicU32::new(0),
         }
     }
 }
@@ -61,14 +61,14 @@ impl PendingValues {
     /// Remembers a value reported to the host, which replaces any pending one; real-time safe.
     pub fn report(&self, index: usize, normalised: f64) {
         let slot = &self.0[index];
-        let place = slot.told_count.fetch_add(1, Ordering::Relaxed) as usize % REPORTED;
+        let place = slot.reported_count.fetch_add(1, Ordering::Relaxed) as usize % REPORTED;
         slot.reported[place].store(normalised as f32, Ordering::Relaxed);
         slot.bits.store(NONE, Ordering::Release);
     }
 
     /// True if a value set by the host is one that was reported to it recently.
     pub fn is_echo(&self, index: usize, normalised: f64) -> bool {
-        let is_it = |told: &AtomicF32| (f64::from(told.load(Ordering::Relaxed)) - normalised).abs() < 1e-6;
+        let is_it = |value: &AtomicF32| (f64::from(value.load(Ordering::Relaxed)) - normalised).abs() < 1e-6;
         self.0[index].reported.iter().any(is_it)
     }
 
