@@ -9,7 +9,7 @@ use pyrophone_synthesis::Error;
 use pyrophone_synthesis::chain::Chain;
 use pyrophone_synthesis::vortex::SpeakerLayout;
 use ringbuf::traits::{Consumer, Producer, Split};
-use ringbuf::{HeapCons, HeapRb};
+use ringbuf::{HeapCons, HeapProd, HeapRb};
 
 use super::audition::Audition;
 use super::burst::Burst;
@@ -92,6 +92,12 @@ impl Engines {
 pub struct Pending(HeapCons<Box<Engines>>);
 
 impl Pending {
+    /// Both ends of a new ring.
+    pub fn pair() -> (HeapProd<Box<Engines>>, Self) {
+        let (arriving, arrived) = HeapRb::new(1).split();
+        (arriving, Self(arrived))
+    }
+
     /// The engines, once they are built; real-time safe.
     pub(super) fn receive(&mut self) -> Option<Box<Engines>> {
         self.0.try_pop()
@@ -119,7 +125,7 @@ impl Builder {
     /// What is wrong with `engine`, or with the system's threads.
     pub fn build(&mut self, engine: Engine, is_offline: bool, limit: Option<Duration>) -> Result<Built, String> {
         self.finish();
-        let (mut arriving, arrived) = HeapRb::new(1).split();
+        let (mut arriving, mut pending) = Pending::pair();
         let (told, hears) = mpsc::channel();
         let work = move || {
             let built = Engines::new(engine).map(|mut engines| {
@@ -131,7 +137,6 @@ impl Builder {
         };
         let thread = std::thread::Builder::new().name("pyrophone-engines".to_owned()).spawn(work);
         self.thread = Some(thread.map_err(|error| format!("the system cannot start a thread ({error})"))?);
-        let mut pending = Pending(arrived);
         let outcome = match limit {
             Some(limit) => hears.recv_timeout(limit),
             None => hears.recv().map_err(mpsc::RecvTimeoutError::from),

@@ -4,13 +4,14 @@ use std::time::{Duration, Instant};
 
 use nice_plug::prelude::Params;
 use nice_plug_egui::RepaintNotifier;
-use pyrophone::audio::engines::{Builder, Built, Engines};
+use pyrophone::audio::engines::{Builder, Built, Engines, Pending};
 use pyrophone::audio::note_bursts::NoteBursts;
 use pyrophone::audio::{Audio, Tail};
 use pyrophone::loader::{Engine, Loader};
 use pyrophone::probe::{self, Listen};
 use pyrophone_settings::{Preset, Values};
 use pyrophone_synthesis::chain::{Chain, Channels, Transport};
+use ringbuf::traits::Producer;
 
 const RATE_HZ: f64 = 44_100.0;
 
@@ -123,14 +124,15 @@ fn engines_that_arrive_late_sound_from_then_on() {
     let values = Preset::find("extend").unwrap().values;
     let (_loader, mut audio) = audio(&values, 0, 512);
     let prompt = played(&mut audio, &values);
-    let mut builder = Builder::default();
-    let built = builder.build(engine(&values, 0), false, Some(Duration::ZERO)).unwrap();
-    assert!(matches!(built, Built::Pending(_)), "no engines are built in no time");
-    audio.run(built, channels(0), 512);
+    let (mut arriving, pending) = Pending::pair();
+    audio.run(Built::Pending(pending), channels(0), 512);
     let (mut left, mut right) = (noise(512, 1), noise(512, 2));
     audio.process(&mut [&mut left, &mut right], &[], &values, &NoteBursts::default(), PLAYING);
     assert_eq!((left, audio.tail()), (vec![0.0; 512], Tail::Endless), "until then it is silent, but not over");
-    builder.finish();
+    let Built::Ready(late) = Builder::default().build(engine(&values, 0), false, None).unwrap() else {
+        panic!("without a limit they are awaited")
+    };
+    assert!(arriving.try_push(late).is_ok());
     audio.receive_updates();
     assert!(audio.latency_samples().is_some());
     assert!(played(&mut audio, &values) == prompt);
