@@ -5,8 +5,13 @@ use crate::solver::Random;
 /// Number of fall times after which nothing of a burst is left.
 const FALLS: f64 = 8.0;
 
-/// Lowest and highest burst, relative to a typical one.
-const HEIGHTS: (f64, f64) = (0.25, 2.5);
+/// Lowest and highest burst, relative to a typical one: all stand out from the pauses, and none is the only one that
+/// is heard.
+const HEIGHTS: (f64, f64) = (0.4, 1.6);
+
+/// Degree to which bursts that overlap weaken each other, for they feed on the same fuel: two typical ones at the same
+/// moment make 1.5, and not 2.
+const SHARING: f64 = 0.5;
 
 /// A random function of time: one burst in each slot of `1 / rate_hz` seconds, most of them low, a few high, that rises
 /// within `rise_s` and falls over `fall_s`.
@@ -28,7 +33,8 @@ impl Bursts {
     pub fn strength_at(&self, time_s: f64) -> f64 {
         let now = (time_s * self.rate_hz).floor() as i64;
         let before = (FALLS * self.fall_s * self.rate_hz).ceil() as i64;
-        (now - before - 1..=now).map(|slot| self.burst(slot, time_s)).sum()
+        let sum: f64 = (now - before - 1..=now).map(|slot| self.burst(slot, time_s)).sum();
+        sum * (1.0 + SHARING) / (1.0 + SHARING * sum)
     }
 
     fn burst(&self, slot: i64, time_s: f64) -> f64 {

@@ -27,17 +27,19 @@ impl Script {
     /// The script of a scene; `seed` is the seed of its random motion.
     pub fn new(scene: Scene, seed: u64) -> Self {
         let number = |which: u64| seed.wrapping_mul(4).wrapping_add(which);
-        // Bursts per second, their fall in seconds, and the burn rate between them and at their peak.
+        // Bursts per second, their fall in seconds, and the burn rate between them and at their peak. They last about
+        // a third of the time, and little burns between them, as in the paper's signals.
         let (rate_hz, fall_s, burning) = match scene {
             // Gusts of wind.
-            Scene::Candle => (2.5, 0.06, [0.45, 2.8]),
-            Scene::Torch => (2.0, 0.07, [0.45, 2.6]),
-            Scene::BurningBrick => (2.0, 0.07, [0.5, 2.1]),
+            Scene::Candle => (2.0, 0.14, [0.1, 2.2]),
+            Scene::Torch => (1.6, 0.18, [0.15, 1.7]),
+            Scene::BurningBrick => (1.7, 0.18, [0.1, 1.9]),
+            // Its bursts are mostly the pulses of its fuel.
             Scene::FlameJet => (2.0, 0.08, [0.65, 1.7]),
-            Scene::Dragon => (2.0, 0.08, [0.5, 2.4]),
-            // A pool of this width puffs 1.5 / sqrt(0.56 m) times a second (Cetegen & Ahmed 1993).
-            Scene::Campfire => (2.0, 0.08, [0.5, 2.2]),
-            Scene::Flamethrower => (1.5, 0.08, [0.7, 1.5]),
+            Scene::Dragon => (1.6, 0.18, [0.08, 1.9]),
+            // A pool of this width puffs 1.5 / sqrt(0.56 m) times a second (Cetegen & Ahmed 1993), not all alike.
+            Scene::Campfire => (1.6, 0.18, [0.1, 1.9]),
+            Scene::Flamethrower => (1.5, 0.18, [0.12, 1.8]),
             // Its bursts are the explosions themselves.
             Scene::Explosion => (1.0, 0.1, [1.0, 0.0]),
         };
