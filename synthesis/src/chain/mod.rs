@@ -261,7 +261,7 @@ impl Chain {
     fn read_input(&mut self, main: &[&mut [f32]], sidechain: &[&[f32]], start: usize, end: usize) {
         let peak = self.input.read_chunk(main, sidechain, start, end);
         self.meters.input = self.meters.input.max(peak);
-        self.silence.hear_input(peak);
+        self.silence.add_input(peak);
     }
 
     fn process_voices(&mut self, controls: &Controls, samples: usize) {
@@ -316,13 +316,13 @@ impl Chain {
         self.meters.hiss = self.meters.hiss.max(peaks.hiss as f32);
         self.meters.body = self.meters.body.max(peaks.body as f32);
         self.meters.output = self.meters.output.max(peaks.output as f32);
-        self.silence.hear_output(peaks.output, samples);
+        self.silence.add_output(peaks.output, samples);
     }
 
     /// Returns the meters since the last call and clears them.
     pub fn take_meters(&mut self) -> Meters {
         let no_recording = !self.has_dictionary;
-        let late_steps = self.voices.both().iter_mut().map(|voice| voice.vortex_layer().take_late()).sum();
+        let late_steps = self.voices.both().iter_mut().map(|voice| voice.vortex_layer().take_late_steps()).sum();
         Meters { no_recording, late_steps, ..std::mem::take(&mut self.meters) }
     }
 

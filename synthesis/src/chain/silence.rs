@@ -15,12 +15,12 @@ pub(super) struct Silence {
 
 impl Silence {
     /// Takes note of an input's largest magnitude.
-    pub fn hear_input(&mut self, peak: f32) {
+    pub fn add_input(&mut self, peak: f32) {
         self.samples = if peak == 0.0 { self.samples } else { 0 };
     }
 
     /// Takes note of the largest magnitude of `samples` of output.
-    pub fn hear_output(&mut self, peak: f64, samples: usize) {
+    pub fn add_output(&mut self, peak: f64, samples: usize) {
         self.samples = if peak == 0.0 { self.samples.saturating_add(samples) } else { 0 };
     }
 

@@ -244,15 +244,20 @@ impl Voice {
 
         with_blocks(&mut self.layers.vortex, samples, |outputs| self.vortex.process(drive, controls, outputs));
 
-        self.low_delay.process(low);
+        self.align(samples);
+        if let Some(companded) = &mut self.companded {
+            companded.substitute_extension(is_substituted, texture_gain, &mut self.layers, samples);
+        }
+    }
+
+    /// Delays the layers that are early, so that all have the effect's latency.
+    fn align(&mut self, samples: usize) {
+        self.low_delay.process(&mut self.layers.low[..samples]);
         for (delay, channel) in self.extension_delays.iter_mut().zip(&mut self.layers.extension) {
             delay.process(&mut channel[..samples]);
         }
         for (delay, channel) in self.texture_delays.iter_mut().zip(&mut self.layers.texture) {
             delay.process(&mut channel[..samples]);
-        }
-        if let Some(companded) = &mut self.companded {
-            companded.substitute_extension(is_substituted, texture_gain, &mut self.layers, samples);
         }
     }
 

@@ -102,8 +102,8 @@ impl VortexLayer {
     }
 
     /// Number of its steps that came too late since the last call.
-    pub fn take_late(&mut self) -> u64 {
-        self.vortex.take_late()
+    pub fn take_late_steps(&mut self) -> u64 {
+        self.vortex.take_late_steps()
     }
 
     /// Samples for which it continues after the drive has ended, without its delay; none if it never ends.

@@ -105,11 +105,11 @@ impl FrameHistory {
     }
 
     /// The frames' centres between which `sample` and the following samples lie; sample 0 is the first of frame 0.
-    pub fn places(&self, sample: i64) -> Places {
+    pub fn positions(&self, sample: i64) -> FramePositions {
         // In half samples, since the centre of a frame may lie between two samples.
-        let place = 2 * sample - (self.frame_samples - 1);
+        let position = 2 * sample - (self.frame_samples - 1);
         let span = 2 * self.frame_samples;
-        Places { frame: place.div_euclid(span), into: place.rem_euclid(span), span }
+        FramePositions { frame: position.div_euclid(span), into: position.rem_euclid(span), span }
     }
 
     /// The most recent value.
@@ -130,14 +130,14 @@ impl FrameHistory {
 /// The frames' centres between which consecutive samples lie: for each sample the frame before it, and the fraction 0-1
 /// after that frame's centre.
 #[derive(Debug, Clone, Copy)]
-pub struct Places {
+pub struct FramePositions {
     frame: i64,
     /// Half samples since that frame's centre, out of `span` from one centre to the next.
     into: i64,
     span: i64,
 }
 
-impl Places {
+impl FramePositions {
     /// The same position, `frames` frames later.
     pub fn later(self, frames: i64) -> Self {
         Self { frame: self.frame + frames, ..self }
@@ -146,13 +146,13 @@ impl Places {
     /// Position of the next sample.
     #[inline]
     pub fn step(&mut self) -> (i64, f64) {
-        let place = (self.frame, self.into as f64 / self.span as f64);
+        let position = (self.frame, self.into as f64 / self.span as f64);
         self.into += 2;
         if self.into >= self.span {
             self.into -= self.span;
             self.frame += 1;
         }
-        place
+        position
     }
 }
 
@@ -202,10 +202,10 @@ mod tests {
             track.push(f64::from(value));
         }
         // Frame 3 spans samples 12-15, its middle is 13.5.
-        let place = |sample| track.places(sample).step();
-        assert_eq!([place(13), place(14), place(-1)], [(2, 0.875), (3, 0.125), (-1, 0.375)]);
-        let mut places = track.places(-9);
-        (-9..30).for_each(|sample| assert_eq!(places.step(), place(sample), "sample {sample}"));
+        let position = |sample| track.positions(sample).step();
+        assert_eq!([position(13), position(14), position(-1)], [(2, 0.875), (3, 0.125), (-1, 0.375)]);
+        let mut positions = track.positions(-9);
+        (-9..30).for_each(|sample| assert_eq!(positions.step(), position(sample), "sample {sample}"));
         assert_eq!((track.frame(3), track.newest()), (3.0, 5.0));
         assert_eq!(track.frame(1000), 5.0, "beyond the last one, the last one");
         assert_eq!(track.frame(-1000), 0.0);

@@ -70,13 +70,13 @@ impl Gains {
     /// The factor that makes the drive flat.
     pub fn flat_at(
         &mut self,
-        place: (i64, f64),
+        position: (i64, f64),
         (meter, drive_level): (&LoudnessMeter, &DriveLevel),
         timeline: &Timeline<TextureControls>,
         profile: Option<&Profile>,
     ) -> f64 {
         let drive_match = &mut self.drive_match;
-        self.flat.value_at(place, |frame| {
+        self.flat.value_at(position, |frame| {
             let controls = timeline.value_at(meter.matched_sample(frame).max(0) as u64);
             let (loudness, level) = (meter.loudness(frame, Use::Match), drive_level.at_frame(frame));
             let matched = drive_match.next(within(controls.companding.drive_match, LEAST_MATCH, MOST_MATCH));
@@ -91,27 +91,27 @@ impl Gains {
     /// The drive's loudness relative to its level.
     pub fn relative_at(
         &mut self,
-        place: (i64, f64),
+        position: (i64, f64),
         (meter, drive_level): (&LoudnessMeter, &DriveLevel),
         controls: &TextureControls,
     ) -> f64 {
         // Audibility of texture does not matter here; silence is silence even without a gate.
         let gate = if controls.gate.is_finite() { controls.gate.max(SILENCE) } else { SILENCE };
-        self.relative.value_at(place, |frame| {
+        self.relative.value_at(position, |frame| {
             let loudness = meter.loudness(frame, Use::Output);
             loudness / drive_level.at_frame(frame) * audible(loudness, gate)
         })
     }
 
-    /// Moves to the frames at `place`, whose loudness texture should have.
+    /// Moves to the frames at `position`, whose loudness texture should have.
     pub fn follow_output(
         &mut self,
-        place: (i64, f64),
+        position: (i64, f64),
         (meter, drive_level): (&LoudnessMeter, &DriveLevel),
         controls: &TextureControls,
     ) {
         let dynamics = &mut self.dynamics;
-        self.output.go_to(place.0, |frame| {
+        self.output.go_to(position.0, |frame| {
             let (loudness, level) = (meter.loudness(frame, Use::Output), drive_level.at_frame(frame));
             let exponent = dynamics.next(within(controls.companding.dynamics, 0.0, 1.0));
             [maths::pow(loudness / level, exponent), audible(loudness, controls.gate)]
@@ -121,13 +121,13 @@ impl Gains {
     /// Factor for the drive's low end, which brings it to the level of the recordings' own.
     pub fn low_end_at(
         &mut self,
-        place: (i64, f64),
+        position: (i64, f64),
         drive_level: &DriveLevel,
         controls: &TextureControls,
         recordings: &[Recorded<'_>; SLOTS],
     ) -> f64 {
         let own_shares = &mut self.shares;
-        self.low_end.value_at(place, |frame| {
+        self.low_end.value_at(position, |frame| {
             let crossover_hz = within(controls.companding.low_end_hz, LOWEST_HZ, HIGHEST_HZ);
             let wanted = shares(&controls.recordings);
             let mut below = 0.0;

@@ -9,14 +9,14 @@ pub(super) struct Interpolator {
 }
 
 impl Interpolator {
-    /// The value at `place`; `tell` is called once for every frame.
+    /// The value at `position`; `value_of` is called once for every frame.
     #[inline]
-    pub fn value_at(&mut self, place: (i64, f64), mut tell: impl FnMut(i64) -> f64) -> f64 {
-        let (frame, part) = place;
+    pub fn value_at(&mut self, position: (i64, f64), mut value_of: impl FnMut(i64) -> f64) -> f64 {
+        let (frame, part) = position;
         if self.frame != Some(frame) {
             let goes_on = self.frame.is_some_and(|before| before + 1 == frame);
-            self.from = if goes_on { self.to } else { tell(frame) };
-            self.to = tell(frame + 1);
+            self.from = if goes_on { self.to } else { value_of(frame) };
+            self.to = value_of(frame + 1);
             self.frame = Some(frame);
         }
         self.from + part * (self.to - self.from)

@@ -1,6 +1,6 @@
 //! The drive's loudness in frames, by two kernels: one for matching, one for the output.
 
-use super::frames::{FrameHistory, Kernel, Places, frame_samples};
+use super::frames::{FrameHistory, FramePositions, Kernel, frame_samples};
 use super::profile::MATCHED_HZ;
 use crate::dsp::{Svf, section_gain};
 
@@ -128,8 +128,8 @@ impl LoudnessMeter {
 
     /// The frames whose loudness applies at `sample` since reset and afterwards: those determined after their future
     /// arrived.
-    pub fn places(&self, sample: i64, by: Use) -> Places {
-        self.loudness[by as usize].places(sample + self.origin).later(self.kernels[by as usize].look_ahead())
+    pub fn positions(&self, sample: i64, by: Use) -> FramePositions {
+        self.loudness[by as usize].positions(sample + self.origin).later(self.kernels[by as usize].look_ahead())
     }
 
     /// The loudness of a frame.

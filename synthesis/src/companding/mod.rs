@@ -66,6 +66,7 @@ const MATCH_NOISE: f64 = 0.32;
 /// White-noise stream of that noise, which no other stage uses.
 const MATCH_NOISE_SEED: u32 = 0x4649_5245;
 const MATCH_NOISE_STREAM: u32 = 0x434F_4D50;
+
 /// The envelope that a drive was made from: its loudness, without the chance of the drive's own noise.
 #[derive(Debug, Clone, Copy)]
 pub struct DriveEnvelope<'a> {
@@ -216,12 +217,12 @@ impl Companding {
         self.wait.process(flat);
         let delay_frames = envelope.map_or(0, |envelope| self.meter.frames(envelope.delay_s));
         let match_noise = MATCH_NOISE * MATCH_FACTOR * profile.map_or(0.0, |profile| profile.matched_rms);
-        let mut places = self.meter.places(self.clock.now - self.clock.wait_samples, Use::Match);
+        let mut positions = self.meter.positions(self.clock.now - self.clock.wait_samples, Use::Match);
         for (i, sample) in drive.iter().enumerate() {
             let own = envelope.map(|envelope| envelope.values[i]);
             self.measure(*sample, own, delay_frames, controls);
             let drive = (&self.meter, &self.drive_level);
-            let gain = self.gains.flat_at(places.step(), drive, &self.timeline, profile);
+            let gain = self.gains.flat_at(positions.step(), drive, &self.timeline, profile);
             let position = self.clock.position.wrapping_add(self.clock.now);
             flat[i] = flat[i] * gain + match_noise * self.noise.sample_at(position);
             loudness[i] = self.gate_loudness;
@@ -261,22 +262,22 @@ impl Companding {
         while start < samples {
             let (controls, end) = self.run(start, samples, self.clock.latency_samples);
             let first = self.clock.now - (samples - start) as i64 - self.clock.latency_samples;
-            let mut places = self.meter.places(first, Use::Output);
+            let mut positions = self.meter.positions(first, Use::Output);
             for (i, drive) in drive.iter_mut().enumerate().take(end).skip(start) {
-                let place = places.step();
+                let position = positions.step();
                 let measured = (&self.meter, &self.drive_level);
-                self.gains.follow_output(place, measured, &controls);
+                self.gains.follow_output(position, measured, &controls);
                 for ((texture, recorded), filters) in textures.iter_mut().zip(recordings).zip(&mut self.filters) {
                     if filters.is_on(recorded) {
-                        let gain = self.gains.output.gain_at(place.1, filters.level(recorded));
+                        let gain = self.gains.output.gain_at(position.1, filters.level(recorded));
                         texture.iter_mut().for_each(|channel| channel[i] *= gain);
                         if recorded.has_floor() {
-                            filters.set_floor_gain(i, self.gains.output.gain_at(place.1, 1.0));
+                            filters.set_floor_gain(i, self.gains.output.gain_at(position.1, 1.0));
                         }
                     }
                 }
-                self.relative_block[i] = self.gains.relative_at(place, measured, &controls);
-                *drive *= self.gains.low_end_at(place, &self.drive_level, &controls, recordings);
+                self.relative_block[i] = self.gains.relative_at(position, measured, &controls);
+                *drive *= self.gains.low_end_at(position, &self.drive_level, &controls, recordings);
             }
             let position = self.clock.position.wrapping_add(self.clock.now - samples as i64);
             self.filter(&controls.companding, recordings, textures, start..end, position);
@@ -358,82 +359,4 @@ impl Companding {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const RATE_HZ: f64 = 44_100.0;
-    const BLOCK: usize = 500;
-
-    /// The matched signal, and the factor on texture, while the controls go back and forth.
-    fn run(calm: &TextureControls, moved: &TextureControls) -> [Vec<f64>; 2] {
-        let mut noise = vec![0.0; 30_000];
-        White::new(1, 2).fill(0, &mut noise);
-        let (_, profile) = Profile::compress(&mut [noise], RATE_HZ);
-        let mut companding = Companding::new(RATE_HZ, 1, 900, 2048, BLOCK);
-        let (mut flats, mut gains) = (vec![], vec![]);
-        for block in 0..200 {
-            let drive: Vec<f64> = (0..BLOCK)
-                .map(|i| 0.5 * (2.0 * std::f64::consts::PI * 50.0 * (block * BLOCK + i) as f64 / RATE_HZ).sin())
-                .collect();
-            let (mut flat, mut loudness, mut gain) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![1.0; BLOCK]);
-            let controls = if block / 20 % 2 == 0 { calm } else { moved };
-            companding.compress(DriveBlock::of(&drive), controls, Some(&profile), &mut flat, &mut loudness);
-            companding.expand_one(Some(&profile), &mut [&mut gain]);
-            flats.extend(flat);
-            gains.extend(gain);
-        }
-        [flats, gains]
-    }
-
-    #[test]
-    fn loudness_of_an_envelope_is_the_envelope_without_its_delay() {
-        let (latency, delay_s) = (2048, 0.008);
-        let bump = |sample: f64| 0.1 + 0.4 * (-((sample - 40_000.0) / 2000.0).powi(2)).exp();
-        let mut companding = Companding::new(RATE_HZ, 1, 900, latency, BLOCK);
-        let controls = TextureControls { dynamic_range: DynamicRange::Off, ..TextureControls::default() };
-        let mut heard = vec![];
-        for start in (0..80_000).step_by(BLOCK) {
-            let drive: Vec<f64> = (start..start + BLOCK).map(|at| White::new(3, 3).sample_at(at as i64)).collect();
-            let values: Vec<f64> = (start..start + BLOCK).map(|at| bump(at as f64 - delay_s * RATE_HZ)).collect();
-            let (mut flat, mut loudness, mut out) = (vec![0.0; BLOCK], vec![0.0; BLOCK], vec![0.0; BLOCK]);
-            let envelope = Some(DriveEnvelope { values: &values, delay_s });
-            companding.compress(DriveBlock { samples: &drive, envelope }, &controls, None, &mut flat, &mut loudness);
-            companding.expand_one(None, &mut [&mut out]);
-            heard.extend_from_slice(companding.relative_loudness(BLOCK));
-        }
-        for at in (20_000..70_000).step_by(500) {
-            let (found, wanted) = (heard[at] * level::NOMINAL, bump((at - latency) as f64));
-            assert!((found / wanted - 1.0).abs() < 0.02, "at {at}: {found} for {wanted}");
-        }
-    }
-
-    #[test]
-    fn no_control_makes_a_step() {
-        let calm = TextureControls {
-            companding: CompandingControls { low_end_hz: 0.0, ..CompandingControls::default() },
-            ..TextureControls::default()
-        };
-        let with = |change: &dyn Fn(&mut TextureControls)| {
-            let mut moved = calm;
-            change(&mut moved);
-            run(&calm, &moved)
-        };
-        let step = |signal: &[f64]| signal[20_000..].windows(2).map(|x| (x[1] - x[0]).abs()).fold(0.0, f64::max);
-        let largest = |signal: &[f64]| signal[20_000..].iter().fold(0.0f64, |most, x| most.max(x.abs()));
-        let still = run(&calm, &calm);
-        let changes: [&dyn Fn(&mut TextureControls); 3] = [
-            &|controls| controls.companding.dynamics = 0.0,
-            &|controls| controls.companding.drive_match = 4.0,
-            &|controls| controls.dynamic_range = DynamicRange::Off,
-        ];
-        for (number, change) in changes.iter().enumerate() {
-            let moving = with(change);
-            assert_ne!(moving, still, "change {number} does something");
-            // 20 ms: a thousandth of the way, about, in every sample.
-            let gain = &moving[1];
-            assert!(step(gain) < 3e-3 * largest(gain), "change {number}: {} of {}", step(gain), largest(gain));
-            let (flat, calm) = (step(&moving[0]) / largest(&moving[0]), step(&still[0]) / largest(&still[0]));
-            assert!(flat < 1.1 * calm, "change {number}: {flat} against {calm}");
-        }
-    }
-}
+mod tests;

@@ -10,13 +10,13 @@ pub(super) struct OutputGain {
 }
 
 impl OutputGain {
-    /// Moves to the interval between `frame` and the next; `tell` is called once for every frame.
+    /// Moves to the interval between `frame` and the next; `values_of` is called once for every frame.
     #[inline]
-    pub fn go_to(&mut self, frame: i64, mut tell: impl FnMut(i64) -> [f64; 2]) {
+    pub fn go_to(&mut self, frame: i64, mut values_of: impl FnMut(i64) -> [f64; 2]) {
         if self.frame != Some(frame) {
             let goes_on = self.frame.is_some_and(|before| before + 1 == frame);
-            self.from = if goes_on { self.to } else { tell(frame) };
-            self.to = tell(frame + 1);
+            self.from = if goes_on { self.to } else { values_of(frame) };
+            self.to = values_of(frame + 1);
             self.frame = Some(frame);
         }
     }

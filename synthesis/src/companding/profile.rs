@@ -112,9 +112,9 @@ impl Profile {
 
     /// Root mean square of the audible sound below a frequency in Hz.
     pub(super) fn rms_below(&self, frequency_hz: f64) -> f64 {
-        let place = (frequency_hz / LOW_STEP_HZ).clamp(0.0, LOW_STEPS as f64);
-        let step = (place as usize).min(LOW_STEPS - 1);
-        self.below[step] + (place - step as f64) * (self.below[step + 1] - self.below[step])
+        let position = (frequency_hz / LOW_STEP_HZ).clamp(0.0, LOW_STEPS as f64);
+        let step = (position as usize).min(LOW_STEPS - 1);
+        self.below[step] + (position - step as f64) * (self.below[step + 1] - self.below[step])
     }
 
     /// Approximate number of bytes held.

@@ -167,7 +167,7 @@ mod tests {
         let mut noise = vec![0.0; 100_000];
         White::new(5, 6).fill(0, &mut noise);
         let (_, mut profile) = Profile::compress(&mut [noise], RATE_HZ);
-        let mut heard = |floor: f64, cut: usize| {
+        let mut output = |floor: f64, cut: usize| {
             profile.floor = floor;
             let recorded = Recorded { profile: Some(&profile), gain: 1.0 };
             let (mut filters, mut silence) = (RecordingFilters::new(1, RATE_HZ, 1, 1000), vec![0.0; 1000]);
@@ -177,11 +177,11 @@ mod tests {
             }
             silence
         };
-        assert!(heard(0.0, 1000).iter().all(|x| *x == 0.0));
-        let whole = heard(1e-2, 1000);
+        assert!(output(0.0, 1000).iter().all(|x| *x == 0.0));
+        let whole = output(1e-2, 1000);
         let rms = (whole.iter().map(|x| x * x).sum::<f64>() / 1000.0).sqrt();
         assert!((rms - 0.5e-2).abs() < 0.5e-3, "{rms}");
-        assert!(heard(1e-2, 7) == whole);
+        assert!(output(1e-2, 7) == whole);
     }
 
     #[test]

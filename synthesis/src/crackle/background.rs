@@ -47,8 +47,8 @@ impl Background {
             for bin in 0..bins {
                 let values = &mut sorted[..held];
                 values.copy_from_slice(&recent[bin * span..bin * span + held]);
-                let place = ((held as f64 * PERCENTILE) as usize).min(held.saturating_sub(1));
-                let value = if held == 0 { 0.0 } else { *values.select_nth_unstable_by(place, f32::total_cmp).1 };
+                let rank = ((held as f64 * PERCENTILE) as usize).min(held.saturating_sub(1));
+                let value = if held == 0 { 0.0 } else { *values.select_nth_unstable_by(rank, f32::total_cmp).1 };
                 rows.push(to_rms as f32 * value);
             }
         }

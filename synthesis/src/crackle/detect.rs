@@ -72,8 +72,8 @@ impl Frames {
         let count = bands.first().map_or(0, Vec::len);
         let mut ratio: Vec<f64> = (0..count).map(|i| bands.iter().map(|band| band[i]).sum()).collect();
         let span = (MEDIAN_S / FRAME_S) as usize / 2;
-        bands.iter_mut().for_each(|powers| drop(relate_to_median(powers, span)));
-        let beds = relate_to_median(&mut ratio, span);
+        bands.iter_mut().for_each(|powers| drop(divide_by_median(powers, span)));
+        let beds = divide_by_median(&mut ratio, span);
         let mut sorted = beds.clone();
         sorted.sort_unstable_by(f64::total_cmp);
         let usual_bed = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
@@ -175,24 +175,24 @@ fn band_powers(channels: &[Vec<f64>], frame_samples: usize, sample_rate_hz: f64)
 }
 
 /// Divides every power by the median of those around it, `span` to each side; returns these medians, which are positive.
-fn relate_to_median(powers: &mut [f64], span: usize) -> Vec<f64> {
+fn divide_by_median(powers: &mut [f64], span: usize) -> Vec<f64> {
     let mean = powers.iter().sum::<f64>() / powers.len().max(1) as f64;
     let floor = (SILENCE * mean).max(f64::MIN_POSITIVE);
     let mut sorted: Vec<f64> = Vec::with_capacity(2 * span + 1);
-    let place = |sorted: &[f64], value: f64| sorted.partition_point(|x| *x < value);
+    let rank = |sorted: &[f64], value: f64| sorted.partition_point(|x| *x < value);
     let original = powers.to_vec();
     let mut medians = Vec::with_capacity(powers.len());
     for value in original.iter().take(span) {
-        let at = place(&sorted, *value);
+        let at = rank(&sorted, *value);
         sorted.insert(at, *value);
     }
     for (i, power) in powers.iter_mut().enumerate() {
         if let Some(entering) = original.get(i + span) {
-            let at = place(&sorted, *entering);
+            let at = rank(&sorted, *entering);
             sorted.insert(at, *entering);
         }
         if let Some(leaving) = i.checked_sub(span + 1).and_then(|at| original.get(at)) {
-            let at = place(&sorted, *leaving);
+            let at = rank(&sorted, *leaving);
             sorted.remove(at);
         }
         let median = sorted[sorted.len() / 2].max(floor);

@@ -120,7 +120,7 @@ pub(super) const PADDING: usize = 4;
 
 impl Crackles {
     /// True if the crackles found in a recording are audible as such.
-    pub(super) fn are_heard(found: &[Found], samples: usize, sample_rate_hz: f64) -> bool {
+    pub(super) fn are_audible(found: &[Found], samples: usize, sample_rate_hz: f64) -> bool {
         let seconds = samples as f64 / sample_rate_hz;
         let loud = loud(found);
         loud >= LEAST && loud as f64 > LEAST_LOUD_PER_S * seconds

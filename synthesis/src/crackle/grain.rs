@@ -77,15 +77,15 @@ impl Grain {
                 self.is_on = false;
                 return;
             }
-            let heard = self.sample(crackles, event, channels, tilt_step);
-            let mean = heard[..channels].iter().sum::<f64>() / channels as f64;
+            let samples_by_channel = self.sample(crackles, event, channels, tilt_step);
+            let mean = samples_by_channel[..channels].iter().sum::<f64>() / channels as f64;
             let outputs = sums.len();
             for (output, sums) in sums.iter_mut().enumerate() {
                 // As in texture: the same channel, the mean for one output, otherwise in turn.
-                let heard = if outputs == 1 { mean } else { heard[output % channels] };
+                let sample = if outputs == 1 { mean } else { samples_by_channel[output % channels] };
                 let side = if outputs == 2 { self.play.sides[output] } else { 1.0 };
                 // The conversion saturates, and turns NaN into 0.
-                sums[i] = sums[i].saturating_add((heard * side / UNIT) as i64);
+                sums[i] = sums[i].saturating_add((sample * side / UNIT) as i64);
             }
             self.at += self.play.rate;
             self.envelope *= self.play.decay;
@@ -95,17 +95,17 @@ impl Grain {
     /// One sample of every channel of the wave.
     #[inline]
     fn sample(&mut self, crackles: &Crackles, event: &Event, channels: usize, tilt_step: f64) -> [f64; MOST_CHANNELS] {
-        let place = self.at + PADDING as f64;
-        let (whole, part) = (place as usize, place.fract());
+        let position = self.at + PADDING as f64;
+        let (whole, part) = (position as usize, position.fract());
         let weights = spline(part);
-        let mut heard = [0.0; MOST_CHANNELS];
-        for (channel, (heard, low)) in heard.iter_mut().zip(&mut self.lows).enumerate().take(channels) {
+        let mut samples = [0.0; MOST_CHANNELS];
+        for (channel, (sample, low)) in samples.iter_mut().zip(&mut self.lows).enumerate().take(channels) {
             let wave = &crackles.wave(event, channel)[whole - 1..whole + 3];
             let value = wave.iter().zip(weights).map(|(x, weight)| f64::from(*x) * weight).sum::<f64>();
             *low += tilt_step * (value - *low);
-            *heard = self.envelope * (self.play.low * *low + self.play.high * (value - *low));
+            *sample = self.envelope * (self.play.low * *low + self.play.high * (value - *low));
         }
-        heard
+        samples
     }
 }
 

@@ -33,9 +33,9 @@ impl Crackles {
     /// Number of loud crackles over `bed` in all trials.
     fn loud_over(&self, bed: &[f64], sample_rate_hz: f64) -> f64 {
         let count = |seed: u32| {
-            let mut heard = play_steadily(self, seed, bed.len(), sample_rate_hz);
-            heard.iter_mut().zip(bed).for_each(|(crackle, bed)| *crackle += bed);
-            loud(&crackles(&[heard], sample_rate_hz))
+            let mut sum = play_steadily(self, seed, bed.len(), sample_rate_hz);
+            sum.iter_mut().zip(bed).for_each(|(crackle, bed)| *crackle += bed);
+            loud(&crackles(&[sum], sample_rate_hz))
         };
         (0..TRIALS).into_par_iter().map(count).sum::<usize>() as f64
     }
@@ -47,9 +47,9 @@ fn play_steadily(crackles: &Crackles, seed: u32, samples: usize, sample_rate_hz:
     let mut layer = Crackle::new(sample_rate_hz, 1, 0, BLOCK);
     let controls = CrackleControls { seed, ..CrackleControls::default() };
     layer.reset(0);
-    let mut heard = vec![0.0; samples];
-    for block in heard.chunks_mut(BLOCK) {
+    let mut output = vec![0.0; samples];
+    for block in output.chunks_mut(BLOCK) {
         layer.process(&[1.0; BLOCK][..block.len()], &controls, &Sources::of_recording(crackles), &mut [block]);
     }
-    heard
+    output
 }

@@ -47,7 +47,7 @@ impl<'a> Sources<'a> {
 
     /// The source that crackles: the chosen recording if it has crackles, otherwise the fuel.
     pub(super) fn choose(&self, controls: &CrackleControls) -> Option<(CrackleSource, &'a Crackles)> {
-        [Some(CrackleSource::Recording(controls.slot)), controls.fuel.place().map(CrackleSource::Fuel)]
+        [Some(CrackleSource::Recording(controls.slot)), controls.fuel.burning_index().map(CrackleSource::Fuel)]
             .into_iter()
             .flatten()
             .find_map(|source| self.crackles(source).map(|crackles| (source, crackles)))

@@ -37,7 +37,7 @@ pub struct Split {
 pub fn split(channels: &[Vec<f64>], sample_rate_hz: f64) -> Split {
     let found = crackles(channels, sample_rate_hz);
     let samples = channels.first().map_or(0, Vec::len);
-    if !Crackles::are_heard(&found, samples, sample_rate_hz) {
+    if !Crackles::are_audible(&found, samples, sample_rate_hz) {
         return Split { bed: channels.to_vec(), crackles: None };
     }
     let (bed, waves): (Vec<_>, Vec<_>) =
@@ -48,7 +48,7 @@ pub fn split(channels: &[Vec<f64>], sample_rate_hz: f64) -> Split {
 /// True if a recording has crackles; `channels` as in [`split`].
 pub(crate) fn is_impulsive(channels: &[Vec<f64>], sample_rate_hz: f64) -> bool {
     let samples = channels.first().map_or(0, Vec::len);
-    Crackles::are_heard(&crackles(channels, sample_rate_hz), samples, sample_rate_hz)
+    Crackles::are_audible(&crackles(channels, sample_rate_hz), samples, sample_rate_hz)
 }
 
 /// The bed of one channel, and the parts that exceed it.

@@ -268,7 +268,7 @@ impl<N: NoiseSource> Extend<N> {
         if into == 0 {
             self.process_window(window);
         } else {
-            self.work_ahead(window + 1, into);
+            self.compute_ahead(window + 1, into);
         }
         let into = into_hop(end, self.low_schedule.start, hop);
         let block = end - (self.low_schedule.start + into) as i64;
@@ -285,7 +285,7 @@ impl<N: NoiseSource> Extend<N> {
     }
 
     /// Does the steps towards `window` that are planned for `into` samples after the one before.
-    fn work_ahead(&mut self, window: i64, into: usize) {
+    fn compute_ahead(&mut self, window: i64, into: usize) {
         let hop = self.layout.half_width;
         let planned = self.steps_by(into);
         let centre = window * hop as i64;

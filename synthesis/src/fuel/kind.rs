@@ -136,7 +136,7 @@ const _: () = assert!(BURNING.len() + 1 == Fuel::ALL.len(), "each fuel needs its
 
 /// Tones of hiss and body.
 pub(super) fn tones(fuel: Fuel) -> [&'static Tone; 2] {
-    match fuel.place().and_then(|place| BURNING.get(place)) {
+    match fuel.burning_index().and_then(|place| BURNING.get(place)) {
         Some(properties) => [&properties.hiss, &properties.body],
         None => [&NEUTRAL[0], &NEUTRAL[1]],
     }

@@ -48,13 +48,13 @@ impl Octave {
     /// Adds `weight` times the noise at `position` to `sums`, by channel.
     #[inline]
     pub fn add(&mut self, seed: u32, position: i64, weight: f64, sums: &mut [f64]) {
-        let place = position as f64 * self.nodes_per_sample;
-        let whole = place.floor();
+        let node_position = position as f64 * self.nodes_per_sample;
+        let whole = node_position.floor();
         let node = whole as i64;
         if self.held != Some((seed, node)) {
             self.go_to(seed, node);
         }
-        let weights = spline(place - whole).map(|x| weight * self.scale * x);
+        let weights = spline(node_position - whole).map(|x| weight * self.scale * x);
         for (sum, coefficients) in sums.iter_mut().zip(&self.coefficients) {
             *sum += coefficients.iter().zip(weights).map(|(x, weight)| x * weight).sum::<f64>();
         }
@@ -139,10 +139,10 @@ mod tests {
             let mut octave = Octave::new(2000.0, common, 2, 3, 44_100.0);
             let (mut product, mut power) = (0.0, 0.0);
             for position in 0..200_000 {
-                let mut heard = [0.0; 2];
-                octave.add(1, position, 1.0, &mut heard);
-                product += heard[0] * heard[1];
-                power += 0.5 * (heard[0] * heard[0] + heard[1] * heard[1]);
+                let mut pair = [0.0; 2];
+                octave.add(1, position, 1.0, &mut pair);
+                product += pair[0] * pair[1];
+                power += 0.5 * (pair[0] * pair[0] + pair[1] * pair[1]);
             }
             assert!((product / power - common).abs() < 0.05, "{} for {common}", product / power);
         }

@@ -30,8 +30,8 @@ impl Rupture {
         let peak = maths::pow(10.0, (self.median_db + self.deviation_db * deviations) / 20.0);
         let size = 0.5 + 0.25 * deviations;
         let mut between = |[low, high]: [f64; 2], size: f64| {
-            let place = BY_SIZE * size + (1.0 - BY_SIZE) * draws.share();
-            low * maths::pow(high / low, place)
+            let rank = BY_SIZE * size + (1.0 - BY_SIZE) * draws.share();
+            low * maths::pow(high / low, rank)
         };
         let click_s = between(self.click_s, size);
         let click_hz = between(self.click_hz, 1.0 - size);

@@ -67,6 +67,6 @@ pub(super) fn louder(sample: f64, loudest: f64) -> f64 {
 
 /// A sample of the channel of low-frequency effects.
 #[inline]
-pub(super) fn held_effect(dry: f32, has_ceiling: bool) -> f32 {
+pub(super) fn limited_effect(dry: f32, has_ceiling: bool) -> f32 {
     if has_ceiling { (f64::from(dry) * ceiling::gain(f64::from(dry).abs())) as f32 } else { dry }
 }

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use super::layers::{Layers, Levels, Peaks, held_effect, louder};
+use super::layers::{Layers, Levels, Peaks, limited_effect, louder};
 use crate::dsp::ceiling;
 
 /// Samples mixed at a time: the sums of ten channels stay in the first-level cache.
@@ -72,7 +72,7 @@ impl Settled<'_> {
         for (channel, output) in outputs.iter_mut().enumerate() {
             let (output, dry) = (&mut output[at.clone()], &layers.dry[channel][at.clone()]);
             if self.effects == Some(channel) {
-                output.iter_mut().zip(dry).for_each(|(out, dry)| *out = held_effect(*dry, self.has_ceiling));
+                output.iter_mut().zip(dry).for_each(|(out, dry)| *out = limited_effect(*dry, self.has_ceiling));
             } else if levels.bypass == 1.0 {
                 output.copy_from_slice(dry);
             } else {

@@ -105,18 +105,18 @@ impl Buzz {
         // Fire falls by some 6 to 9 dB an octave: its differences are nearly white, so all lines count alike.
         let high_passed = self.low.process(self.low_gain, sample - std::mem::replace(&mut self.last, sample)).high;
         // `lag` hops before, and `lag` hops and a fraction.
-        let place = self.filled;
+        let index = self.filled;
         let beside = self.hop * BESIDE / 64;
-        let (column, earlier) = if place >= beside { (place - beside, 0) } else { (place + self.hop - beside, 1) };
-        let ago = &self.past[place][self.newest + 1..][..HOPS];
+        let (column, earlier) = if index >= beside { (index - beside, 0) } else { (index + self.hop - beside, 1) };
+        let ago = &self.past[index][self.newest + 1..][..HOPS];
         let ago_beside = &self.past[column][self.newest + 1 + earlier..][..HOPS];
         for hops in 0..HOPS {
             self.on_grid[hops] += self.part * (high_passed * ago[hops] - self.on_grid[hops]);
             self.beside[hops] += self.part * (high_passed * ago_beside[hops] - self.beside[hops]);
         }
         self.power += self.part * (high_passed * high_passed - self.power);
-        self.past[place][self.newest] = high_passed;
-        self.past[place][self.newest + ROWS] = high_passed;
+        self.past[index][self.newest] = high_passed;
+        self.past[index][self.newest + ROWS] = high_passed;
         self.energy += high_passed * high_passed;
         self.filled += 1;
         if self.filled == self.hop {

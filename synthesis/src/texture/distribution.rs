@@ -132,9 +132,9 @@ impl Histogram {
 
     /// Adds a magnitude; below -90 dBFS it counts as silence and is ignored.
     fn add(&mut self, magnitude: f64, weight: f64) {
-        let place = bin_place(magnitude);
-        if place >= 0.0 {
-            self.weights[(place as usize).min(BINS - 1)] += weight;
+        let position = bin_position(magnitude);
+        if position >= 0.0 {
+            self.weights[(position as usize).min(BINS - 1)] += weight;
             self.total += weight;
         }
     }
@@ -146,14 +146,14 @@ impl Histogram {
 
     /// Weight below `magnitude`, linear (in decibels) within a bin.
     fn below(&self, magnitude: f64) -> f64 {
-        let place = bin_place(magnitude).clamp(0.0, BINS as f64);
-        let bin = place as usize;
-        let within = self.weights.get(bin).map_or(0.0, |x| x * (place - bin as f64));
+        let position = bin_position(magnitude).clamp(0.0, BINS as f64);
+        let bin = position as usize;
+        let within = self.weights.get(bin).map_or(0.0, |x| x * (position - bin as f64));
         self.weights[..bin].iter().sum::<f64>() + within
     }
 }
 
-fn bin_place(magnitude: f64) -> f64 {
+fn bin_position(magnitude: f64) -> f64 {
     (20.0 * maths::log10(magnitude.max(1e-30)) - LOWEST_DB) * BINS_PER_DB
 }
 

@@ -65,13 +65,13 @@ pub struct Features<'a> {
 impl Features<'_> {
     /// Writes the feature of `window`, which must lie within both levels.
     pub fn write(&self, window: usize, out: &mut [f64]) {
-        let place = WindowPosition::of_window(window as i64, self.shape);
+        let position = WindowPosition::of_window(window as i64, self.shape);
         let (causal_len, coarse_len) = (self.shape.causal_len(), self.shape.coarse_len());
-        let causal = &self.fine.from(place.causal)[..causal_len];
-        let coarse = self.coarse.from(place.coarse);
+        let causal = &self.fine.from(position.causal)[..causal_len];
+        let coarse = self.coarse.from(position.coarse);
         let (out_causal, out_coarse) = out.split_at_mut(causal_len);
         out_causal.copy_from_slice(causal);
-        if place.between {
+        if position.between {
             for (out, taps) in out_coarse.iter_mut().zip(coarse.windows(2)) {
                 *out = halfway(taps[0], taps[1]);
             }
@@ -95,10 +95,10 @@ impl Features<'_> {
     /// The samples of `window`'s feature in place, without weights, if they need no interpolation.
     #[inline(always)]
     pub fn in_place(&self, window: usize) -> Option<[&[f64]; 2]> {
-        let place = WindowPosition::of_window(window as i64, self.shape);
-        (!place.between).then(|| {
-            let causal = &self.fine.from(place.causal)[..self.shape.causal_len()];
-            [causal, &self.coarse.from(place.coarse)[..self.shape.coarse_len()]]
+        let position = WindowPosition::of_window(window as i64, self.shape);
+        (!position.between).then(|| {
+            let causal = &self.fine.from(position.causal)[..self.shape.causal_len()];
+            [causal, &self.coarse.from(position.coarse)[..self.shape.coarse_len()]]
         })
     }
 
@@ -114,16 +114,16 @@ impl Features<'_> {
             }
             return sum;
         }
-        let place = WindowPosition::of_window(window as i64, self.shape);
-        let causal = self.fine.from(place.causal);
-        let coarse = self.coarse.from(place.coarse);
+        let position = WindowPosition::of_window(window as i64, self.shape);
+        let causal = self.fine.from(position.causal);
+        let coarse = self.coarse.from(position.coarse);
         let (weights_causal, weights_coarse) = self.weights.split_at(query_causal.len());
         for ((x, q), weight) in causal.iter().zip(query_causal).zip(weights_causal) {
             let x = x * weight;
             sum += (x - q) * (x - q);
         }
         for (i, (q, weight)) in query_coarse.iter().zip(weights_coarse).enumerate() {
-            let x = if place.between { halfway(coarse[i], coarse[i + 1]) } else { coarse[i] };
+            let x = if position.between { halfway(coarse[i], coarse[i + 1]) } else { coarse[i] };
             let x = x * weight;
             sum += (x - q) * (x - q);
         }

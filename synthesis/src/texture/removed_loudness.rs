@@ -51,9 +51,9 @@ impl RemovedLoudness {
 
     fn relative_at(&self, sample: f64) -> f64 {
         let Some(last) = self.relative.len().checked_sub(1) else { return 1.0 };
-        let place = ((sample + 0.5) / self.frame_samples as f64 - 0.5).clamp(0.0, last as f64);
-        let frame = (place as usize).min(last);
+        let position = ((sample + 0.5) / self.frame_samples as f64 - 0.5).clamp(0.0, last as f64);
+        let frame = (position as usize).min(last);
         let next = self.relative[(frame + 1).min(last)];
-        self.relative[frame] + (place - frame as f64) * (next - self.relative[frame])
+        self.relative[frame] + (position - frame as f64) * (next - self.relative[frame])
     }
 }

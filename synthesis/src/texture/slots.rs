@@ -72,23 +72,23 @@ impl<T> Slots<T> {
         self.scales[slot]
     }
 
-    /// The slot of the windows at `place` among the coarsest.
-    pub fn choose(&self, recordings: &RecordingControls, seed: u32, place: i64) -> usize {
+    /// The slot of the windows at `index` among the coarsest.
+    pub fn choose(&self, recordings: &RecordingControls, seed: u32, index: i64) -> usize {
         match recordings.other(|slot| self.get(slot).is_some()) {
-            Some((slot, share)) if draw(seed, BLEND_STREAM, place) < share => slot,
+            Some((slot, share)) if draw(seed, BLEND_STREAM, index) < share => slot,
             _ => recordings.first(),
         }
     }
 }
 
-/// Share of the crossfade, 0-1, after which the windows at `place` among the coarsest follow another choice of
+/// Share of the crossfade, 0-1, after which the windows at `index` among the coarsest follow another choice of
 /// recordings.
-pub fn lateness(seed: u32, place: i64) -> f64 {
-    draw(seed, LATE_STREAM, place)
+pub fn lateness(seed: u32, index: i64) -> f64 {
+    draw(seed, LATE_STREAM, index)
 }
 
-fn draw(seed: u32, stream: u32, place: i64) -> f64 {
-    0.5 + 0.5 * White::new(seed, stream).unit(place)
+fn draw(seed: u32, stream: u32, index: i64) -> f64 {
+    0.5 + 0.5 * White::new(seed, stream).unit(index)
 }
 
 #[cfg(test)]
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn draws_are_even_and_do_not_depend_on_one_another() {
         let count = 20_000;
-        let draws = |stream: u32| (0..count).map(|place| draw(7, stream, place)).collect::<Vec<f64>>();
+        let draws = |stream: u32| (0..count).map(|index| draw(7, stream, index)).collect::<Vec<f64>>();
         let (blend, late) = (draws(BLEND_STREAM), draws(LATE_STREAM));
         for share in [0.1, 0.5, 0.9] {
             let part = |draws: &[f64]| draws.iter().filter(|draw| **draw < share).count() as f64 / count as f64;
@@ -126,7 +126,7 @@ mod tests {
     fn empty_slots_have_no_share() {
         let slots = Slots::<()>::default();
         let recordings = RecordingControls { slot: 1, second: 2, blend: 1.0 };
-        assert!((0..100).all(|place| slots.choose(&recordings, 0, place) == 1));
+        assert!((0..100).all(|index| slots.choose(&recordings, 0, index) == 1));
         assert_eq!(slots.choose(&RecordingControls { slot: 99, ..recordings }, 0, 0), SLOTS - 1);
         assert_eq!(slots.reference(), None);
     }

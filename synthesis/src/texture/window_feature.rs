@@ -36,19 +36,19 @@ impl WindowFeature {
     /// Collects the feature at a place. Both levels come with the sample before which they read as silence.
     pub fn gather(
         &mut self,
-        place: &WindowPosition,
+        position: &WindowPosition,
         (own, floor): (&Ring, i64),
         (coarser, coarser_floor): (&Ring, i64),
     ) {
         let (causal, coarse) = self.values.split_at_mut(self.causal_len);
-        own.copy(place.causal, floor, causal);
-        if place.between {
-            coarser.copy(place.coarse, coarser_floor, &mut self.taps);
+        own.copy(position.causal, floor, causal);
+        if position.between {
+            coarser.copy(position.coarse, coarser_floor, &mut self.taps);
             for (x, taps) in coarse.iter_mut().zip(self.taps.windows(2)) {
                 *x = halfway(taps[0], taps[1]);
             }
         } else {
-            coarser.copy(place.coarse, coarser_floor, coarse);
+            coarser.copy(position.coarse, coarser_floor, coarse);
         }
         self.values.iter_mut().zip(&self.weights).for_each(|(x, weight)| *x *= weight);
     }

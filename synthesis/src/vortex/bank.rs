@@ -194,10 +194,10 @@ impl Oversample {
         let gain = |bin: usize| {
             let turn = bin as f64 / raised as f64;
             // A constant pressure is no sound.
-            let heard = bin > 0 && bin as f64 <= top * steps as f64;
+            let is_audible = bin > 0 && bin as f64 <= top * steps as f64;
             // The bin at half the rate contains the halves of both of its neighbours.
             let share = if 2 * bin == steps { 0.5 } else { 1.0 };
-            if heard { share * 3.0 / (2.0 + maths::cos(TAU * turn)) / steps as f64 } else { 0.0 }
+            if is_audible { share * 3.0 / (2.0 + maths::cos(TAU * turn)) / steps as f64 } else { 0.0 }
         };
         Self { low: Transform::new(steps), high: Transform::new(raised), gains: (0..=steps / 2).map(gain).collect() }
     }

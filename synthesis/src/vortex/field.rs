@@ -126,7 +126,7 @@ impl SpeedField {
     }
 
     /// The steps around a time in seconds, and the fraction of the way from one to the other (0-1).
-    pub(super) fn place(&self, time_s: f64) -> Moment {
+    pub(super) fn moment(&self, time_s: f64) -> Moment {
         let steps = self.steps();
         let at = (time_s - self.start_s) * self.rate_hz;
         match self.end {
@@ -174,7 +174,7 @@ mod tests {
 
     #[test]
     fn is_linear_between_steps_and_ends_as_asked() {
-        let at = |end: End, source: usize, time_s: f64| field(end).state_at(source, field(end).place(time_s));
+        let at = |end: End, source: usize, time_s: f64| field(end).state_at(source, field(end).moment(time_s));
         let middle = at(End::Periodic, 0, 0.05);
         assert!((middle.position[0] - 0.25).abs() < 1e-9 && (middle.speed_m_s - 2.0).abs() < 1e-9);
         assert!((at(End::Periodic, 0, 0.15).speed_m_s - 2.0).abs() < 1e-9);
@@ -186,9 +186,9 @@ mod tests {
     #[test]
     fn a_source_that_is_put_elsewhere_is_silent_meanwhile() {
         let field = field(End::Clamped);
-        let told = |part: f64| field.state_at(1, (0, 1, part));
-        assert_eq!([0.0, 0.3, 0.7, 1.0].map(|part| told(part).presence > 0.0), [true, false, false, true]);
-        assert_eq!([0.49, 0.51].map(|part| told(part).position[0]), [1.0, 90.0]);
+        let state = |part: f64| field.state_at(1, (0, 1, part));
+        assert_eq!([0.0, 0.3, 0.7, 1.0].map(|part| state(part).presence > 0.0), [true, false, false, true]);
+        assert_eq!([0.49, 0.51].map(|part| state(part).position[0]), [1.0, 90.0]);
         assert_eq!(field.state_at(0, (0, 1, 0.5)).presence, 1.0);
     }
 

@@ -117,9 +117,9 @@ mod tests {
                 // Any accepted file gives speeds and places at any time.
                 let Ok(field) = SpeedField::from_bytes(&damaged) else { continue };
                 for time_s in [-1e9, 0.0, 0.21, 1e9] {
-                    let told = field.state_at(0, field.place(time_s));
-                    let all = told.position.into_iter().chain([told.speed_m_s, told.presence]);
-                    assert!(all.into_iter().all(f64::is_finite), "byte {at} is {value}: {told:?}");
+                    let state = field.state_at(0, field.moment(time_s));
+                    let all = state.position.into_iter().chain([state.speed_m_s, state.presence]);
+                    assert!(all.into_iter().all(f64::is_finite), "byte {at} is {value}: {state:?}");
                 }
             }
         }

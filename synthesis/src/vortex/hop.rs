@@ -11,7 +11,7 @@ pub(super) struct Hop {
     pub start: i64,
     pub before: HopControls,
     pub frame: HopControls,
-    pub stand: Pose,
+    pub pose: Pose,
     pub identity: Identity,
     /// Steps of the speed field around its start and end.
     pub moments: Option<[Moment; 2]>,

@@ -56,7 +56,7 @@ impl Levels {
 
     /// The lower row of the two around a speed, the fraction of the way to the upper one (0-1), and the logarithm of the
     /// table's gain. The row is probably `near`; the gain is a power law between rows and constant beyond them.
-    fn place(&self, near: usize, ln_speed: f32) -> (usize, f32, f32) {
+    fn locate(&self, near: usize, ln_speed: f32) -> (usize, f32, f32) {
         let is_near =
             |row: usize, ln: f32| ln <= ln_speed && self.ln_speeds.get(row + 1).is_none_or(|ln| ln_speed < *ln);
         let row = match self.ln_speeds.get(near) {
@@ -72,7 +72,7 @@ impl Levels {
 
     /// Logarithm of the gain at a speed within the table.
     pub fn ln_gain(&self, ln_speed: f32) -> f32 {
-        self.place(0, ln_speed).2
+        self.locate(0, ln_speed).2
     }
 
     /// The rows for a speed in m/s by its logarithm, which is minus infinity for 0. Gains are compressed to `range`
@@ -80,7 +80,7 @@ impl Levels {
     ///
     /// Rows differ in detail and add by power, so the squares of the two amplitudes add up to that of the gain.
     pub fn blend_at(&self, near: usize, ln_speed: f32, range: f32, ln_reference: f32) -> Blend {
-        let (row, part, ln_gain) = self.place(near, ln_speed);
+        let (row, part, ln_gain) = self.locate(near, ln_speed);
         let mut ln_level = ln_reference + range * (ln_gain - ln_reference);
         let below = self.ln_speeds[0] - ln_speed;
         if below > 0.0 {

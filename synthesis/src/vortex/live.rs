@@ -40,7 +40,7 @@ pub trait Simulator: Send {
 /// The audio thread's side of a simulation.
 pub(super) struct Live {
     simulator: Box<dyn Simulator>,
-    places: Vec<[f64; 3]>,
+    positions: Vec<[f64; 3]>,
     /// Speeds at the ends of the present step, and working memory for the next.
     speeds: [Vec<f32>; 2],
     coming: Vec<f32>,
@@ -67,20 +67,20 @@ pub fn hops_per_step(sample_rate_hz: f64, hop: usize) -> u64 {
 }
 
 impl Live {
-    /// A live flow for sources at `places`, in m to the right, to the front and up.
+    /// A live flow for sources at `positions`, in m to the right, to the front and up.
     ///
     /// Fails without positions, and if one is not finite or farther than 100 km.
-    pub fn new(simulator: Box<dyn Simulator>, places: &[[f32; 3]], hops_per_step: u64) -> Result<Self, Error> {
+    pub fn new(simulator: Box<dyn Simulator>, positions: &[[f32; 3]], hops_per_step: u64) -> Result<Self, Error> {
         let far = |value: &f32| !(-FARTHEST_M..=FARTHEST_M).contains(value);
-        if places.is_empty() || places.iter().flatten().any(far) {
+        if positions.is_empty() || positions.iter().flatten().any(far) {
             return Err(Error::SpeedField {
                 reason: "a simulation has no positions, or some are out of range".to_owned(),
             });
         }
-        let still = vec![0.0; places.len()];
+        let still = vec![0.0; positions.len()];
         Ok(Self {
             simulator,
-            places: places.iter().map(|place| place.map(f64::from)).collect(),
+            positions: positions.iter().map(|position| position.map(f64::from)).collect(),
             speeds: [still.clone(), still.clone()],
             coming: still,
             hops_per_step: hops_per_step.max(1),
@@ -94,11 +94,11 @@ impl Live {
 
     /// Number of sources.
     pub fn sources(&self) -> usize {
-        self.places.len()
+        self.positions.len()
     }
 
     /// Number of steps that came too late since the last call.
-    pub fn take_late(&mut self) -> u64 {
+    pub fn take_late_steps(&mut self) -> u64 {
         std::mem::take(&mut self.late)
     }
 
@@ -130,8 +130,8 @@ impl Live {
         if hop > 0 && hop.is_multiple_of(self.hops_per_step) {
             let step = hop / self.hops_per_step;
             let speed_m_s = std::mem::take(&mut self.asked_m_s) / self.hops_per_step as f64;
-            if let Some(heard) = step.checked_sub(2) {
-                self.receive_step(heard);
+            if let Some(audible_step) = step.checked_sub(2) {
+                self.receive_step(audible_step);
             }
             self.simulator.ask(Asked { run: self.run, step: step - 1, speed_m_s });
         }
@@ -158,6 +158,6 @@ impl Live {
         let into = self.into + u64::from(end && self.hop.is_some());
         let part = into as f32 / self.hops_per_step as f32;
         let [from, to] = [0, 1].map(|which: usize| self.speeds[which][source]);
-        SourceState { position: self.places[source], speed_m_s: f64::from(from + part * (to - from)), presence: 1.0 }
+        SourceState { position: self.positions[source], speed_m_s: f64::from(from + part * (to - from)), presence: 1.0 }
     }
 }

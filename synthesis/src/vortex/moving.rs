@@ -97,7 +97,7 @@ pub(super) struct Pose {
 
 impl PoseControls {
     /// The pose of the sources.
-    pub fn stand(&self) -> Pose {
+    pub fn pose(&self) -> Pose {
         let [sin, cos] = self.azimuth;
         let norm = maths::hypot(sin, cos);
         // Half-way between opposite azimuths both are 0, and any direction will do.
@@ -176,12 +176,12 @@ mod tests {
     #[test]
     fn pose_places_sources_by_distance_azimuth_and_elevation() {
         let controls = VortexControls { distance_m: 2.0, azimuth_deg: 90.0, ..VortexControls::default() };
-        let place = HopControls::of_controls(&controls).pose.stand();
+        let pose = HopControls::of_controls(&controls).pose.pose();
         let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
-        assert!(close(place.in_ball([0.0; 3]), [2.0, 0.0, 0.0]));
-        assert!(close(place.position_of([0.0, 1.0, 0.0]), [3.0, 0.0, 0.0]));
-        assert!(close(place.position_of([1.0, 0.0, 0.5]), [2.0, -1.0, 0.5]));
-        let above = HopControls::of_controls(&VortexControls { elevation_deg: 90.0, ..controls }).pose.stand();
+        assert!(close(pose.in_ball([0.0; 3]), [2.0, 0.0, 0.0]));
+        assert!(close(pose.position_of([0.0, 1.0, 0.0]), [3.0, 0.0, 0.0]));
+        assert!(close(pose.position_of([1.0, 0.0, 0.5]), [2.0, -1.0, 0.5]));
+        let above = HopControls::of_controls(&VortexControls { elevation_deg: 90.0, ..controls }).pose.pose();
         assert!(close(above.in_ball([0.0; 3]), [0.0, 0.0, 2.0]));
     }
 
@@ -190,9 +190,9 @@ mod tests {
         let mut moving = ControlSnapshot::new(750.0);
         moving.jump(&VortexControls { azimuth_deg: 170.0, ..VortexControls::default() });
         let target = VortexControls { azimuth_deg: -170.0, distance_m: 9.0, level: 3.0, ..VortexControls::default() };
-        let mut before = moving.now().pose.stand().position_of([0.0; 3]);
+        let mut before = moving.now().pose.pose().position_of([0.0; 3]);
         for _ in 0..600 {
-            let at = moving.next(&target).pose.stand().position_of([0.0; 3]);
+            let at = moving.next(&target).pose.pose().position_of([0.0; 3]);
             // The short way, behind the listener.
             assert!(at[1] < 0.0 && (at[0] - before[0]).abs() < 0.5);
             before = at;

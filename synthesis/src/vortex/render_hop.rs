@@ -59,8 +59,8 @@ impl Vortex {
         let speed_m_s = frame.speed_m_s * maths::pow(self.follower.now, frame.curve);
         let ends = [start, start + self.sizes.hop as i64];
         let offset_s = within(controls.field_offset_s, -3600.0, 3600.0);
-        let place = |at: i64| at as f64 / self.sizes.sample_rate_hz + offset_s;
-        let moments = self.field.as_deref().map(|field| ends.map(|at| field.place(place(at))));
+        let time_s = |at: i64| at as f64 / self.sizes.sample_rate_hz + offset_s;
+        let moments = self.field.as_deref().map(|field| ends.map(|at| field.moment(time_s(at))));
         let wanted = match controls.flow {
             Flow::Envelope => controls.count,
             Flow::Field => self.field.as_ref().map_or(0, |field| field.sources()),
@@ -73,12 +73,12 @@ impl Vortex {
                 source.presence = f32::from(u8::from(index < wanted));
             }
         }
-        let heard = self.sources.iter().rposition(|source| source.presence > 0.0).map_or(0, |last| last + 1);
+        let sounding = self.sources.iter().rposition(|source| source.presence > 0.0).map_or(0, |last| last + 1);
         let reference = |bank: &Bank| bank.levels().ln_gain(frame.ln_reference as f32);
         self.present = Hop {
             start,
             before,
-            stand: frame.pose.stand(),
+            pose: frame.pose.pose(),
             identity,
             moments,
             wanted,
@@ -87,7 +87,7 @@ impl Vortex {
             ln_reference: self.bank.as_deref().map_or(0.0, reference),
             stays: frame.pose == before.pose && !is_fresh,
             is_fresh,
-            sources: wanted.max(heard),
+            sources: wanted.max(sounding),
             summed: 0,
             frame,
         };
@@ -132,10 +132,10 @@ impl Vortex {
         if hop.is_fresh {
             source.edge = self.edge(summing, false, index, source, false);
         }
-        let heard = present > 0.0 && source.edge.gains.iter().any(|gain| *gain != 0.0);
-        let end = self.edge(summing, true, index, source, heard);
+        let was_heard = present > 0.0 && source.edge.gains.iter().any(|gain| *gain != 0.0);
+        let end = self.edge(summing, true, index, source, was_heard);
         // A source that was not heard may have been anywhere.
-        let start = if heard { source.edge } else { Edge { gains: [0.0; MOST_CHANNELS], ..end } };
+        let start = if was_heard { source.edge } else { Edge { gains: [0.0; MOST_CHANNELS], ..end } };
         source.edge = end;
 
         let mut rows = [(0, 0.0, 0.0); 4];
@@ -186,32 +186,32 @@ impl Vortex {
         self.reader.process(&parts[..count], phase, step as f32, &gains[..audible], &mut self.output.pressures);
     }
 
-    /// Sound of a source at the start of the hop, or at its `end`; `heard` is true if its edge is its previous sound.
-    fn edge(&self, summing: &Summing<'_>, end: bool, index: usize, source: &VortexSource, heard: bool) -> Edge {
+    /// Sound of a source at the start of the hop, or at its `end`; `was_heard` is true if its edge is its previous sound.
+    fn edge(&self, summing: &Summing<'_>, end: bool, index: usize, source: &VortexSource, was_heard: bool) -> Edge {
         let Summing { hop, bank, motion } = summing;
-        let stand = &hop.stand;
+        let pose = &hop.pose;
         let edge = &source.edge;
         let (position, ln_speed, presence) = if source.identity.flow == Flow::Envelope {
             (None, hop.ln_speed + source.ln_deviation, 1.0)
-        } else if let Some(told) = motion.state_at(source.identity.flow, index, end) {
-            let speed_m_s = (hop.frame.field_speed * told.speed_m_s) as f32;
-            (Some(stand.position_of(told.position)), maths::ln(speed_m_s), told.presence)
+        } else if let Some(state) = motion.state_at(source.identity.flow, index, end) {
+            let speed_m_s = (hop.frame.field_speed * state.speed_m_s) as f32;
+            (Some(pose.position_of(state.position)), maths::ln(speed_m_s), state.presence)
         } else {
             return Edge { distance_m: edge.distance_m, ..Edge::default() };
         };
         let blend = bank.levels().blend_at(edge.blend.row, ln_speed, hop.frame.range as f32, hop.ln_reference);
         let moves = position.is_some_and(|position| position != edge.position) || presence != edge.motion_presence;
-        if heard && edge.settled && hop.stays && !moves {
+        if was_heard && edge.settled && hop.stays && !moves {
             return Edge { blend, ..*edge };
         }
-        let position = position.unwrap_or_else(|| stand.in_ball(source.ball));
+        let position = position.unwrap_or_else(|| pose.in_ball(source.ball));
         let distance_m = position.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let level = (presence * stand.attenuation(distance_m)) as f32;
+        let level = (presence * pose.attenuation(distance_m)) as f32;
         let gains = self.panner.gains(position).map(|gain| level * gain);
         // A distance that jumps is traversed gradually, because the time at which a source is heard must advance.
         let walk = FASTEST * SPEED_OF_SOUND_M_S * self.sizes.hop as f64 / self.sizes.sample_rate_hz;
         let delayed_m =
-            if heard { edge.distance_m + (distance_m - edge.distance_m).clamp(-walk, walk) } else { distance_m };
+            if was_heard { edge.distance_m + (distance_m - edge.distance_m).clamp(-walk, walk) } else { distance_m };
         let settled = delayed_m == distance_m;
         Edge { blend, gains, position, motion_presence: presence, distance_m: delayed_m, settled }
     }

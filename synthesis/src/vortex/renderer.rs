@@ -163,8 +163,8 @@ impl Vortex {
     }
 
     /// Number of steps of the live simulation that came too late since the last call.
-    pub fn take_late(&mut self) -> u64 {
-        self.live.as_mut().map_or(0, Live::take_late)
+    pub fn take_late_steps(&mut self) -> u64 {
+        self.live.as_mut().map_or(0, Live::take_late_steps)
     }
 
     /// Resets to silence; the next sample is at `position` on the host's timeline. Bank and field stay.

@@ -72,7 +72,7 @@ fn a_late_step_holds_the_one_before_and_is_counted() {
     let (mut held, ..) = live(|step| Some(if step <= 5 { 4.0 } else { 0.0 }));
     let out = run(&mut late, 12 * step, 512);
     assert!(out == run(&mut held, 12 * step, 512), "a late step is as the one before");
-    assert_eq!((late.take_late(), late.take_late(), held.take_late()), (1, 0, 0));
+    assert_eq!((late.take_late_steps(), late.take_late_steps(), held.take_late_steps()), (1, 0, 0));
 }
 
 #[test]

@@ -94,9 +94,9 @@ impl Flame {
         self.audible = Some(audible);
     }
 
-    fn pressure(&self, place: ScenePosition, position: i64) -> f64 {
-        let time_s = position as f64 / self.sample_rate_hz + place.offset_s;
-        self.tables[place.scene].pressure(time_s, &self.weights)
+    fn pressure(&self, scene_position: ScenePosition, position: i64) -> f64 {
+        let time_s = position as f64 / self.sample_rate_hz + scene_position.offset_s;
+        self.tables[scene_position.scene].pressure(time_s, &self.weights)
     }
 }
 

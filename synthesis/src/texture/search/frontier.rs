@@ -11,7 +11,7 @@ pub type TreePosition = (u8, Child);
 pub struct Frontier {
     /// Bounds' bits: those of numbers that are not negative are in the numbers' order.
     bounds: Vec<u32>,
-    places: Vec<TreePosition>,
+    positions: Vec<TreePosition>,
     /// Number of boxes stored.
     len: usize,
 }
@@ -22,7 +22,7 @@ const CHUNK: usize = 32;
 impl Frontier {
     /// A frontier for `capacity` boxes; further ones are dropped.
     pub fn new(capacity: usize) -> Self {
-        Self { bounds: vec![0; capacity], places: vec![(0, Child::NONE); capacity], len: 0 }
+        Self { bounds: vec![0; capacity], positions: vec![(0, Child::NONE); capacity], len: 0 }
     }
 
     /// Forgets all.
@@ -33,9 +33,10 @@ impl Frontier {
 
     /// Remembers a box; `bound` is not negative.
     #[inline(always)]
-    pub fn push(&mut self, bound: f32, place: TreePosition) {
-        if let (Some(room), Some(room_for_place)) = (self.bounds.get_mut(self.len), self.places.get_mut(self.len)) {
-            (*room, *room_for_place) = (bound.to_bits(), place);
+    pub fn push(&mut self, bound: f32, position: TreePosition) {
+        if let (Some(room), Some(room_for_position)) = (self.bounds.get_mut(self.len), self.positions.get_mut(self.len))
+        {
+            (*room, *room_for_position) = (bound.to_bits(), position);
             self.len += 1;
         }
     }
@@ -47,7 +48,7 @@ impl Frontier {
             self.len -= 1;
             let bound = f32::from_bits(self.bounds[self.len]);
             if bound <= limit {
-                return Some((bound, self.places[self.len]));
+                return Some((bound, self.positions[self.len]));
             }
         }
         None
@@ -69,9 +70,9 @@ impl Frontier {
         }
         self.len -= 1;
         bounds[at] = bounds[self.len];
-        let place = self.places[at];
-        self.places[at] = self.places[self.len];
-        Some((f32::from_bits(least), place))
+        let position = self.positions[at];
+        self.positions[at] = self.positions[self.len];
+        Some((f32::from_bits(least), position))
     }
 }
 
@@ -82,30 +83,30 @@ mod tests {
 
     #[test]
     fn the_nearest_comes_out_first() {
-        let mut aside = Frontier::new(100);
+        let mut frontier = Frontier::new(100);
         let bound = |i: u32| (i * 37 % 101) as f32 * 0.5;
-        (0..100).for_each(|i| aside.push(bound(i), (1, Child::of_node(i as usize))));
-        aside.push(0.0, (1, Child::of_node(100)));
+        (0..100).for_each(|i| frontier.push(bound(i), (1, Child::of_node(i as usize))));
+        frontier.push(0.0, (1, Child::of_node(100)));
         let mut expected: Vec<f32> = (0..100).map(bound).collect();
         expected.sort_by(f32::total_cmp);
         for expected in expected {
-            let (found, (_, child)) = aside.pop_nearest(f32::INFINITY).unwrap();
+            let (found, (_, child)) = frontier.pop_nearest(f32::INFINITY).unwrap();
             assert_eq!(found, expected);
             let NodeKind::Node(node) = child.kind() else { panic!("{child:?}") };
             assert_eq!(bound(node as u32), expected);
         }
-        assert!(aside.pop_nearest(f32::INFINITY).is_none());
+        assert!(frontier.pop_nearest(f32::INFINITY).is_none());
     }
 
     #[test]
     fn boxes_beyond_the_limit_are_not_returned() {
-        let mut aside = Frontier::new(4);
+        let mut frontier = Frontier::new(4);
         for (i, bound) in [3.0, 1.0, 2.0, 4.0].into_iter().enumerate() {
-            aside.push(bound, (0, Child::of_node(i)));
+            frontier.push(bound, (0, Child::of_node(i)));
         }
-        assert_eq!(aside.pop_nearest(0.5), None);
-        assert_eq!(aside.pop_latest(2.5), Some((2.0, (0, Child::of_node(2)))));
-        assert_eq!(aside.pop_latest(2.5), Some((1.0, (0, Child::of_node(1)))));
-        assert_eq!(aside.pop_latest(2.5), None);
+        assert_eq!(frontier.pop_nearest(0.5), None);
+        assert_eq!(frontier.pop_latest(2.5), Some((2.0, (0, Child::of_node(2)))));
+        assert_eq!(frontier.pop_latest(2.5), Some((1.0, (0, Child::of_node(1)))));
+        assert_eq!(frontier.pop_latest(2.5), None);
     }
 }

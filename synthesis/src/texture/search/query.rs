@@ -51,14 +51,14 @@ const LEAF_COST_MAX: u32 = LEAF_COST + COMPARISON_COST * LANES as u32;
 /// Cost of comparing a window in full, in bounds of windows or boxes.
 pub const COMPARISON_COST: u32 = 4;
 /// Number of boxes that a bounded search remembers; more than any budget can fill.
-const ASIDE_CAPACITY: usize = 1 << 13;
+const FRONTIER_CAPACITY: usize = 1 << 13;
 
 /// Working memory of searches, one for each searching thread. Nothing allocates after `new`.
 #[derive(Debug)]
 pub struct Searcher {
     machine: Machine,
     stack: Vec<(f32, Child)>,
-    aside: Frontier,
+    frontier: Frontier,
 }
 
 impl Default for Searcher {
@@ -79,7 +79,7 @@ impl Searcher {
     }
 
     fn with(machine: Machine) -> Self {
-        Self { machine, stack: Vec::with_capacity((STOREYS + 1) * LANES), aside: Frontier::new(ASIDE_CAPACITY) }
+        Self { machine, stack: Vec::with_capacity((STOREYS + 1) * LANES), frontier: Frontier::new(FRONTIER_CAPACITY) }
     }
 
     /// The nearest window of `index` to `query`, the lowest of equally near ones. `features` must be those of the
@@ -98,7 +98,7 @@ impl Searcher {
             Budget::Exact { eps } => self.machine.run(Exact { task, eps, stack: &mut self.stack }),
             Budget::Bounded { candidates } => {
                 let candidates = candidates.max(Budget::LEAST);
-                self.machine.run(Bounded { task, candidates, aside: &mut self.aside })
+                self.machine.run(Bounded { task, candidates, frontier: &mut self.frontier })
             }
         }
     }
@@ -213,7 +213,7 @@ impl<'a, L: Lanes> Search<'a, L> {
 
     /// Postpones all shells not yet entered.
     #[inline(always)]
-    fn aside_shells(&mut self, aside: &mut Frontier) {
+    fn postpone_shells(&mut self, frontier: &mut Frontier) {
         // The farthest first, because the latest one postponed is the next to be searched.
         while self.left != 0 {
             let (mut farthest, mut shell) = (f32::NEG_INFINITY, 0);
@@ -227,7 +227,7 @@ impl<'a, L: Lanes> Search<'a, L> {
             }
             self.left &= !(1 << shell);
             let bound = farthest.max(0.0);
-            aside.push(bound * bound, (shell as u8, self.task.index.shells[shell].tree.root));
+            frontier.push(bound * bound, (shell as u8, self.task.index.shells[shell].tree.root));
         }
     }
 
@@ -472,7 +472,7 @@ impl Work for Exact<'_> {
 struct Bounded<'a> {
     task: Task<'a>,
     candidates: u32,
-    aside: &'a mut Frontier,
+    frontier: &'a mut Frontier,
 }
 
 impl Work for Bounded<'_> {
@@ -481,11 +481,11 @@ impl Work for Bounded<'_> {
     #[inline(always)]
     fn with<L: Lanes>(self, lanes: L) -> SearchResult {
         let mut search = Search::new(lanes, self.task, 0.0);
-        let aside = self.aside;
-        aside.clear();
+        let frontier = self.frontier;
+        frontier.clear();
         // The first shell is entered regardless of its bound, so that something is found.
         let (mut shell, _) = search.next_shell().unwrap_or_default();
-        search.aside_shells(aside);
+        search.postpone_shells(frontier);
         let mut next = search.shell.tree.root;
         loop {
             let mut nearest = (f32::INFINITY, Child::NONE);
@@ -499,7 +499,7 @@ impl Work for Bounded<'_> {
                         std::mem::swap(&mut nearest, &mut farther);
                     }
                     if farther.1 != Child::NONE {
-                        aside.push(farther.0, (shell as u8, farther.1));
+                        frontier.push(farther.0, (shell as u8, farther.1));
                     }
                 }),
             }
@@ -511,7 +511,7 @@ impl Work for Bounded<'_> {
             if next == Child::NONE {
                 let within = search.limit();
                 let easy = search.compared < self.candidates / 2;
-                let left = if easy { aside.pop_latest(within) } else { aside.pop_nearest(within) };
+                let left = if easy { frontier.pop_latest(within) } else { frontier.pop_nearest(within) };
                 let Some((_, (of_shell, child))) = left else { break };
                 if usize::from(of_shell) != shell {
                     shell = usize::from(of_shell);
