@@ -73,7 +73,7 @@ impl Listed {
         Self {
             id: parameter.id,
             name: parameter.name,
-            group: parameter.group,
+            group: parameter.group.name(),
             unit: parameter.unit,
             kind,
             low: parameter.low(),

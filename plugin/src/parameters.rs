@@ -183,7 +183,7 @@ unsafe impl Params for EffectParams {
         // The table's order is that of history; hosts show this one.
         let line = |index: usize| {
             let parameter = &PARAMETERS[index];
-            (parameter.id.to_owned(), self.slots[index].pointer(), parameter.group.to_owned())
+            (parameter.id.to_owned(), self.slots[index].pointer(), parameter.group.name().to_owned())
         };
         host_order().into_iter().map(line).collect()
     }

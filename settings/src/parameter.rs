@@ -5,6 +5,8 @@
 //! the command line use the same number.
 
 use crate::Error;
+use crate::group::Group;
+use crate::id::Id;
 
 /// Kind of a parameter's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,15 +50,17 @@ pub enum ParameterKind {
     },
 }
 
-/// One line of the [table](crate::PARAMETERS).
+/// One row of the [table](crate::PARAMETERS).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameter {
+    /// Position in the table.
+    pub index: Id,
     /// Stable name in presets, states, automation and on the command line.
     pub id: &'static str,
     /// Name shown to the user.
     pub name: &'static str,
     /// Heading under which it is displayed.
-    pub group: &'static str,
+    pub group: Group,
     /// Unit of its plain value; empty without one.
     pub unit: &'static str,
     /// Range and default.

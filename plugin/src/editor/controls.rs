@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use egui::{Frame, Margin, RichText, ScrollArea, Ui};
-use pyrophone_settings::{PARAMETERS, Parameter, ParameterKind};
+use pyrophone_settings::{Group, Id, PARAMETERS, Parameter, ParameterKind};
 
 use super::param_editor::ParamEditor;
 use super::theme;
@@ -48,30 +48,33 @@ impl Page {
     }
 
     /// The page's groups, with a note on each.
-    fn groups(self) -> &'static [Group] {
+    fn groups(self) -> &'static [ControlGroup] {
         // The layout never changes, so it is looked up once and not in every frame.
-        static ENGINES: LazyLock<[Group; 7]> = LazyLock::new(|| {
+        static ENGINES: LazyLock<[ControlGroup; 7]> = LazyLock::new(|| {
             [
-                Group::new("Drive", "the input"),
-                Group::new("Levels", "the mix"),
-                Group::new("Extension", "noise above the cutoff"),
-                Group::new("Flame", "the built-in flame (drive flame)"),
-                Group::new("Texture", "fire from the recording"),
-                Group::new("Crackle", "the recording's crackles, split off the texture"),
-                Group::new("Fuel", "crackle, hiss and roar without a recording"),
+                ControlGroup::new(Group::Drive, "the input"),
+                ControlGroup::new(Group::Levels, "the mix"),
+                ControlGroup::new(Group::Extension, "noise above the cutoff"),
+                ControlGroup::new(Group::Flame, "the built-in flame (drive flame)"),
+                ControlGroup::new(Group::Texture, "fire from the recording"),
+                ControlGroup::new(Group::Crackle, "the recording's crackles, split off the texture"),
+                ControlGroup::new(Group::Fuel, "crackle, hiss and roar without a recording"),
             ]
         });
-        static SPACE: LazyLock<[Group; 3]> = LazyLock::new(|| {
+        static SPACE: LazyLock<[ControlGroup; 3]> = LazyLock::new(|| {
             [
-                Group::new("Vortex", "the whoosh of turbulent gas"),
-                Group::new("Flame", "the built-in flame (drive flame), which moves the flow of fields"),
-                Group::new("Levels", "the mix"),
+                ControlGroup::new(Group::Vortex, "the whoosh of turbulent gas"),
+                ControlGroup::new(Group::Flame, "the built-in flame (drive flame), which moves the flow of fields"),
+                ControlGroup::new(Group::Levels, "the mix"),
             ]
         });
-        static SETUP: LazyLock<[Group; 2]> = LazyLock::new(|| {
+        static SETUP: LazyLock<[ControlGroup; 2]> = LazyLock::new(|| {
             [
-                Group::new("Structure", "engine sizes: a change restarts the engines and may change the latency"),
-                Group::of("Quality", "effort of each search", |parameter| parameter.id == "quality"),
+                ControlGroup::new(
+                    Group::Structure,
+                    "engine sizes: a change restarts the engines and may change the latency",
+                ),
+                ControlGroup::of("Quality", "effort of each search", |parameter| parameter.index == Id::Quality),
             ]
         });
         match self {
@@ -101,7 +104,7 @@ pub fn show(ui: &mut Ui, page: Page, hand: &mut ParamEditor<'_>) {
             });
             let (row, next) = rest.split_at(1 + more.count());
             // The remaining width is shared, so that all rows have the same length.
-            let used: f32 = row.iter().map(Group::width).sum::<f32>() + SPACING * (row.len() - 1) as f32;
+            let used: f32 = row.iter().map(ControlGroup::width).sum::<f32>() + SPACING * (row.len() - 1) as f32;
             let spare = (room - used).max(0.0) / row.len() as f32;
             ui.horizontal_top(|ui| {
                 ui.spacing_mut().item_spacing.x = SPACING;
@@ -112,7 +115,7 @@ pub fn show(ui: &mut Ui, page: Page, hand: &mut ParamEditor<'_>) {
     });
 }
 
-struct Group {
+struct ControlGroup {
     head: String,
     note: &'static str,
     /// Choices and switches, and knobs, by their indices in the table.
@@ -120,10 +123,10 @@ struct Group {
     knobs: Vec<usize>,
 }
 
-impl Group {
+impl ControlGroup {
     /// All of a group except the bypass switch, which is in the window's header.
-    fn new(name: &'static str, note: &'static str) -> Self {
-        Self::of(name, note, |parameter| parameter.group == name && parameter.id != "bypass")
+    fn new(group: Group, note: &'static str) -> Self {
+        Self::of(group.name(), note, |parameter| parameter.group == group && parameter.index != Id::Bypass)
     }
 
     /// The parameters that are members.

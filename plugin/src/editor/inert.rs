@@ -1,6 +1,6 @@
 //! Parameters without effect at present, and the reasons: the window dims them and says so.
 
-use pyrophone_settings::{COUNT, Id, PARAMETERS, Parameter, Values};
+use pyrophone_settings::{COUNT, Group, Id, PARAMETERS, Parameter, Values};
 use pyrophone_synthesis::Controls;
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Flow, Fuel, SLOTS};
 use pyrophone_synthesis::structure::MatchingMode;
@@ -51,21 +51,21 @@ struct Situation<'a> {
 impl Situation<'_> {
     fn reason(&self, parameter: &Parameter) -> Option<&'static str> {
         match parameter.group {
-            "Extension" => self.extension(parameter.id),
-            "Texture" => self.texture(parameter.id),
-            "Crackle" => self.crackle(),
-            "Fuel" => self.fuel(parameter.id),
-            "Vortex" => self.vortex(parameter.id),
-            "Flame" => self.flame(),
-            "Drive" => self.drive(parameter.id),
-            "Levels" => self.levels(parameter.id),
-            "Character" => self.character(parameter.id),
-            _ => None,
+            Group::Extension => self.extension(parameter.id),
+            Group::Texture => self.texture(parameter.id),
+            Group::Crackle => self.crackle(),
+            Group::Fuel => self.fuel(parameter.id),
+            Group::Vortex => self.vortex(parameter.id),
+            Group::Flame => self.flame(),
+            Group::Drive => self.drive(parameter.id),
+            Group::Levels => self.levels(parameter.id),
+            Group::Character => self.character(parameter.id),
+            Group::Structure => None,
         }
     }
 
     /// True if extension is heard in place of texture.
-    fn stands_in(&self) -> bool {
+    fn is_substituted(&self) -> bool {
         self.is_companded && !self.has_recording && !self.has_fuel() && self.controls.mix.texture != 0.0
     }
 
@@ -75,7 +75,7 @@ impl Situation<'_> {
         // The rumble of envelope drives has the same seed.
         let seeds_rumble = id == "extension_seed"
             && matches!(self.controls.drive.mode, DriveMode::Envelope | DriveMode::InputEnvelope);
-        let is_heard = mix.extension != 0.0 || self.stands_in() || shapes_low || seeds_rumble;
+        let is_heard = mix.extension != 0.0 || self.is_substituted() || shapes_low || seeds_rumble;
         (!is_heard).then_some(EXTENSION_OFF)
     }
 

@@ -40,7 +40,7 @@ fn ids_names_groups_ranges_defaults_and_texts_are_the_tables() {
     assert_eq!(map.len(), COUNT);
     for ((id, pointer, group), index) in map.iter().zip(host_order()) {
         let parameter = &PARAMETERS[index];
-        assert_eq!((id.as_str(), group.as_str()), (parameter.id, parameter.group));
+        assert_eq!((id.as_str(), group.as_str()), (parameter.id, parameter.group.name()));
         // SAFETY: `params` is alive.
         unsafe {
             assert_eq!(pointer.name(), parameter.name);

@@ -4,13 +4,23 @@ use std::fmt::Write;
 use std::path::Path;
 
 use pyrophone_settings::macros::MACROS;
-use pyrophone_settings::{PARAMETERS, Parameter, ParameterKind};
+use pyrophone_settings::{Group, PARAMETERS, Parameter, ParameterKind};
 
 const BEGIN: &str = "<!-- parameters -->\n";
 const END: &str = "<!-- end of parameters -->";
 /// As the window has them.
-const GROUPS: [&str; 10] =
-    ["Character", "Drive", "Levels", "Extension", "Texture", "Crackle", "Fuel", "Flame", "Vortex", "Structure"];
+const GROUPS: [Group; 10] = [
+    Group::Character,
+    Group::Drive,
+    Group::Levels,
+    Group::Extension,
+    Group::Texture,
+    Group::Crackle,
+    Group::Fuel,
+    Group::Flame,
+    Group::Vortex,
+    Group::Structure,
+];
 
 fn range(parameter: &Parameter) -> String {
     match parameter.kind {
@@ -32,7 +42,8 @@ fn list() -> String {
         let members = PARAMETERS.iter().filter(|parameter| parameter.group == group);
         writeln!(
             text,
-            "\n### {group}\n\n| name | id | range | default | the paper's | what it does |\n|---|---|---|---|---|---|"
+            "\n### {}\n\n| name | id | range | default | the paper's | what it does |\n|---|---|---|---|---|---|",
+            group.name()
         )
         .unwrap();
         for parameter in members {
@@ -64,7 +75,7 @@ fn the_manual_has_every_macro_as_it_is() {
 
 #[test]
 fn the_manual_has_every_parameter_as_it_is() {
-    let groups: Vec<&str> = PARAMETERS.iter().map(|parameter| parameter.group).collect();
+    let groups: Vec<Group> = PARAMETERS.iter().map(|parameter| parameter.group).collect();
     assert!(groups.iter().all(|group| GROUPS.contains(group)), "a group is missing here: {groups:?}");
     check(BEGIN, END, &list());
 }

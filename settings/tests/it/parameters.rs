@@ -1,7 +1,7 @@
 //! The table: its promise, and that its three spellings of a value agree.
 
 use proptest::prelude::*;
-use pyrophone_settings::{COUNT, Error, Id, PARAMETERS, Parameter, ParameterKind, Values, index_of};
+use pyrophone_settings::{COUNT, Error, Group, Id, PARAMETERS, Parameter, ParameterKind, Values, index_of};
 use pyrophone_synthesis::controls::{DriveMode, DynamicRange, Fuel, Quality, VortexControls};
 use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::{Controls, EngineConfig};
@@ -346,10 +346,10 @@ fn names_are_unique_and_every_group_has_its_place_with_hosts() {
     sorted.sort_unstable();
     assert_eq!(sorted, (0..PARAMETERS.len()).collect::<Vec<_>>(), "each once");
     assert_eq!(PARAMETERS[order[0]].id, "bypass");
-    let groups: Vec<&str> = order[1..].iter().map(|index| PARAMETERS[*index].group).collect();
+    let groups: Vec<Group> = order[1..].iter().map(|index| PARAMETERS[*index].group).collect();
     let mut changes = groups.clone();
     changes.dedup();
-    let distinct: std::collections::HashSet<&str> = groups.iter().copied().collect();
+    let distinct: std::collections::HashSet<Group> = groups.iter().copied().collect();
     assert_eq!(changes.len(), distinct.len(), "each group stands together");
-    assert_eq!(changes[0], "Character", "a group without a place would come first");
+    assert_eq!(changes[0], Group::Character);
 }
