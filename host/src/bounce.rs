@@ -129,19 +129,10 @@ pub fn bounce(
     let skip = options.pad_before + latency_samples as usize;
     let total = skip + input_samples + options.extra_after;
 
-    let extend = |signal: &[Vec<f32>]| -> Vec<Vec<f32>> {
-        signal
-            .iter()
-            .map(|channel| {
-                let mut padded = vec![0.0; total];
-                padded[options.pad_before..][..input_samples].copy_from_slice(channel);
-                padded
-            })
-            .collect()
-    };
+    let pad = |signal: &[Vec<f32>]| padded(signal, options.pad_before, total);
     let stream = Stream {
-        input: extend(input),
-        sidechain: sidechain.map(extend),
+        input: pad(input),
+        sidechain: sidechain.map(pad),
         output_channels: options.layout.output as usize,
         events: absolute_events(options, total),
         start_position: options.start_position,
@@ -165,6 +156,16 @@ pub fn bounce(
         channel.drain(..skip);
     }
     Ok(Bounce { channels, latency_samples, requests })
+}
+
+/// The signal with `before` samples of silence ahead of it, and silence after it up to a length of `total`.
+fn padded(signal: &[Vec<f32>], before: usize, total: usize) -> Vec<Vec<f32>> {
+    let pad = |channel: &Vec<f32>| {
+        let mut padded = vec![0.0; total];
+        padded[before..][..channel.len()].copy_from_slice(channel);
+        padded
+    };
+    signal.iter().map(pad).collect()
 }
 
 /// Data for the playing thread, padded to its whole length.

@@ -41,7 +41,7 @@ pub(crate) struct ClapPlugin {
     ranges: Arc<HashMap<u32, Range>>,
     flags: Arc<Flags>,
     pending: Arc<Mutex<Vec<Event>>>,
-    told: Arc<Mutex<Vec<Event>>>,
+    reported: Arc<Mutex<Vec<Event>>>,
     editor_is_open: bool,
 }
 
@@ -73,7 +73,7 @@ impl ClapPlugin {
             ranges: Arc::new(ranges),
             flags,
             pending: Arc::default(),
-            told: Arc::default(),
+            reported: Arc::default(),
             editor_is_open: false,
         })
     }
@@ -228,7 +228,7 @@ impl Plugin for ClapPlugin {
             configuration.sample_rate,
             Arc::clone(&self.ranges),
             Arc::clone(&self.pending),
-            Arc::clone(&self.told),
+            Arc::clone(&self.reported),
         )))
     }
 
@@ -246,8 +246,8 @@ impl Plugin for ClapPlugin {
         unplayed.iter().try_for_each(|event| self.set_value(event.id, event.value))
     }
 
-    fn take_told_values(&mut self) -> Vec<Event> {
-        std::mem::take(&mut *lock(&self.told))
+    fn take_reported_values(&mut self) -> Vec<Event> {
+        std::mem::take(&mut *lock(&self.reported))
     }
 
     fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {

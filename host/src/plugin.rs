@@ -259,7 +259,7 @@ pub trait Plugin {
 
     /// The values that the plug-in has sent to the host since the last query, because its parameters moved by
     /// themselves. The host records them: in VST3 it passes them on to the controller.
-    fn take_told_values(&mut self) -> Vec<Event>;
+    fn take_reported_values(&mut self) -> Vec<Event>;
 
     /// Choices in the host's menus since the last query: the parameter, and the number of the entry.
     fn take_menu_choices(&mut self) -> Vec<(u32, i32)>;

@@ -47,7 +47,7 @@ pub(crate) struct Vst3Plugin {
     parameters: Vec<Parameter>,
     pending: Arc<Mutex<Vec<Event>>>,
     /// Values in the plug-in's output.
-    told: Arc<Mutex<Vec<Event>>>,
+    reported: Arc<Mutex<Vec<Event>>>,
     active: bool,
     editor: Option<Editor>,
 }
@@ -86,7 +86,7 @@ impl Vst3Plugin {
             name,
             parameters,
             pending,
-            told: Arc::default(),
+            reported: Arc::default(),
             active: false,
             editor: None,
         })
@@ -261,7 +261,7 @@ impl Plugin for Vst3Plugin {
             Buses::new(layout, configuration.max_block),
             setup,
             self.parameters.iter().map(|p| p.id).collect(),
-            [&self.pending, &self.told].map(Arc::clone),
+            [&self.pending, &self.reported].map(Arc::clone),
         );
         Ok(Box::new(processor.with_controllers(read_controllers(&self.controller))))
     }
@@ -282,13 +282,13 @@ impl Plugin for Vst3Plugin {
         unplayed.iter().try_for_each(|event| self.set_value(event.id, event.value))
     }
 
-    fn take_told_values(&mut self) -> Vec<Event> {
-        let told = std::mem::take(&mut *lock(&self.told));
-        for event in &told {
+    fn take_reported_values(&mut self) -> Vec<Event> {
+        let reported = std::mem::take(&mut *lock(&self.reported));
+        for event in &reported {
             // SAFETY: a live controller.
             unsafe { self.controller.setParamNormalized(event.id, event.value) };
         }
-        told
+        reported
     }
 
     fn take_menu_choices(&mut self) -> Vec<(u32, i32)> {

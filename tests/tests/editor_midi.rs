@@ -18,7 +18,7 @@ fn controllers(hand: &mut UiDriver<'_>) -> String {
 fn turn(hand: &mut UiDriver<'_>, controller: u8, position: u8) {
     hand.live.move_controllers(&[ControllerMessage { offset: 3, channel: 0, controller, position }]);
     hand.pass();
-    hand.live.plugin().take_told_values();
+    hand.live.plugin().take_reported_values();
 }
 
 #[test]

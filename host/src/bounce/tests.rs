@@ -106,7 +106,7 @@ impl Plugin for DelayPlugin {
         Ok(())
     }
 
-    fn take_told_values(&mut self) -> Vec<Event> {
+    fn take_reported_values(&mut self) -> Vec<Event> {
         Vec::new()
     }
 

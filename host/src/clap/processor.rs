@@ -25,7 +25,7 @@ pub(super) struct ClapProcessor {
     sample_rate: f64,
     ranges: Arc<HashMap<u32, Range>>,
     pending: Arc<Mutex<Vec<Event>>>,
-    told: Arc<Mutex<Vec<Event>>>,
+    reported: Arc<Mutex<Vec<Event>>>,
     messages: Vec<ControllerMessage>,
 }
 
@@ -37,13 +37,13 @@ impl ClapProcessor {
         sample_rate: f64,
         ranges: Arc<HashMap<u32, Range>>,
         pending: Arc<Mutex<Vec<Event>>>,
-        told: Arc<Mutex<Vec<Event>>>,
+        reported: Arc<Mutex<Vec<Event>>>,
     ) -> Self {
-        Self { processor, instance, buses, sample_rate, ranges, pending, told, messages: Vec::new() }
+        Self { processor, instance, buses, sample_rate, ranges, pending, reported, messages: Vec::new() }
     }
 
     /// Records the values in the plug-in's output.
-    fn hear(&self, output: &EventBuffer) {
+    fn collect_reported(&self, output: &EventBuffer) {
         let values = output.iter().filter_map(|event| match event.as_core_event() {
             Some(CoreEventSpace::ParamValue(event)) => {
                 let id = event.param_id()?.get();
@@ -52,7 +52,7 @@ impl ClapProcessor {
             }
             _ => None,
         });
-        lock(&self.told).extend(values);
+        lock(&self.reported).extend(values);
     }
 
     fn param_event(&self, event: &Event) -> Result<ParamValueEvent, HostError> {
@@ -120,7 +120,7 @@ impl Processor for ClapProcessor {
             events.push(&MidiEvent::new(message.offset, 0, bytes));
         }
         events.sort();
-        let mut told = EventBuffer::new();
+        let mut reported = EventBuffer::new();
         let transport = block.transport.map(|t| self.transport_event(t));
 
         let mut inputs = vec![audio_buffer(&mut pointers.input)];
@@ -140,9 +140,9 @@ impl Processor for ClapProcessor {
         self.processor
             .as_started_mut()
             .map_err(|_| HostError::Process)?
-            .process(&input, &mut output, &events.as_input(), &mut told.as_output(), None, transport.as_ref())
+            .process(&input, &mut output, &events.as_input(), &mut reported.as_output(), None, transport.as_ref())
             .map_err(|_| HostError::Process)?;
-        self.hear(&told);
+        self.collect_reported(&reported);
         self.buses.store(block, frames)
     }
 

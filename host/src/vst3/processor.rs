@@ -29,7 +29,7 @@ pub(super) struct Vst3Processor {
     setup: ProcessSetup,
     ids: HashSet<u32>,
     pending: Arc<Mutex<Vec<Event>>>,
-    told: Arc<Mutex<Vec<Event>>>,
+    reported: Arc<Mutex<Vec<Event>>>,
     /// Parameters that controllers are, by number.
     controllers: Vec<Option<u32>>,
     messages: Vec<Event>,
@@ -43,10 +43,10 @@ impl Vst3Processor {
         buses: Buses,
         setup: ProcessSetup,
         ids: HashSet<u32>,
-        [pending, told]: [Arc<Mutex<Vec<Event>>>; 2],
+        [pending, reported]: [Arc<Mutex<Vec<Event>>>; 2],
     ) -> Self {
         let (controllers, messages) = (Vec::new(), Vec::new());
-        Self { processor, instance, buses, setup, ids, pending, told, controllers, messages, started: false }
+        Self { processor, instance, buses, setup, ids, pending, reported, controllers, messages, started: false }
     }
 
     /// Sets the parameters of controllers, by number.
@@ -109,7 +109,7 @@ impl Processor for Vst3Processor {
         let pending = std::mem::take(&mut *lock(&self.pending));
         let messages = std::mem::take(&mut self.messages);
         let changes = ComWrapper::new(ParameterChanges::new(pending.iter().chain(block.events).chain(&messages)));
-        let told = ComWrapper::new(OutputChanges::default());
+        let reported = ComWrapper::new(OutputChanges::default());
         let mut context = block.transport.and_then(|t| self.context(t));
 
         // A deactivated bus keeps its index but has no channels.
@@ -130,9 +130,9 @@ impl Processor for Vst3Processor {
             inputParameterChanges: changes
                 .as_com_ref::<IParameterChanges>()
                 .map_or(std::ptr::null_mut(), |changes| changes.as_ptr()),
-            outputParameterChanges: told
+            outputParameterChanges: reported
                 .as_com_ref::<IParameterChanges>()
-                .map_or(std::ptr::null_mut(), |told| told.as_ptr()),
+                .map_or(std::ptr::null_mut(), |reported| reported.as_ptr()),
             inputEvents: std::ptr::null_mut(),
             outputEvents: std::ptr::null_mut(),
             processContext: context.as_mut().map_or(std::ptr::null_mut(), std::ptr::from_mut),
@@ -142,7 +142,7 @@ impl Processor for Vst3Processor {
         if unsafe { self.processor.process(&mut data) } != kResultOk {
             return Err(HostError::Process);
         }
-        lock(&self.told).extend(told.events());
+        lock(&self.reported).extend(reported.events());
         self.buses.store(block, frames)
     }
 

@@ -27,7 +27,7 @@ const BLOCK: usize = 64;
 /// All checks.
 pub(crate) const CHECKS: &[Check] = &[
     Check { name: "null_and_missing_buffers_are_survived_and_silent", run: null_and_missing_buffers },
-    Check { name: "layouts_it_was_not_told_of_are_survived", run: untold_layouts },
+    Check { name: "layouts_it_was_not_told_of_are_survived", run: unannounced_layouts },
     Check { name: "a_value_set_while_processing_is_read_and_saved_at_once", run: states::value_is_saved_at_once },
     Check { name: "saved_bytes_do_not_change_by_load_and_save", run: states::bytes_stay },
     Check { name: "a_value_is_saved_the_same_before_and_after_it_arrives", run: states::saved_as_it_arrives },
@@ -165,7 +165,7 @@ fn bus(channels: &mut [*mut f32]) -> AudioBusBuffers {
 }
 
 /// A bus that claims channels without even having pointers.
-fn hollow(channels: i32) -> AudioBusBuffers {
+fn null_channels(channels: i32) -> AudioBusBuffers {
     AudioBusBuffers {
         numChannels: channels,
         silenceFlags: 0,
@@ -191,7 +191,7 @@ fn null_and_missing_buffers(bundle: &Path) -> Result<(), String> {
             let mut buses: Vec<AudioBusBuffers> = pointers
                 .iter_mut()
                 .take(inputs)
-                .map(|pointers| if kind == 0 { hollow(2) } else { bus(&mut pointers[..kind]) })
+                .map(|pointers| if kind == 0 { null_channels(2) } else { bus(&mut pointers[..kind]) })
                 .collect();
             let result = raw.process(&mut buses, &mut [bus(&mut out_pointers)]);
             ensure(result == kResultOk && are_silent(&output), || {
@@ -200,10 +200,10 @@ fn null_and_missing_buffers(bundle: &Path) -> Result<(), String> {
         }
     }
     // Outputs that are not there either.
-    for outputs in [vec![], vec![hollow(2)], vec![hollow(0)]] {
+    for outputs in [vec![], vec![null_channels(2)], vec![null_channels(0)]] {
         let mut outputs = outputs;
         raw.process(&mut [], &mut outputs);
-        raw.process(&mut [hollow(2), hollow(2)], &mut outputs);
+        raw.process(&mut [null_channels(2), null_channels(2)], &mut outputs);
     }
     Ok(())
 }
@@ -218,7 +218,7 @@ fn dangling(bus: &mut [*mut f32]) -> &mut [*mut f32] {
 }
 
 /// Hosts that continue with any number of channels, whatever the plug-in has stated.
-fn untold_layouts(bundle: &Path) -> Result<(), String> {
+fn unannounced_layouts(bundle: &Path) -> Result<(), String> {
     for channels in [0usize, 1, 6, 8] {
         let mut raw = Raw::load(bundle)?;
         raw.start(44_100.0)?;
@@ -271,7 +271,7 @@ fn odd_rates(bundle: &Path) -> Result<(), String> {
         let mut output = vec![vec![f32::NAN; BLOCK]; 2];
         let mut in_pointers: Vec<*mut f32> = input.iter_mut().map(|channel| channel.as_mut_ptr()).collect();
         let mut out_pointers: Vec<*mut f32> = output.iter_mut().map(|channel| channel.as_mut_ptr()).collect();
-        raw.process(&mut [bus(&mut in_pointers), hollow(0)], &mut [bus(&mut out_pointers)]);
+        raw.process(&mut [bus(&mut in_pointers), null_channels(0)], &mut [bus(&mut out_pointers)]);
         ensure(output == input, || format!("at {sample_rate} Hz the input does not pass through"))?;
         // SAFETY: a live processor.
         let latency = unsafe { raw.processor.getLatencySamples() };

@@ -49,9 +49,10 @@ fn a_controller_sounds_as_automation_of_what_follows_it() {
     for format in Format::ALL {
         let mut live = Live::start(instance(format, &[("cutoff", 21), ("output_level", 21)]), RATE_HZ, STEREO);
         let moved = play(&mut live, 21, 96);
-        let told = live.plugin().take_told_values();
-        let at =
-            |id: &str| told.iter().find(|event| event.id == numeric_id(id)).unwrap_or_else(|| panic!("{format}: {id}"));
+        let reported = live.plugin().take_reported_values();
+        let at = |id: &str| {
+            reported.iter().find(|event| event.id == numeric_id(id)).unwrap_or_else(|| panic!("{format}: {id}"))
+        };
         let points = ["cutoff", "output_level"].map(|id| AutomationPoint {
             sample: i64::from(AT),
             id: numeric_id(id),
@@ -63,10 +64,10 @@ fn a_controller_sounds_as_automation_of_what_follows_it() {
         let mut still = Live::start(instance(format, &[]), RATE_HZ, STEREO);
         assert_ne!(moved, still.play(&flame(31, 2, 6000), Clock::Playing(0), BLOCK), "{format}: it is heard");
         for id in ["cutoff", "output_level"] {
-            let (told, value) = (at(id).value, live.plugin().value(numeric_id(id)).expect("a value"));
+            let (reported, value) = (at(id).value, live.plugin().value(numeric_id(id)).expect("a value"));
             assert!(
-                (told - value).abs() < 1e-6 && (value - 96.0 / 127.0).abs() < 0.01,
-                "{format}: {id} {told} {value}"
+                (reported - value).abs() < 1e-6 && (value - 96.0 / 127.0).abs() < 0.01,
+                "{format}: {id} {reported} {value}"
             );
         }
     }
@@ -78,9 +79,9 @@ fn steps_are_whole_and_the_last_message_counts() {
         let mut live = Live::start(instance(format, &[("drive_mode", 1)]), RATE_HZ, STEREO);
         live.move_controllers(&[message(0, 1, 0), message(40, 2, 100), message(80, 1, 127)]);
         live.play(&flame(32, 2, BLOCK), Clock::Playing(0), BLOCK);
-        let told = live.plugin().take_told_values();
-        assert_eq!(told.len(), 1, "{format}: one value of one parameter: {told:?}");
-        assert_eq!((told[0].id, told[0].value), (numeric_id("drive_mode"), 1.0), "{format}");
+        let reported = live.plugin().take_reported_values();
+        assert_eq!(reported.len(), 1, "{format}: one value of one parameter: {reported:?}");
+        assert_eq!((reported[0].id, reported[0].value), (numeric_id("drive_mode"), 1.0), "{format}");
         let id = numeric_id("drive_mode");
         let value = live.plugin().value(id).expect("a value");
         assert_eq!(live.plugin().text(id, value).expect("a text"), "flame", "{format}");
@@ -93,7 +94,7 @@ fn echoed_value_does_not_hide_later_automation() {
         let (mut live, id) = (Live::start(instance(format, &[("alpha", 7)]), RATE_HZ, STEREO), numeric_id("alpha"));
         live.move_controllers(&[message(5, 7, 127)]);
         live.play(&flame(33, 2, BLOCK), Clock::Playing(0), BLOCK);
-        live.plugin().take_told_values();
+        live.plugin().take_reported_values();
         assert_eq!(live.plugin().value(id).expect("a value"), 1.0, "{format}");
         let points = [AutomationPoint { sample: 9, id, value: 0.25 }];
         live.play_automated(&flame(34, 2, BLOCK), Clock::Playing(BLOCK as i64), BLOCK, &points);

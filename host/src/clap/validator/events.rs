@@ -66,7 +66,7 @@ pub(super) fn bus(channels: &mut [*mut f32]) -> clap_audio_buffer {
 }
 
 /// A bus that claims channels without even having pointers.
-pub(super) fn hollow(channels: u32) -> clap_audio_buffer {
+pub(super) fn null_channels(channels: u32) -> clap_audio_buffer {
     clap_audio_buffer {
         data32: std::ptr::null_mut(),
         data64: std::ptr::null_mut(),

@@ -30,7 +30,7 @@ use crate::numeric_id;
 use crate::validator::{Check, ODD_RATES_HZ, duplicate, ensure};
 
 use discovery::presets;
-use events::{bus, event, hollow};
+use events::{bus, event, null_channels};
 use extensions::extensions;
 use ports::ports;
 use raw::{BLOCK, Raw};
@@ -66,7 +66,7 @@ fn null_and_missing_buffers(bundle: &Path) -> Result<(), String> {
             let buses: Vec<clap_audio_buffer> = pointers
                 .iter_mut()
                 .take(inputs)
-                .map(|pointers| if kind == 0 { hollow(2) } else { bus(&mut pointers[..kind]) })
+                .map(|pointers| if kind == 0 { null_channels(2) } else { bus(&mut pointers[..kind]) })
                 .collect();
             let status = raw.process(&buses, &mut [bus(&mut out_pointers)], &[]);
             let is_silent = output.iter().flatten().all(|sample| *sample == 0.0);
@@ -75,10 +75,10 @@ fn null_and_missing_buffers(bundle: &Path) -> Result<(), String> {
             })?;
         }
     }
-    for outputs in [vec![], vec![hollow(2)], vec![hollow(0)]] {
+    for outputs in [vec![], vec![null_channels(2)], vec![null_channels(0)]] {
         let mut outputs = outputs;
         raw.process(&[], &mut outputs, &[]);
-        raw.process(&[hollow(6), hollow(1)], &mut outputs, &[]);
+        raw.process(&[null_channels(6), null_channels(1)], &mut outputs, &[]);
     }
     Ok(())
 }
