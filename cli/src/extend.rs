@@ -32,7 +32,7 @@ struct Extended {
 /// Writes `input` with its spectrum extended, and its betas on request.
 pub fn run(args: &ExtendArgs, work: &Work) -> Result<Outcome, Error> {
     check(args)?;
-    let (signal, broadcast) = input::load_with_place(&args.input, work)?;
+    let (signal, broadcast) = input::load_with_time_reference(&args.input, work)?;
     input::check_rate(&signal, &args.input)?;
     output::check_format(&args.output, signal.channels.len(), signal.sample_rate_hz)?;
     let rate_hz = f64::from(signal.sample_rate_hz);

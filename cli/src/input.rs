@@ -16,11 +16,11 @@ const CANCELLING_SHARE: f64 = 0.01;
 
 /// Reads a sound file at its own rate.
 pub fn load(path: &Path, work: &Work) -> Result<Recording, Error> {
-    load_with_place(path, work).map(|(recording, _)| recording)
+    load_with_time_reference(path, work).map(|(recording, _)| recording)
 }
 
 /// Reads a sound file, and the timeline position that it states.
-pub fn load_with_place(path: &Path, work: &Work) -> Result<(Recording, Option<Broadcast>), Error> {
+pub fn load_with_time_reference(path: &Path, work: &Work) -> Result<(Recording, Option<Broadcast>), Error> {
     if is_standard(path) {
         let bytes = standard::read(work)?;
         let stage = work.stage("reading");

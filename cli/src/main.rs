@@ -44,7 +44,7 @@ fn main() -> ExitCode {
         Err(error) => return usage(&error),
     };
     if cli.quiet {
-        notes::be_quiet();
+        notes::set_quiet();
     }
     let stop = match Stop::listen() {
         Ok(stop) => stop,
@@ -59,7 +59,7 @@ fn main() -> ExitCode {
         }
         Err(error) => fail(&error),
     };
-    stop.die_of_signal().unwrap_or(code)
+    stop.end_by_signal().unwrap_or(code)
 }
 
 /// The arguments, and the command's name as typed.

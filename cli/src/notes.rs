@@ -10,7 +10,7 @@ static NOTES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
 /// Silences notes on standard error from now on.
-pub fn be_quiet() {
+pub fn set_quiet() {
     IS_QUIET.store(true, Ordering::Relaxed);
 }
 

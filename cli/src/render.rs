@@ -50,7 +50,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Outcome, Error> {
     check_sound(args, &values, &events)?;
 
     let sidechain = sidechain(args, main, work)?;
-    say_what_is_unused(args, &values, &events);
+    note_unused_options(args, &values, &events);
     let structure = values.structure();
     let channels = Channels { input: main.channels.len(), sidechain: sidechain.len(), output: outputs };
     let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&source.name))?;
@@ -204,7 +204,7 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
 }
 
 /// Notes inputs that the drive does not use.
-fn say_what_is_unused(args: &RenderArgs, values: &Values, events: &[Event]) {
+fn note_unused_options(args: &RenderArgs, values: &Values, events: &[Event]) {
     let listens = |wanted: &dyn Fn(&str) -> bool| {
         let is_wanted = |plain: f64| DRIVE_MODES.get(plain as usize).is_some_and(|mode| wanted(mode));
         let mut modes = events.iter().filter(|event| event.parameter == Id::DriveMode as usize);

@@ -47,7 +47,7 @@ impl Stop {
     }
 
     /// Ends the process as the signal would have, if one has arrived; otherwise does nothing.
-    pub fn die_of_signal(&self) -> Option<ExitCode> {
+    pub fn end_by_signal(&self) -> Option<ExitCode> {
         let number = u8::try_from(self.number()).ok().filter(|number| *number != 0)?;
         #[cfg(unix)]
         let _ = signal_hook::low_level::emulate_default_handler(i32::from(number));

@@ -22,7 +22,7 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<Outcome, Error> {
     check(args)?;
     output::check(&args.output, &[&args.input, &args.training])?;
 
-    let (signal, broadcast) = input::load_with_place(&args.input, work)?;
+    let (signal, broadcast) = input::load_with_time_reference(&args.input, work)?;
     let training = input::load_at(&args.training, signal.sample_rate_hz, work)?;
     output::check_format(&args.output, training.channels.len(), signal.sample_rate_hz)?;
     let dictionary = index(&training, &args.training, &shape, work)?;
@@ -40,7 +40,7 @@ pub fn run(args: &TextureArgs, work: &Work) -> Result<Outcome, Error> {
 
 /// The dictionary of a training sound at its own rate, for the published program.
 fn index(training: &Recording, path: &Path, shape: &PyramidConfig, work: &Work) -> Result<Arc<Dictionary>, Error> {
-    say_if_cancelling(training);
+    note_if_cancelling(training);
     let stage = work.stage("indexing");
     let channels = input::as_f64(&training.channels);
     let rate_hz = f64::from(training.sample_rate_hz);
@@ -51,7 +51,7 @@ fn index(training: &Recording, path: &Path, shape: &PyramidConfig, work: &Work) 
 }
 
 /// Notes channels of the training sound that cancel.
-pub fn say_if_cancelling(training: &Recording) {
+pub fn note_if_cancelling(training: &Recording) {
     if training.notes.contains(&Note::ChannelsCancel) {
         note(&format!("{}: {}", training.name, Note::ChannelsCancel));
     }

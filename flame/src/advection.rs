@@ -76,8 +76,8 @@ fn smoky(field: &Grid<1>) -> Vec<[i32; 3]> {
     let largest = field.blocks().flat_map(|(_, block)| block.iter()).fold(0.0f32, |largest, [x]| largest.max(x.abs()));
     let mut voxels = vec![];
     for (key, block) in field.blocks() {
-        for (place, _) in block.iter().enumerate().filter(|(_, [x])| x.abs() > LEAST_SHARE * largest) {
-            let within = [place >> 6, (place >> 3) & 7, place & 7];
+        for (voxel, _) in block.iter().enumerate().filter(|(_, [x])| x.abs() > LEAST_SHARE * largest) {
+            let within = [voxel >> 6, (voxel >> 3) & 7, voxel & 7];
             voxels.push(std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32));
         }
     }

@@ -228,8 +228,8 @@ impl<const N: usize> Grid<N> {
     pub fn bounds(&self) -> Option<([i32; 3], [i32; 3])> {
         let mut bounds: Option<([i32; 3], [i32; 3])> = None;
         for (key, block) in self.blocks() {
-            for place in 0..BLOCK_VOXELS as i32 {
-                let within = [place / (BLOCK * BLOCK), place / BLOCK % BLOCK, place % BLOCK];
+            for voxel in 0..BLOCK_VOXELS as i32 {
+                let within = [voxel / (BLOCK * BLOCK), voxel / BLOCK % BLOCK, voxel % BLOCK];
                 if block[slot(within)] == self.background {
                     continue;
                 }

@@ -81,10 +81,10 @@ impl Regions {
             let mut sum = 0.0;
             for (x, y, z) in (0..nx).flat_map(|x| (0..ny).flat_map(move |y| (0..nz).map(move |z| (x, y, z)))) {
                 let at = [x, y, z];
-                let place = std::array::from_fn(|axis| {
+                let position = std::array::from_fn(|axis| {
                     corner[axis] + self.edges[axis] * (at[axis] as f64 + 0.5) / self.samples[axis] as f64
                 });
-                sum += velocity.velocity_at(place).iter().map(|v| v * v).sum::<f64>().sqrt();
+                sum += velocity.velocity_at(position).iter().map(|v| v * v).sum::<f64>().sqrt();
             }
             (share * sum) as f32
         };
@@ -98,7 +98,7 @@ impl Regions {
     }
 
     /// Centre of a sub-volume: to the right and to the front of the box's centre, and above its bottom.
-    fn place(&self, region: usize, up: Up) -> [f32; 3] {
+    fn position(&self, region: usize, up: Up) -> [f32; 3] {
         let corner = self.corner(region);
         let middle = |axis: usize| self.low[axis] + 0.5 * self.edges[axis] * self.counts[axis] as f64;
         let beside = |axis: usize| (corner[axis] + 0.5 * self.edges[axis] - middle(axis)) as f32;
@@ -112,7 +112,7 @@ impl Regions {
 
     /// Centres of all sub-volumes in m: to the right and to the front of the box's centre, and above its bottom.
     pub fn places(&self, up: Up) -> Vec<[f32; 3]> {
-        (0..self.len()).map(|region| self.place(region, up)).collect()
+        (0..self.len()).map(|region| self.position(region, up)).collect()
     }
 
     /// The field of `steps`, each from [`mean_speeds`](Self::mean_speeds), at `rate_hz` steps per second.
@@ -127,7 +127,7 @@ impl Regions {
             return Err(Error::NoMotion);
         }
         let moving: Vec<usize> = (0..self.len()).filter(|region| fastest[*region] >= STILL * top).collect();
-        let places = moving.iter().map(|region| self.place(*region, up)).collect();
+        let places = moving.iter().map(|region| self.position(*region, up)).collect();
         let speeds = steps.iter().flat_map(|step| moving.iter().map(|region| step[*region])).collect();
         Ok(SpeedField::new(rate_hz, moving.len(), places, speeds, end)?)
     }
@@ -172,11 +172,11 @@ mod tests {
         let regions = Regions::new([0.0; 3], [1.6; 3], 0.1);
         let field = regions.field(&[regions.mean_speeds(&flow)], 30.0, Up::Z, End::Clamped).unwrap();
         assert!(field.sources() < regions.len(), "still gas is left out");
-        for (place, found) in field.positions().iter().zip(field.speeds()) {
-            assert!(place[2] > 0.6 && place[2] < 1.6 && place[0].abs() < 0.8);
-            if place[2] > 1.0 && place[0].abs() < 0.5 {
-                let expected = 1.0 + (place[0] + 0.8) / 0.1 - 0.5;
-                assert!((found - expected).abs() < 0.5, "{place:?}: {found} instead of {expected}");
+        for (position, found) in field.positions().iter().zip(field.speeds()) {
+            assert!(position[2] > 0.6 && position[2] < 1.6 && position[0].abs() < 0.8);
+            if position[2] > 1.0 && position[0].abs() < 0.5 {
+                let expected = 1.0 + (position[0] + 0.8) / 0.1 - 0.5;
+                assert!((found - expected).abs() < 0.5, "{position:?}: {found} instead of {expected}");
             }
         }
     }
@@ -188,7 +188,7 @@ mod tests {
         let steps = [regions.mean_speeds(&flow([16, 16, 16], speed))];
         let lowest = |up: Up| {
             let field = regions.field(&steps, 30.0, up, End::Clamped).unwrap();
-            field.positions().iter().map(|place| place[2]).fold(f32::MAX, f32::min)
+            field.positions().iter().map(|position| position[2]).fold(f32::MAX, f32::min)
         };
         assert!(lowest(Up::Y) > 0.8 && lowest(Up::Z) < 0.4);
     }

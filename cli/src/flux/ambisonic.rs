@@ -57,12 +57,12 @@ impl Listener {
                 after += 1;
             }
             let (from, to) = (places[after.saturating_sub(1)], places.get(after).copied());
-            let place = match to.filter(|_| after > 0) {
+            let position = match to.filter(|_| after > 0) {
                 Some(to) => between(from, to, time_s),
                 None if after == 0 => first.1,
                 None => from.1,
             };
-            self.add_sample(n, f64::from(*sample), place);
+            self.add_sample(n, f64::from(*sample), position);
         }
     }
 
@@ -116,17 +116,17 @@ fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
 mod tests {
     use super::*;
 
-    /// W, Y, Z, X of a drive of 1 at `place`, for a listener at the origin who faces along x.
-    fn heard(place: [f64; 3], up: UpAxis) -> [f64; 4] {
+    /// W, Y, Z, X of a drive of 1 at `position`, for a listener at the origin who faces along x.
+    fn encoded(position: [f64; 3], up: UpAxis) -> [f64; 4] {
         let mut listener = Listener::new([0.0; 3], [5.0, 0.0, 0.0], up, 1, 48_000);
-        listener.add(&[1.0], &[(0.0, place)]);
+        listener.add(&[1.0], &[(0.0, position)]);
         let channels = listener.into_channels();
         std::array::from_fn(|channel| (f64::from(channels[channel][0]) * 1e6).round() / 1e6)
     }
 
     #[test]
     fn channels_are_pressure_left_up_and_front() {
-        for (place, expected) in [
+        for (position, expected) in [
             ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0]),
             ([0.0, 1.0, 0.0], [1.0, 1.0, 0.0, 0.0]),
             ([0.0, 0.0, 1.0], [1.0, 0.0, 1.0, 0.0]),
@@ -135,11 +135,11 @@ mod tests {
             ([0.0, 0.0, 0.01], [2.0, 0.0, 2.0, 0.0]),
             ([0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0]),
         ] {
-            assert_eq!(heard(place, UpAxis::Z), expected, "{place:?}");
+            assert_eq!(encoded(position, UpAxis::Z), expected, "{position:?}");
         }
         // With y up and x in front, left is towards -z.
-        assert_eq!(heard([0.0, 0.0, -1.0], UpAxis::Y), [1.0, 1.0, 0.0, 0.0]);
-        assert_eq!(heard([0.0, 1.0, 0.0], UpAxis::Y), [1.0, 0.0, 1.0, 0.0]);
+        assert_eq!(encoded([0.0, 0.0, -1.0], UpAxis::Y), [1.0, 1.0, 0.0, 0.0]);
+        assert_eq!(encoded([0.0, 1.0, 0.0], UpAxis::Y), [1.0, 0.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -140,7 +140,7 @@ fn write_speeds(to: &mut Writer, survey: &Survey, speeds: &Speeds) {
 
 fn read_speeds(from: &mut Reader<'_>, span: Span) -> Option<(Survey, Speeds)> {
     let (every, voxel) = (from.count()?, from.f64()?);
-    let extent = from.optional(|from| Some([from.place()?, from.place()?]))?;
+    let extent = from.optional(|from| Some([from.position()?, from.position()?]))?;
     let is_sane =
         |[low, high]: [[f64; 3]; 2]| (0..3).all(|axis| (0.0..MOST_VOXELS * voxel).contains(&(high[axis] - low[axis])));
     if every == 0 || !extent.is_none_or(is_sane) {
@@ -172,7 +172,7 @@ fn read_fronts(from: &mut Reader<'_>) -> Option<Fronts> {
     for _ in 0..from.count()? {
         let step = from.i64()?;
         let count = from.count_of(24)?;
-        let vertices: Option<Vec<[f64; 3]>> = (0..count).map(|_| from.place()).collect();
+        let vertices: Option<Vec<[f64; 3]>> = (0..count).map(|_| from.position()).collect();
         let vertices = vertices?;
         let count = from.count_of(12)?;
         let mut corner = || from.array().map(u32::from_le_bytes).filter(|corner| (*corner as usize) < vertices.len());

@@ -75,7 +75,7 @@ pub fn write(
     scale::keep(&args.sound, rendered.scale)?;
     let added = added(signal, &whole, plan.upsampler.as_ref())?;
     let shares = shares(&groups, &tracks, signal, whole.substeps);
-    let place = sound::time_reference(&args.sound, signal)?;
+    let reference_samples = sound::time_reference(&args.sound, signal)?;
     let mut listener = args.listener.map(|position| {
         let samples = rendered.samples.len();
         Listener::new(position, middle(&tracks), args.up, samples, args.sound.sample_rate)
@@ -83,7 +83,7 @@ pub fn write(
     make_folder(folder)?;
     let broadcast = |name: &str| Broadcast {
         description: format!("Flame signal of {name}, {} steps per second", whole.rate_hz),
-        time_reference_samples: place,
+        time_reference_samples: reference_samples,
         ..Broadcast::default()
     };
     let mut files = vec![folder.join("clusters.csv")];

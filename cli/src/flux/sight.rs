@@ -4,7 +4,7 @@ use pyrophone_flame::import::{GridInfo, Selection, Sequence};
 
 use crate::args::{FluxArgs, Measure, Placement};
 use crate::error::Error;
-use crate::progress::note;
+use crate::progress::{Work, note};
 
 /// Iso value of a field that ranges from 0 to 1.
 const ISO: f64 = 0.5;
@@ -65,6 +65,43 @@ impl Sight {
             is_blender: info.is_blender,
             velocity,
         })
+    }
+
+    /// Examines the first frame in which anything burns; none if nothing burns in any.
+    ///
+    /// Fails if that frame cannot be read, unless bad frames are to be skipped and a later one can.
+    pub fn of_first(
+        sequence: &Sequence,
+        indices: &[usize],
+        selection: &Selection,
+        args: &FluxArgs,
+        work: &Work,
+    ) -> Result<Option<Self>, Error> {
+        let look = |index: &usize| {
+            work.check()?;
+            Self::of_sequence(sequence, *index, selection, args)
+        };
+        // If all are bad, the first one's reason is reported: most often a name that no frame has. A frame before
+        // ignition has no field, and so nothing to report.
+        let mut lit = indices.iter().skip_while(|index| sequence.is_unlit(**index, selection));
+        let Some(first) = lit.next() else { return Ok(None) };
+        let is_bad = |found: &Result<Self, Error>| matches!(found, Err(Error::Import(_)));
+        let found = look(first);
+        if !is_bad(&found) || !args.skip_bad {
+            return found.map(Some);
+        }
+        match lit.map(look).find(|found| !is_bad(found)) {
+            Some(later) => later.map(Some),
+            // A farm's shard without one good frame writes an empty part.
+            None if args.partial.is_some() => Ok(None),
+            None => found.map(Some),
+        }
+    }
+
+    /// Examines the first good frame in which anything burns, if there is one.
+    pub fn of_any(sequence: &Sequence, indices: &[usize], selection: &Selection, args: &FluxArgs) -> Option<Self> {
+        let mut lit = indices.iter().skip_while(|index| sequence.is_unlit(**index, selection));
+        lit.find_map(|index| Self::of_sequence(sequence, *index, selection, args).ok())
     }
 
     /// Voxel edges, as text.

@@ -184,15 +184,15 @@ fn report_of<'a>(
 /// Writes the sound to `path` with its time stamp, and keeps its scale, unless it is silent.
 fn write_output(args: &SoundArgs, path: &Path, signal: &Signal, sound: pressure::Sound) -> Result<Outcome, Error> {
     let is_silent = sound.samples.iter().all(|sample| *sample == 0.0);
-    let place = time_reference(args, signal)?;
+    let reference_samples = time_reference(args, signal)?;
     let timeline = signal.timeline.as_ref();
     let now = timeline.filter(|timeline| timeline.dated).map(|_| clock::now());
     let broadcast = Broadcast {
         description: format!("Flame signal, {} steps per second", signal.rate_hz),
-        time_reference_samples: place,
+        time_reference_samples: reference_samples,
         date: now.as_ref().map(|(date, _)| date.clone()),
         time: now.map(|(_, time)| time),
-        ixml: timeline.and_then(|timeline| film::ixml(timeline, place, args.sample_rate)),
+        ixml: timeline.and_then(|timeline| film::ixml(timeline, reference_samples, args.sample_rate)),
     };
     let (scale, peak) = (sound.scale, scale::peak(&sound.samples));
     let written = output::write_signal(path, vec![sound.samples], args.sample_rate, Some(&broadcast))?;

@@ -82,16 +82,16 @@ pub fn check(
         }
     }
     let Some(fit) = fit(&pairs, 1.0 / rate_hz) else { return Ok(None) };
-    let told = format!("the smoke moves at {:.3} times the velocity, at {rate_hz} steps per second", fit.factor);
+    let found_speed = format!("the smoke moves at {:.3} times the velocity, at {rate_hz} steps per second", fit.factor);
     if fit.is_wrong() {
         note(&format!(
-            "{told}: the rate or the velocity's unit must be wrong; if the unit is right, the rate is about {:.0} (--rate); if the rate is right, use --velocity-scale {:.4}",
+            "{found_speed}: the rate or the velocity's unit must be wrong; if the unit is right, the rate is about {:.0} (--rate); if the rate is right, use --velocity-scale {:.4}",
             rate_hz / fit.factor,
             selection.velocity_scale * fit.factor
         ));
     }
     Ok(Some(format!(
-        "{told} (1 means that rate and unit agree; {:.0} % of its change is unexplained)",
+        "{found_speed} (1 means that rate and unit agree; {:.0} % of its change is unexplained)",
         100.0 * fit.left
     )))
 }

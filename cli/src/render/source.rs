@@ -33,7 +33,7 @@ impl Source {
         let Some(path) = &args.input else {
             return Self::silence(args, values, automation);
         };
-        let (recording, broadcast) = input::load_with_place(path, work)?;
+        let (recording, broadcast) = input::load_with_time_reference(path, work)?;
         input::check_rate(&recording, path)?;
         Ok(Self { recording, broadcast, name: path.clone() })
     }

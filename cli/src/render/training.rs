@@ -10,7 +10,7 @@ use pyrophone_training::{DictionaryKey, Stage, Store, build};
 
 use crate::error::Error;
 use crate::progress::{Work, note};
-use crate::texture::{check_windows, say_if_cancelling};
+use crate::texture::{check_windows, note_if_cancelling};
 
 /// The dictionary of a region of the recording from `path`: the stored one if there is one, otherwise a new one, which
 /// is then stored.
@@ -22,7 +22,7 @@ pub fn dictionary(
     structure: &EngineConfig,
     work: &Work,
 ) -> Result<Arc<RecordingDictionary>, Error> {
-    say_if_cancelling(recording);
+    note_if_cancelling(recording);
     let key = DictionaryKey::new(&recording.content_hash, cut, rate_hz, structure);
     let store = Store::of_user();
     if let Some(kept) = store.as_ref().and_then(|store| store.read(&key)) {

@@ -71,8 +71,8 @@ pub fn render(report: &Report<'_>) -> Result<String, String> {
 
 fn seconds(report: &Report<'_>) -> Axis {
     let end = report.flux.len() as f64 / report.rate_hz;
-    let heard = report.pressure.len() as f64 / f64::from(report.sample_rate_hz);
-    Axis { range: (0.0, end.max(heard).max(1e-6)), logarithmic: false, unit: "s" }
+    let sound_s = report.pressure.len() as f64 / f64::from(report.sample_rate_hz);
+    Axis { range: (0.0, end.max(sound_s).max(1e-6)), logarithmic: false, unit: "s" }
 }
 
 fn steps(report: &Report<'_>, values: &[f64]) -> Vec<(f64, f64)> {

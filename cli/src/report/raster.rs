@@ -49,8 +49,8 @@ pub struct View {
 impl View {
     /// A view that holds all meshes. The longer of the second and third axes points upwards.
     pub fn of_meshes<'a>(meshes: impl Iterator<Item = &'a Mesh> + Clone) -> Self {
-        let places = || meshes.clone().flat_map(|mesh| &mesh.vertices);
-        let (low, high) = bounds(places().copied());
+        let positions = || meshes.clone().flat_map(|mesh| &mesh.vertices);
+        let (low, high) = bounds(positions().copied());
         let (turn, raise) = CAMERA;
         let (right, back) = ([turn.cos(), turn.sin(), 0.0], [turn.sin(), -turn.cos(), 0.0]);
         let up = std::array::from_fn(|axis| raise.cos() * [0.0, 0.0, 1.0][axis] - raise.sin() * back[axis]);
@@ -60,7 +60,7 @@ impl View {
             // Turned about the first axis, the second takes the third's place; nothing is mirrored.
             axes = axes.map(|[x, y, z]| [x, z, -y]);
         }
-        let (low, high) = bounds(places().map(|place| axes.map(|axis| dot(axis, *place))));
+        let (low, high) = bounds(positions().map(|position| axes.map(|axis| dot(axis, *position))));
         let fits = |axis: usize, pixels: usize| FILL * (FINE * pixels) as f64 / (high[axis] - low[axis]).max(1e-9);
         let scale = fits(0, SIZE.0).min(fits(1, SIZE.1));
         Self { axes, centre: std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis])), scale }
@@ -71,11 +71,11 @@ impl View {
         let (width, height) = (FINE * SIZE.0, FINE * SIZE.1);
         let mut canvas =
             Canvas { width, depth: vec![f64::NEG_INFINITY; width * height], glow: vec![0.0; width * height] };
-        let places: Vec<[f64; 3]> = mesh.vertices.iter().map(|place| self.place(*place)).collect();
-        let glows: Vec<f64> = self.normals(mesh, &places).into_iter().map(glow).collect();
+        let positions: Vec<[f64; 3]> = mesh.vertices.iter().map(|position| self.project(*position)).collect();
+        let glows: Vec<f64> = self.normals(mesh, &positions).into_iter().map(glow).collect();
         for triangle in &mesh.triangles {
             let corner =
-                |n: usize| triangle.get(n).and_then(|v| Some((*places.get(*v as usize)?, *glows.get(*v as usize)?)));
+                |n: usize| triangle.get(n).and_then(|v| Some((*positions.get(*v as usize)?, *glows.get(*v as usize)?)));
             if let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) {
                 canvas.fill([a, b, c]);
             }
@@ -84,16 +84,16 @@ impl View {
     }
 
     /// Position in fine pixels: from the left, from the bottom, and towards the camera.
-    fn place(&self, world: [f64; 3]) -> [f64; 3] {
+    fn project(&self, world: [f64; 3]) -> [f64; 3] {
         let middle = [0.5 * (FINE * SIZE.0) as f64, 0.5 * (FINE * SIZE.1) as f64, 0.0];
         std::array::from_fn(|axis| middle[axis] + self.scale * (dot(self.axes[axis], world) - self.centre[axis]))
     }
 
     /// Unit normals at the corners in camera axes: means over the adjacent triangles.
-    fn normals(&self, mesh: &Mesh, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let mut normals = vec![[0.0; 3]; places.len()];
+    fn normals(&self, mesh: &Mesh, positions: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let mut normals = vec![[0.0; 3]; positions.len()];
         for triangle in &mesh.triangles {
-            let [Some(a), Some(b), Some(c)] = triangle.map(|corner| places.get(corner as usize)) else { continue };
+            let [Some(a), Some(b), Some(c)] = triangle.map(|corner| positions.get(corner as usize)) else { continue };
             let (u, v): ([f64; 3], [f64; 3]) =
                 (std::array::from_fn(|i| b[i] - a[i]), std::array::from_fn(|i| c[i] - a[i]));
             let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
@@ -180,10 +180,10 @@ fn ember(glow: f64) -> [f64; 3] {
     std::array::from_fn(|channel| a[channel] + share * (b[channel] - a[channel]))
 }
 
-fn bounds(places: impl Iterator<Item = [f64; 3]>) -> ([f64; 3], [f64; 3]) {
+fn bounds(positions: impl Iterator<Item = [f64; 3]>) -> ([f64; 3], [f64; 3]) {
     let none = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    let (low, high) = places.fold(none, |(low, high), place| {
-        (std::array::from_fn(|i| low[i].min(place[i])), std::array::from_fn(|i| high[i].max(place[i])))
+    let (low, high) = positions.fold(none, |(low, high), position| {
+        (std::array::from_fn(|i| low[i].min(position[i])), std::array::from_fn(|i| high[i].max(position[i])))
     });
     if low[0] <= high[0] { (low, high) } else { ([-1.0; 3], [1.0; 3]) }
 }

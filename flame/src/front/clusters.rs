@@ -77,14 +77,14 @@ impl Front {
             let surface = apply(area_vector(&indices), &cofactors);
             let centre = std::array::from_fn(|axis| indices.iter().map(|index| index[axis]).sum::<f64>() / 3.0);
             let flux = dot(velocity.velocity_at(centre), surface);
-            let (area, place) = (length(surface), transform.to_world(centre));
+            let (area, middle) = (length(surface), transform.to_world(centre));
             let sums = sums.entry(groups.first_of(corner)).or_insert_with(|| Sums::at_corner(indices[0]));
             sums.enclose(&indices);
             sums.passing += flux.abs();
             sums.cluster.flux += flux;
             sums.cluster.area += area;
-            (0..3).for_each(|axis| sums.cluster.centroid[axis] += area * place[axis]);
-            *sums.cluster.cubes.entry(place.map(|x| (x / cube).floor() as i64)).or_default() += area;
+            (0..3).for_each(|axis| sums.cluster.centroid[axis] += area * middle[axis]);
+            *sums.cluster.cubes.entry(middle.map(|x| (x / cube).floor() as i64)).or_default() += area;
         }
         let mut clusters: Vec<Cluster> =
             with_hollows(sums.into_values()).into_iter().filter_map(Sums::finished).collect();

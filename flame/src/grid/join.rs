@@ -73,8 +73,8 @@ impl<const N: usize> Grid<N> {
 
     fn fill_block(&mut self, key: [i32; 3], value: impl Fn([i32; 3]) -> [f32; N]) {
         let mut block = filled([0.0; N]);
-        for place in 0..BLOCK_VOXELS as i32 {
-            let within = [place / (BLOCK * BLOCK), place / BLOCK % BLOCK, place % BLOCK];
+        for number in 0..BLOCK_VOXELS as i32 {
+            let within = [number / (BLOCK * BLOCK), number / BLOCK % BLOCK, number % BLOCK];
             let index = std::array::from_fn(|axis| key[axis] * BLOCK + within[axis]);
             block[slot(within)] = value(index);
         }
@@ -119,9 +119,9 @@ mod tests {
         for translation in [[0.0; 3], [1.5, -2.0, 0.5], [4.0, 0.0, 0.0], [-16.0, 8.0, 64.0]] {
             let (a, b) = (field([0.0; 3], 1.0), field(translation, 0.125));
             let sum = a.joined(&b, |a, b| a + b).unwrap();
-            for place in 0..50_000i32 {
+            for number in 0..50_000i32 {
                 // Strides without a common factor pass through every part.
-                let index = [place * 7 % 300 - 150, place * 11 % 170 - 20, place * 13 % 190 - 20];
+                let index = [number * 7 % 300 - 150, number * 11 % 170 - 20, number * 13 % 190 - 20];
                 let in_b = b.transform().to_index(sum.transform().to_world(index.map(f64::from)));
                 let expected = a.value(index)[0] + b.value(in_b.map(|i| i.round() as i32))[0];
                 assert_eq!(sum.value(index), [expected], "{translation:?}: {index:?}");

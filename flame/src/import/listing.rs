@@ -54,10 +54,10 @@ pub(super) fn of_folder(folder: &Path) -> Result<Listing, Error> {
         return Err(Error::NoFrames { path: shown_path(folder), found });
     };
     if sorts.iter().any(|(sort, stray)| sort != main && (stray.len() > 1 || files.len() < 2)) {
-        let told = |((format, stem), files): (&Sort, &Vec<Numbered>)| {
+        let described = |((format, stem), files): (&Sort, &Vec<Numbered>)| {
             format!("{} {} {}", files.len(), format.name(), if stem.is_empty() { "by number" } else { stem })
         };
-        let found: Vec<String> = sorts.iter().take(8).map(told).collect();
+        let found: Vec<String> = sorts.iter().take(8).map(described).collect();
         return Err(Error::Mixed { path: shown_path(folder), found: shown(&found.join(", ")) });
     }
     let left_out = sorts.iter().filter(|(sort, _)| *sort != main).map(|(_, files)| files.len()).sum();

@@ -70,11 +70,11 @@ mod tests {
 
     const AIR: [f32; 4] = [0.0; 4];
 
-    fn found(sides: [[Side; 2]; 3], place: [usize; 3], reach: usize) -> Vec<[usize; 3]> {
+    fn found(sides: [[Side; 2]; 3], cell: [usize; 3], reach: usize) -> Vec<[usize; 3]> {
         let shape = [12, 10, 24];
         let domain = Domain::new(shape, 0.1, sides).unwrap();
         let mut scalars = vec![AIR; domain.cells()];
-        scalars[cell_index(shape, place[0], place[1], place[2])] = [0.0, 0.5, 0.0, 0.0];
+        scalars[cell_index(shape, cell[0], cell[1], cell[2])] = [0.0, 0.5, 0.0, 0.0];
         let mut activity = Activity::default();
         // The previous state is forgotten.
         activity.update(&domain, &vec![[1.0; 4]; domain.cells()], AIR, reach);

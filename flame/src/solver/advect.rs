@@ -97,18 +97,18 @@ pub(crate) struct Scratch<const N: usize> {
     before: Vec<[f32; N]>,
 }
 
-/// Carries `field` along its paths. A value from beyond an end of the box is the one given in `entering`, if any;
+/// Advects `field` along its paths. A value from beyond an end of the box is the one given in `entering`, if any;
 /// otherwise that at the end.
 pub(crate) fn advect<const N: usize>(
     field: &mut [[f32; N]],
     domain: &Domain,
-    stand: SampleSite,
+    site: SampleSite,
     paths: &Trajectories,
     entering: &InflowBoundary<N>,
     neglect: Neglect,
     scratch: &mut Scratch<N>,
 ) {
-    let lattice = match stand {
+    let lattice = match site {
         SampleSite::Centres => Lattice::centres(domain),
         SampleSite::Faces(axis) => Lattice::faces(domain, axis),
     };
@@ -120,34 +120,12 @@ pub(crate) fn advect<const N: usize>(
     before.clear();
     before.extend_from_slice(field);
     let before = before.as_slice();
+    let advection = Advection { domain, site, lattice, paths, entering, neglect };
 
     planes(carried, plane).zip(planes(ranges, plane)).enumerate().for_each(|(i, (carried, ranges))| {
         wide(|| {
             for (j, (carried, ranges)) in carried.chunks_exact_mut(nz).zip(ranges.chunks_exact_mut(nz)).enumerate() {
-                let row = PathRow::new(domain, stand, i, j);
-                let busy = neglect.activity.map(|activity| activity.row(i, j));
-                for (part, (carried, ranges)) in carried.chunks_mut(LANES).zip(ranges.chunks_mut(LANES)).enumerate() {
-                    if busy.is_some_and(|busy| !busy[part]) {
-                        carried.fill(entering.value);
-                        ranges.fill([entering.value; 2]);
-                        continue;
-                    }
-                    let first = part * LANES;
-                    let departures = positions(carried.len(), |lane| {
-                        let (position, path) =
-                            (lattice.position(i, j, first + lane), row.path(&paths.came, first + lane));
-                        std::array::from_fn(|axis| position[axis] - path[axis])
-                    });
-                    let (found, [low, high]) = lattice.sample_lanes_with_range(before, &departures);
-                    let outside = entering.comes_in(&departures);
-                    for (lane, (carried, range)) in carried.iter_mut().zip(ranges).enumerate() {
-                        (*carried, *range) = if outside[lane] {
-                            (entering.value, [entering.value; 2])
-                        } else {
-                            (found[lane], [low[lane], high[lane]])
-                        };
-                    }
-                }
+                advection.predict_row(before, [i, j], carried, ranges);
             }
         })
     });
@@ -155,38 +133,90 @@ pub(crate) fn advect<const N: usize>(
     planes(field, plane).enumerate().for_each(|(i, field)| {
         wide(|| {
             for (j, field) in field.chunks_exact_mut(nz).enumerate() {
-                let row = PathRow::new(domain, stand, i, j);
-                let start = cell_index(lattice.shape, i, j, 0);
-                for (part, values) in field.chunks_mut(LANES).enumerate() {
-                    let first = part * LANES;
-                    let here = start + first..start + first + values.len();
-                    let (firsts, ranges) = (&carried[here.clone()], &ranges[here]);
-                    let is_even = |[low, high]: &[[f32; N]; 2]| (0..N).all(|n| high[n] - low[n] <= neglect.difference);
-                    if ranges.iter().all(is_even) {
-                        values.copy_from_slice(firsts);
-                        continue;
-                    }
-                    let arrivals = positions(values.len(), |lane| {
-                        let (position, path) =
-                            (lattice.position(i, j, first + lane), row.path(&paths.goes, first + lane));
-                        std::array::from_fn(|axis| position[axis] + path[axis])
-                    });
-                    let back = lattice.sample_lanes(carried, &arrivals);
-                    for (lane, (value, first)) in values.iter_mut().zip(firsts).enumerate() {
-                        let [low, high] = &ranges[lane];
-                        // Half of the error of a step forwards and back, limited so that no new extremes arise.
-                        *value = if is_even(&ranges[lane]) {
-                            *first
-                        } else {
-                            std::array::from_fn(|n| {
-                                (first[n] + 0.5 * (value[n] - back[lane][n])).max(low[n]).min(high[n])
-                            })
-                        };
-                    }
-                }
+                advection.correct_row(carried, ranges, [i, j], field);
             }
         })
     });
+}
+
+/// One advection: everything that its rows share.
+struct Advection<'a, const N: usize> {
+    domain: &'a Domain,
+    site: SampleSite,
+    lattice: Lattice,
+    paths: &'a Trajectories,
+    entering: &'a InflowBoundary<N>,
+    neglect: Neglect<'a>,
+}
+
+// Rows are inlined into `wide`, which compiles them for the machine's widest vectors.
+impl<const N: usize> Advection<'_, N> {
+    /// Writes what the flow has carried to a row of samples, and the range of the values around each one's origin.
+    #[inline(always)]
+    fn predict_row(
+        &self,
+        before: &[[f32; N]],
+        [i, j]: [usize; 2],
+        carried: &mut [[f32; N]],
+        ranges: &mut [[[f32; N]; 2]],
+    ) {
+        let row = PathRow::new(self.domain, self.site, i, j);
+        let busy = self.neglect.activity.map(|activity| activity.row(i, j));
+        for (part, (carried, ranges)) in carried.chunks_mut(LANES).zip(ranges.chunks_mut(LANES)).enumerate() {
+            if busy.is_some_and(|busy| !busy[part]) {
+                carried.fill(self.entering.value);
+                ranges.fill([self.entering.value; 2]);
+                continue;
+            }
+            let first = part * LANES;
+            let departures = positions(carried.len(), |lane| {
+                let position = self.lattice.position(i, j, first + lane);
+                let path = row.path(&self.paths.came, first + lane);
+                std::array::from_fn(|axis| position[axis] - path[axis])
+            });
+            let (found, [low, high]) = self.lattice.sample_lanes_with_range(before, &departures);
+            let outside = self.entering.comes_in(&departures);
+            for (lane, (carried, range)) in carried.iter_mut().zip(ranges).enumerate() {
+                (*carried, *range) = if outside[lane] {
+                    (self.entering.value, [self.entering.value; 2])
+                } else {
+                    (found[lane], [low[lane], high[lane]])
+                };
+            }
+        }
+    }
+
+    /// Writes a row of the result: what was carried there, less half of the error of a step forwards and back.
+    #[inline(always)]
+    fn correct_row(&self, carried: &[[f32; N]], ranges: &[[[f32; N]; 2]], [i, j]: [usize; 2], field: &mut [[f32; N]]) {
+        let row = PathRow::new(self.domain, self.site, i, j);
+        let start = cell_index(self.lattice.shape, i, j, 0);
+        let is_even = |[low, high]: &[[f32; N]; 2]| (0..N).all(|n| high[n] - low[n] <= self.neglect.difference);
+        for (part, values) in field.chunks_mut(LANES).enumerate() {
+            let first = part * LANES;
+            let here = start + first..start + first + values.len();
+            let (firsts, ranges) = (&carried[here.clone()], &ranges[here]);
+            if ranges.iter().all(is_even) {
+                values.copy_from_slice(firsts);
+                continue;
+            }
+            let arrivals = positions(values.len(), |lane| {
+                let position = self.lattice.position(i, j, first + lane);
+                let path = row.path(&self.paths.goes, first + lane);
+                std::array::from_fn(|axis| position[axis] + path[axis])
+            });
+            let back = self.lattice.sample_lanes(carried, &arrivals);
+            for (lane, (value, first)) in values.iter_mut().zip(firsts).enumerate() {
+                let [low, high] = &ranges[lane];
+                *value = if is_even(&ranges[lane]) {
+                    *first
+                } else {
+                    // Limited, so that no new extremes arise.
+                    std::array::from_fn(|n| (first[n] + 0.5 * (value[n] - back[lane][n])).max(low[n]).min(high[n]))
+                };
+            }
+        }
+    }
 }
 
 /// Segments are processed as a whole.
@@ -200,8 +230,8 @@ enum PathRow {
 
 impl PathRow {
     #[inline(always)]
-    fn new(domain: &Domain, stand: SampleSite, i: usize, j: usize) -> Self {
-        match stand {
+    fn new(domain: &Domain, site: SampleSite, i: usize, j: usize) -> Self {
+        match site {
             SampleSite::Centres => Self::Centres(cell_index(domain.shape(), i, j, 0)),
             SampleSite::Faces(axis) => Self::Faces(domain.face_row(axis, i, j)),
         }

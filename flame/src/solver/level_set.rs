@@ -34,17 +34,17 @@ impl LevelSet {
         let eaten = (flame_speed_m_s * fire.dt_s) as f32;
         self.store(scalars);
         let before = self.before.as_slice();
-        each(domain, scalars, |place, index| {
+        each(domain, scalars, |cell, index| {
             let distance = before[index];
             // Within the gas the steeper side counts: at the centre of a remnant one side is flat, and a wisp would
             // burn for ever.
-            let outer = slope(before, &lattice, voxel_size, place, 1.0);
+            let outer = slope(before, &lattice, voxel_size, cell, 1.0);
             let steepness =
-                if distance < 0.0 { outer.max(slope(before, &lattice, voxel_size, place, -1.0)) } else { outer };
+                if distance < 0.0 { outer.max(slope(before, &lattice, voxel_size, cell, -1.0)) } else { outer };
             if steepness == 0.0 {
                 return distance.clamp(-most, most);
             }
-            (distance + eaten * fire.mixing.factor(fire.place_m(place)) * steepness).clamp(-most, most)
+            (distance + eaten * fire.mixing.factor(fire.place_m(cell)) * steepness).clamp(-most, most)
         });
         self.sign.clear();
         self.sign.extend(scalars.iter().map(|scalar| {
@@ -54,12 +54,12 @@ impl LevelSet {
         for _ in 0..REDISTANCING_STEPS {
             self.store(scalars);
             let (before, sign) = (self.before.as_slice(), self.sign.as_slice());
-            each(domain, scalars, |place, index| {
+            each(domain, scalars, |cell, index| {
                 // Next to the front, this would shift the front itself.
-                if is_beside_front(before, &lattice, place) {
+                if is_beside_front(before, &lattice, cell) {
                     return before[index];
                 }
-                let excess = slope(before, &lattice, voxel_size, place, sign[index]) - 1.0;
+                let excess = slope(before, &lattice, voxel_size, cell, sign[index]) - 1.0;
                 (before[index] - 0.5 * voxel_size * sign[index] * excess).clamp(-most, most)
             });
         }
@@ -84,13 +84,13 @@ fn each(domain: &Domain, scalars: &mut [[f32; 4]], value: impl Fn([usize; 3], us
 }
 
 /// True if the front lies between a cell and one of its neighbours.
-fn is_beside_front(distance: &[f32], lattice: &Lattice, place: [usize; 3]) -> bool {
+fn is_beside_front(distance: &[f32], lattice: &Lattice, cell: [usize; 3]) -> bool {
     let is_unburnt = |[i, j, k]: [usize; 3]| distance[cell_index(lattice.shape, i, j, k)] < 0.0;
-    let here = is_unburnt(place);
+    let here = is_unburnt(cell);
     (0..3).any(|axis| {
         [false, true].into_iter().any(|upper| {
-            let mut beside = place;
-            beside[axis] = lattice.beside(axis, place[axis], upper);
+            let mut beside = cell;
+            beside[axis] = lattice.beside(axis, cell[axis], upper);
             is_unburnt(beside) != here
         })
     })
@@ -99,14 +99,14 @@ fn is_beside_front(distance: &[f32], lattice: &Lattice, place: [usize; 3]) -> bo
 /// Magnitude of the gradient, taken from the upwind side (Godunov) of a front that moves towards growing distance
 /// (`direction` positive) or falling distance.
 #[inline(always)]
-fn slope(distance: &[f32], lattice: &Lattice, voxel_size: f32, place: [usize; 3], direction: f32) -> f32 {
+fn slope(distance: &[f32], lattice: &Lattice, voxel_size: f32, cell: [usize; 3], direction: f32) -> f32 {
     let value = |[i, j, k]: [usize; 3]| distance[cell_index(lattice.shape, i, j, k)];
-    let here = value(place);
+    let here = value(cell);
     let mut square = 0.0;
     for axis in 0..3 {
         let beside = |upper: bool| {
-            let mut beside = place;
-            beside[axis] = lattice.beside(axis, place[axis], upper);
+            let mut beside = cell;
+            beside[axis] = lattice.beside(axis, cell[axis], upper);
             value(beside)
         };
         let (rising, falling) = (here - beside(false), beside(true) - here);

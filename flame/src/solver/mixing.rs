@@ -68,8 +68,8 @@ impl MixingField {
         });
         let nodes = if mixing.spread > 0.0 { counts.iter().product() } else { 0 };
         let waves = (0..nodes).map(|node| {
-            let place = [node / (counts[1] * counts[2]), node / counts[2] % counts[1], node % counts[2]];
-            Waves::new(&mixing, std::array::from_fn(|axis| first[axis] + place[axis] as i64), seed)
+            let position = [node / (counts[1] * counts[2]), node / counts[2] % counts[1], node % counts[2]];
+            Waves::new(&mixing, std::array::from_fn(|axis| first[axis] + position[axis] as i64), seed)
         });
         let waves: Vec<_> = waves.collect();
         Self { mixing, scale_m, first, counts, values: vec![0.0; waves.len()], waves, offset: 0.0 }
@@ -187,13 +187,13 @@ mod tests {
     fn mixing_belongs_to_the_world() {
         let (mut one, mut other) = (field([-1.0, -1.0, 0.0], 1), field([-0.93, -1.31, 0.02], 1));
         let mut elsewhere = field([-1.0, -1.0, 0.0], 2);
-        let place = [0.33, -0.41, 0.77];
+        let position = [0.33, -0.41, 0.77];
         for field in [&mut one, &mut other, &mut elsewhere] {
             field.advance(1.7, 1.0);
         }
-        assert_eq!(one.factor(place), other.factor(place));
-        assert_ne!(one.factor(place), elsewhere.factor(place), "the seed changes nothing");
-        assert_ne!(one.factor(place), one.factor([0.93, -0.41, 0.77]), "all places are alike");
+        assert_eq!(one.factor(position), other.factor(position));
+        assert_ne!(one.factor(position), elsewhere.factor(position), "the seed changes nothing");
+        assert_ne!(one.factor(position), one.factor([0.93, -0.41, 0.77]), "all places are alike");
     }
 
     #[test]

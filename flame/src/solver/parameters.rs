@@ -59,8 +59,8 @@ impl Parameters {
         in_range("rate of turbulence in Hz", self.turbulence_rate_hz, 0.0, 1e4)?;
         in_range("radiation in Hz", self.cooling.radiation_hz, 0.0, 1e4)?;
         in_range("dissipation in Hz", self.cooling.dissipation_hz, 0.0, 1e4)?;
-        for place in self.turbulence_origin_m {
-            in_range("place among eddies in m", place, -1e6, 1e6)?;
+        for coordinate in self.turbulence_origin_m {
+            in_range("place among eddies in m", coordinate, -1e6, 1e6)?;
         }
         in_range("spread of mixing", self.mixing.spread, 0.0, 3.0)?;
         in_range("scale of mixing in m", self.mixing.scale_m, 1e-3, 1e4)?;

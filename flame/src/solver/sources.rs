@@ -33,19 +33,19 @@ impl Solver {
         let is_core = matches!(self.parameters.combustion, Some(Combustion::BlueCore { .. }));
         for emitter in &surroundings.emitters {
             let hold = 1.0 - maths::exp(-emitter.drag_hz.max(0.0) * dt_s);
-            for ([i, j, k], place) in self.covered(emitter) {
-                let cover = emitter.cover(place, h) as f32;
+            for ([i, j, k], position) in self.covered(emitter) {
+                let cover = emitter.cover(position, h) as f32;
                 let scalar = &mut self.scalars[cell_index(shape, i, j, k)];
                 if is_core {
                     if emitter.fuel > 0.5 {
-                        let relative = std::array::from_fn(|axis| place[axis] - emitter.centre_m[axis]);
+                        let relative = std::array::from_fn(|axis| position[axis] - emitter.centre_m[axis]);
                         scalar[FUEL] = scalar[FUEL].min(emitter.shape.distance_m(relative) as f32);
                     }
                 } else if cover > 0.0 {
                     let noise = if emitter.flicker > 0.0 {
                         let eddies = self.parameters.turbulence_scale_m;
                         let turnovers = (self.time_s * self.parameters.turbulence_rate_hz) as f32;
-                        self.turbulence.velocity_at(place.map(|x| (x / eddies) as f32), turnovers)[0]
+                        self.turbulence.velocity_at(position.map(|x| (x / eddies) as f32), turnovers)[0]
                     } else {
                         0.0
                     };
@@ -73,8 +73,8 @@ impl Solver {
     /// Adds the emitters' volume; no cell gains more than the grid can transport.
     pub(super) fn add_expansion(&mut self, dt_s: f64, surroundings: &Forcing) {
         for emitter in surroundings.emitters.iter().filter(|emitter| emitter.outflow_hz != 0.0) {
-            for ([i, j, k], place) in self.covered(emitter) {
-                let cover = emitter.cover(place, self.domain.voxel_size_m());
+            for ([i, j, k], position) in self.covered(emitter) {
+                let cover = emitter.cover(position, self.domain.voxel_size_m());
                 self.source[cell_index(self.domain.shape(), i, j, k)] += (cover * emitter.outflow_hz) as f32;
             }
         }

@@ -139,7 +139,7 @@ fn normal_share(x: f64) -> f64 {
 /// Signal to add to the curve through the frames.
 pub fn added(values: &[f64], pairs: &[Option<&[f64]>], upsampler: &Upsampler) -> Vec<f64> {
     let substeps = upsampler.substeps();
-    let unit = if upsampler.takes_field_alone() { flux_per_source(values, pairs) } else { 1.0 };
+    let unit = if upsampler.needs_field_only() { flux_per_source(values, pairs) } else { 1.0 };
     let scale = unit * maths::pow(10.0, gain_db(values, pairs, unit) / 20.0);
     let mut steps = vec![0.0; values.len() * substeps];
     for (steps, change) in steps.chunks_exact_mut(substeps).zip(pairs) {

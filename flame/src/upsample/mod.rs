@@ -95,7 +95,7 @@ impl Upsampler {
     }
 
     /// True if it uses the burning field alone, without the flow.
-    pub fn takes_field_alone(&self) -> bool {
+    pub fn needs_field_only(&self) -> bool {
         self.method == Method::Release
     }
 

@@ -67,72 +67,15 @@ impl Flow {
     /// # Errors
     /// If the recipe, the speed or the step is out of range.
     pub fn new(recipe: &Recipe, speed_m_s: f64, step_s: f64) -> Result<Self, Error> {
-        let voxel_size_m = recipe.voxel_size_m;
-        let [nx, ny, nz] = recipe.voxels;
-        let width_m = nx.min(ny) as f64 * voxel_size_m;
         let mean_m_s = if recipe.kind == FlowModel::Jet { JET_MEAN * speed_m_s } else { speed_m_s };
         let sides = [[Side::Periodic; 2], [Side::Periodic; 2], [Side::Inflow(mean_m_s), Side::Open]];
-        let domain = Domain::new(recipe.voxels, voxel_size_m, sides)?;
-        // Buoyancy accelerates gas to this speed, here within the box. Fast gas comes from further below and is just as
-        // unsteady; the box provides its share all the same.
-        let buoyancy_m_s2 = maths::square(speed_m_s / RISE) / (2.0 * nz as f64 * voxel_size_m);
-        let parameters = Parameters {
-            buoyancy_m_s2: if recipe.kind == FlowModel::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
-            confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
-            // The disturbance fits the periodic sides, and moves with the gas.
-            turbulence_m_s2: (STIRRING * maths::square(speed_m_s) / width_m).min(MOST_STIRRING_M_S2),
-            turbulence_scale_m: width_m,
-            turbulence_rate_hz: speed_m_s / width_m,
-            ..Parameters::still()
-        };
+        let domain = Domain::new(recipe.voxels, recipe.voxel_size_m, sides)?;
         // Rows identical except for their pace would beat when mixed.
         let seed = recipe.seed.wrapping_mul(0x1_0000_0001).wrapping_add(u64::from((speed_m_s as f32).to_bits()));
-        let mut solver = Solver::new(domain, parameters, seed)?;
+        let mut solver = Solver::new(domain, parameters(recipe, speed_m_s, mean_m_s), seed)?;
         solver.set_velocity(|axis, _| if axis == 2 { mean_m_s } else { 0.0 });
-        let pace_hz = speed_m_s / width_m;
-        let source = |number: u64, emitter: Emitter| MovingEmitter {
-            emitter,
-            kind: recipe.kind,
-            motion: std::array::from_fn(|axis| {
-                let motion = seed.wrapping_mul(64).wrapping_add(3 * number + axis as u64);
-                Wander::new(motion, PACES.start * pace_hz, PACES.end * pace_hz)
-            }),
-            width_m,
-        };
-        let still = Emitter {
-            shape: EmitterShape::Ball { radius_m: width_m },
-            centre_m: [0.0; 3],
-            velocity_m_s: [0.0; 3],
-            drag_hz: 0.0,
-            fuel: 0.0,
-            flicker: 0.0,
-            temperature: 0.0,
-            outflow_hz: 0.0,
-        };
-        let disc = |radius: f64, voxels: f64| Emitter {
-            shape: EmitterShape::Cylinder { radius_m: radius * width_m, half_height_m: 0.5 * voxels * voxel_size_m },
-            centre_m: [0.0, 0.0, 0.5 * voxels * voxel_size_m],
-            ..still
-        };
-        let half_m = [nx as f64 * voxel_size_m, ny as f64 * voxel_size_m, 0.5 * voxel_size_m];
-        let steady = Emitter {
-            shape: EmitterShape::Box { half_m },
-            centre_m: [0.0, 0.0, half_m[2]],
-            velocity_m_s: [0.0, 0.0, mean_m_s],
-            drag_hz: STEADYING * speed_m_s / voxel_size_m,
-            ..still
-        };
-        let sources = match recipe.kind {
-            FlowModel::Wind => vec![],
-            FlowModel::Fire => (0..PATCHES)
-                .map(|number| source(number, Emitter { temperature: 1.0, ..disc(PATCH_RADIUS, 2.0) }))
-                .collect(),
-            FlowModel::Jet => {
-                let drag_hz = 4.0 * speed_m_s / voxel_size_m;
-                let velocity_m_s = [0.0, 0.0, speed_m_s];
-                vec![source(0, Emitter { velocity_m_s, drag_hz, temperature: 1.0, ..disc(JET_RADIUS, 3.0) })]
-            }
-        };
+        let steady = steady(recipe, speed_m_s, mean_m_s);
+        let sources = sources(recipe, speed_m_s, seed);
         Ok(Self { solver, step_s, sources, steady, unrest_m_s: recipe.perturbation * speed_m_s, mean_m_s })
     }
 
@@ -168,6 +111,88 @@ impl Flow {
             values.iter().map(|value| maths::square(f64::from(*value) - mean)).sum::<f64>() / values.len() as f64
         };
         self.solver.face_velocities().into_iter().enumerate().map(|(axis, values)| power(axis, values)).sum()
+    }
+}
+
+/// Width in m of the box.
+fn width_m(recipe: &Recipe) -> f64 {
+    let [nx, ny, _] = recipe.voxels;
+    nx.min(ny) as f64 * recipe.voxel_size_m
+}
+
+/// Forces in a box for gas of `speed_m_s`, whose mean over the box is `mean_m_s`.
+fn parameters(recipe: &Recipe, speed_m_s: f64, mean_m_s: f64) -> Parameters {
+    let (width_m, voxel_size_m) = (width_m(recipe), recipe.voxel_size_m);
+    // Buoyancy accelerates gas to this speed, here within the box. Fast gas comes from further below and is just as
+    // unsteady; the box provides its share all the same.
+    let buoyancy_m_s2 = maths::square(speed_m_s / RISE) / (2.0 * recipe.voxels[2] as f64 * voxel_size_m);
+    Parameters {
+        buoyancy_m_s2: if recipe.kind == FlowModel::Fire { buoyancy_m_s2.min(MOST_BUOYANCY_M_S2) } else { 0.0 },
+        confinement: (CONFINEMENT * mean_m_s / voxel_size_m).min(MOST_CONFINEMENT),
+        // The disturbance fits the periodic sides, and moves with the gas.
+        turbulence_m_s2: (STIRRING * maths::square(speed_m_s) / width_m).min(MOST_STIRRING_M_S2),
+        turbulence_scale_m: width_m,
+        turbulence_rate_hz: speed_m_s / width_m,
+        ..Parameters::still()
+    }
+}
+
+/// An emitter without effect.
+fn still(recipe: &Recipe) -> Emitter {
+    Emitter {
+        shape: EmitterShape::Ball { radius_m: width_m(recipe) },
+        centre_m: [0.0; 3],
+        velocity_m_s: [0.0; 3],
+        drag_hz: 0.0,
+        fuel: 0.0,
+        flicker: 0.0,
+        temperature: 0.0,
+        outflow_hz: 0.0,
+    }
+}
+
+/// The lowest voxels, where gas approaches the mean flow.
+fn steady(recipe: &Recipe, speed_m_s: f64, mean_m_s: f64) -> Emitter {
+    let voxel_size_m = recipe.voxel_size_m;
+    let [nx, ny, _] = recipe.voxels;
+    let half_m = [nx as f64 * voxel_size_m, ny as f64 * voxel_size_m, 0.5 * voxel_size_m];
+    Emitter {
+        shape: EmitterShape::Box { half_m },
+        centre_m: [0.0, 0.0, half_m[2]],
+        velocity_m_s: [0.0, 0.0, mean_m_s],
+        drag_hz: STEADYING * speed_m_s / voxel_size_m,
+        ..still(recipe)
+    }
+}
+
+/// Hot patches of a fire, or a jet.
+fn sources(recipe: &Recipe, speed_m_s: f64, seed: u64) -> Vec<MovingEmitter> {
+    let (width_m, voxel_size_m) = (width_m(recipe), recipe.voxel_size_m);
+    let pace_hz = speed_m_s / width_m;
+    let source = |number: u64, emitter: Emitter| MovingEmitter {
+        emitter,
+        kind: recipe.kind,
+        motion: std::array::from_fn(|axis| {
+            let motion = seed.wrapping_mul(64).wrapping_add(3 * number + axis as u64);
+            Wander::new(motion, PACES.start * pace_hz, PACES.end * pace_hz)
+        }),
+        width_m,
+    };
+    let disc = |radius: f64, voxels: f64| Emitter {
+        shape: EmitterShape::Cylinder { radius_m: radius * width_m, half_height_m: 0.5 * voxels * voxel_size_m },
+        centre_m: [0.0, 0.0, 0.5 * voxels * voxel_size_m],
+        ..still(recipe)
+    };
+    match recipe.kind {
+        FlowModel::Wind => vec![],
+        FlowModel::Fire => {
+            (0..PATCHES).map(|number| source(number, Emitter { temperature: 1.0, ..disc(PATCH_RADIUS, 2.0) })).collect()
+        }
+        FlowModel::Jet => {
+            let drag_hz = 4.0 * speed_m_s / voxel_size_m;
+            let velocity_m_s = [0.0, 0.0, speed_m_s];
+            vec![source(0, Emitter { velocity_m_s, drag_hz, temperature: 1.0, ..disc(JET_RADIUS, 3.0) })]
+        }
     }
 }
 

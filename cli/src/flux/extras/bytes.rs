@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
         self.array().map(f64::from_le_bytes)
     }
 
-    pub fn place(&mut self) -> Option<[f64; 3]> {
+    pub fn position(&mut self) -> Option<[f64; 3]> {
         Some([self.f64()?, self.f64()?, self.f64()?])
     }
 

@@ -151,9 +151,9 @@ fn unshuffle(shuffled: &[u8], type_size: usize, out: &mut [u8]) {
     let values = out.len() / type_size;
     let (whole, rest) = shuffled.split_at(values * type_size);
     if values > 0 {
-        for (place, plane) in whole.chunks_exact(values).enumerate() {
+        for (byte_number, plane) in whole.chunks_exact(values).enumerate() {
             for (value, byte) in out.chunks_exact_mut(type_size).zip(plane) {
-                value[place] = *byte;
+                value[byte_number] = *byte;
             }
         }
     }
@@ -172,8 +172,8 @@ mod tests {
     fn shuffle(bytes: &[u8], type_size: usize) -> Vec<u8> {
         let values = bytes.len() / type_size;
         let mut out = vec![];
-        for place in 0..type_size {
-            out.extend((0..values).map(|i| bytes[i * type_size + place]));
+        for byte_number in 0..type_size {
+            out.extend((0..values).map(|i| bytes[i * type_size + byte_number]));
         }
         out.extend(&bytes[values * type_size..]);
         out
