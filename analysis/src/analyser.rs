@@ -65,7 +65,7 @@ impl Analyser {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bands::place;
+    use crate::bands::position;
 
     #[test]
     fn noise_has_its_density_and_a_tone_its_place() {
@@ -94,7 +94,7 @@ mod tests {
             }
         }
         let loudest = (0..BANDS).max_by(|a, b| last[*a].total_cmp(&last[*b])).expect("bands");
-        assert!(loudest.abs_diff((place(1000.0) * BANDS as f64) as usize) <= 1, "band {loudest}");
+        assert!(loudest.abs_diff((position(1000.0) * BANDS as f64) as usize) <= 1, "band {loudest}");
     }
 
     #[test]

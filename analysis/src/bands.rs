@@ -12,12 +12,12 @@ pub const HIGH_HZ: f64 = 20_000.0;
 pub const FLOOR_DB: f32 = -160.0;
 
 /// The frequency at a position on the axis, 0-1.
-pub fn frequency_hz(place: f64) -> f64 {
-    LOW_HZ * (HIGH_HZ / LOW_HZ).powf(place)
+pub fn frequency_hz(position: f64) -> f64 {
+    LOW_HZ * (HIGH_HZ / LOW_HZ).powf(position)
 }
 
 /// The position of a frequency on the axis, 0-1 within its ends.
-pub fn place(frequency_hz: f64) -> f64 {
+pub fn position(frequency_hz: f64) -> f64 {
     (frequency_hz.max(1e-3) / LOW_HZ).ln() / (HIGH_HZ / LOW_HZ).ln()
 }
 
@@ -92,9 +92,9 @@ mod tests {
     #[test]
     fn places_and_frequencies_are_each_others_inverse() {
         for frequency in [20.0, 180.0, 1000.0, 20_000.0] {
-            assert!((frequency_hz(place(frequency)) / frequency - 1.0).abs() < 1e-12, "{frequency}");
+            assert!((frequency_hz(position(frequency)) / frequency - 1.0).abs() < 1e-12, "{frequency}");
         }
-        assert_eq!((place(20.0), place(20_000.0)), (0.0, 1.0));
+        assert_eq!((position(20.0), position(20_000.0)), (0.0, 1.0));
     }
 
     #[test]

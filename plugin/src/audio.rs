@@ -10,7 +10,7 @@ pub mod note_bursts;
 use std::sync::atomic::Ordering;
 
 use pyrophone_settings::Values;
-use pyrophone_synthesis::chain::{Channels, Meters, Transport};
+use pyrophone_synthesis::chain::{Chain, Channels, Meters, Transport};
 
 use crate::channels::MAX_CHANNELS;
 use crate::loader::Engine;
@@ -168,11 +168,7 @@ impl Audio {
         running.set_gas_used(values.is_live());
         self.probe.apply_mutes(&mut controls.mix);
         let samples = main.first().map_or(0, |channel| channel.len());
-        let learns =
-            self.link.shared.learning.load(Ordering::Relaxed) && (transport.playing || transport.position.is_none());
-        if learns {
-            self.link.shared.learned_samples.fetch_add(samples as u64, Ordering::Relaxed);
-        }
+        let learns = learns(&self.link, transport, samples);
         let is_watched = self.probe.is_watched();
         let listen = self.probe.listen();
         if self.probe.is_burst_wanted() {
@@ -209,13 +205,7 @@ impl Audio {
             if is_watched {
                 self.probe.send(running.chain.drive(), &pieces[..channels]);
             }
-            // Drained even unwatched, so that a window opened later shows no outdated data.
-            let probe = &mut self.probe;
-            running.chain.take_traces(|trace| {
-                if is_watched {
-                    probe.send_trace(trace);
-                }
-            });
+            send_traces(&mut self.probe, &mut running.chain, is_watched);
             running.audition.process(listen, running.chain.drive(), &mut pieces[..channels]);
             if learns {
                 self.link.send_magnitudes(running.chain.top_level());
@@ -225,8 +215,8 @@ impl Audio {
     }
 
     /// Reports to the window, if there is one, the share of its time that a block has used.
-    pub fn tell_load(&self, load: f32) {
-        self.probe.tell_load(load);
+    pub fn report_load(&self, load: f32) {
+        self.probe.report_load(load);
     }
 
     /// True if a window is watching.
@@ -252,6 +242,25 @@ impl Audio {
             None => Tail::Endless,
         }
     }
+}
+
+/// Returns whether the block is learnt from, and counts its samples if so.
+fn learns(link: &AudioLink, transport: Transport, samples: usize) -> bool {
+    let learns = link.shared.learning.load(Ordering::Relaxed) && (transport.playing || transport.position.is_none());
+    if learns {
+        link.shared.learned_samples.fetch_add(samples as u64, Ordering::Relaxed);
+    }
+    learns
+}
+
+/// Sends what the engines have noted about the last piece. It is drained even unwatched, so that a window opened later
+/// shows no outdated data.
+fn send_traces(probe: &mut ProbeIn, chain: &mut Chain, is_watched: bool) {
+    chain.take_traces(|trace| {
+        if is_watched {
+            probe.send_trace(trace);
+        }
+    });
 }
 
 /// The unprocessed input: one channel goes to both sides, others to their own loudspeakers.

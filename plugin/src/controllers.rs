@@ -59,7 +59,7 @@ impl Controllers {
     }
 
     /// Notes that a controller has moved, which completes a pending MIDI learn; real-time safe.
-    pub fn hear(&self, number: u8) {
+    pub fn note_moved(&self, number: u8) {
         if number >= CONTROLLERS {
             return;
         }
@@ -113,27 +113,27 @@ pub fn assignable(id: &str) -> Option<usize> {
 mod tests {
     use super::*;
 
-    fn place(id: &str) -> usize {
+    fn index_of_id(id: &str) -> usize {
         assignable(id).expect("a parameter that can be automated")
     }
 
     #[test]
     fn a_waiting_parameter_takes_the_next_controller() {
         let controllers = Controllers::default();
-        controllers.hear(7);
-        controllers.learn(place("alpha"));
-        controllers.learn(place("macro_size"));
-        assert_eq!(controllers.learner(), Some(place("macro_size")));
-        controllers.hear(CONTROLLERS);
-        assert_eq!(controllers.number(place("macro_size")), None, "a channel mode message is no controller");
-        controllers.hear(21);
-        controllers.hear(22);
-        assert_eq!((controllers.number(place("macro_size")), controllers.learner()), (Some(21), None));
-        assert_eq!(controllers.number(place("alpha")), None);
-        controllers.learn(place("alpha"));
+        controllers.note_moved(7);
+        controllers.learn(index_of_id("alpha"));
+        controllers.learn(index_of_id("macro_size"));
+        assert_eq!(controllers.learner(), Some(index_of_id("macro_size")));
+        controllers.note_moved(CONTROLLERS);
+        assert_eq!(controllers.number(index_of_id("macro_size")), None, "a channel mode message is no controller");
+        controllers.note_moved(21);
+        controllers.note_moved(22);
+        assert_eq!((controllers.number(index_of_id("macro_size")), controllers.learner()), (Some(21), None));
+        assert_eq!(controllers.number(index_of_id("alpha")), None);
+        controllers.learn(index_of_id("alpha"));
         controllers.stop_learning();
-        controllers.hear(23);
-        assert_eq!(controllers.number(place("alpha")), None);
+        controllers.note_moved(23);
+        assert_eq!(controllers.number(index_of_id("alpha")), None);
     }
 
     #[test]
@@ -141,20 +141,20 @@ mod tests {
         let controllers = Controllers::default();
         assert_eq!(controllers.targets(NONE).count(), 0, "what follows none follows no controller of that number");
         for id in ["alpha", "macro_size"] {
-            controllers.assign(place(id), Some(1));
+            controllers.assign(index_of_id(id), Some(1));
         }
-        controllers.assign(place("cutoff"), Some(2));
-        assert_eq!(controllers.targets(1).collect::<Vec<_>>(), [place("alpha"), place("macro_size")]);
-        controllers.assign(place("alpha"), None);
-        assert_eq!(controllers.targets(1).collect::<Vec<_>>(), [place("macro_size")]);
+        controllers.assign(index_of_id("cutoff"), Some(2));
+        assert_eq!(controllers.targets(1).collect::<Vec<_>>(), [index_of_id("alpha"), index_of_id("macro_size")]);
+        controllers.assign(index_of_id("alpha"), None);
+        assert_eq!(controllers.targets(1).collect::<Vec<_>>(), [index_of_id("macro_size")]);
     }
 
     #[test]
     fn sessions_keep_assignments_and_garbage_changes_nothing() {
         let controllers = Controllers::default();
-        controllers.assign(place("macro_size"), Some(21));
+        controllers.assign(index_of_id("macro_size"), Some(21));
         let other = Controllers::default();
-        other.assign(place("alpha"), Some(3));
+        other.assign(index_of_id("alpha"), Some(3));
         other.read_json(&controllers.to_json());
         assert_eq!(other.to_json(), r#"{"macro_size":21}"#);
         for garbage in ["", "[]", "null", r#"{"macro_size":-1}"#, r#"{"macro_size":300}"#] {
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn steps_are_whole_at_any_position() {
-        let choice = place("drive_mode");
+        let choice = index_of_id("drive_mode");
         let steps: std::collections::BTreeSet<u64> =
             (0..=127).map(|position| value_at(choice, f64::from(position) / 127.0).to_bits()).collect();
         assert_eq!(steps.len(), PARAMETERS[choice].high() as usize + 1);

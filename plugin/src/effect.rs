@@ -325,7 +325,7 @@ impl Plugin for Pyrophone {
 
         self.meters.publish(&self.audio.take_meters());
         if let Some(began) = began {
-            self.audio.tell_load(began.elapsed().as_secs_f32() * self.sample_rate_hz / samples.max(1) as f32);
+            self.audio.report_load(began.elapsed().as_secs_f32() * self.sample_rate_hz / samples.max(1) as f32);
         }
         let is_lively = transport.playing || self.audio.tail() != Tail::Over;
         if self.frame_pace.process(samples, is_lively, self.sample_rate_hz) && self.audio.is_watched() {

@@ -53,6 +53,12 @@ pub struct Meters {
     cancels: AtomicBool,
     late_steps: AtomicU32,
     scaling_alpha: AtomicF32,
+    activation: Activation,
+}
+
+/// Facts of the last activation.
+#[derive(Debug, Default)]
+struct Activation {
     sidechain_channels: AtomicU32,
     latency_samples: AtomicU32,
     sample_rate_hz: AtomicF32,
@@ -98,25 +104,25 @@ impl Meters {
 
     /// Channels of the host's sidechain bus; 0 if there is none.
     pub fn sidechain_channels(&self) -> u32 {
-        self.sidechain_channels.load(Ordering::Relaxed)
+        self.activation.sidechain_channels.load(Ordering::Relaxed)
     }
 
     /// Sets the number of sidechain channels of an activation.
     pub fn set_sidechain(&self, channels: u32) {
-        self.sidechain_channels.store(channels, Ordering::Relaxed);
+        self.activation.sidechain_channels.store(channels, Ordering::Relaxed);
     }
 
     /// Sets the sample rate and latency of an activation.
     pub fn set_engine(&self, sample_rate_hz: f32, latency_samples: u32) {
-        self.sample_rate_hz.store(sample_rate_hz, Ordering::Relaxed);
-        self.latency_samples.store(latency_samples, Ordering::Relaxed);
+        self.activation.sample_rate_hz.store(sample_rate_hz, Ordering::Relaxed);
+        self.activation.latency_samples.store(latency_samples, Ordering::Relaxed);
         self.late_steps.store(0, Ordering::Relaxed);
     }
 
     /// Latency in samples and sample rate in Hz, after an activation.
     pub fn engine(&self) -> Option<(u32, f32)> {
-        let sample_rate_hz = self.sample_rate_hz.load(Ordering::Relaxed);
-        (sample_rate_hz > 0.0).then(|| (self.latency_samples.load(Ordering::Relaxed), sample_rate_hz))
+        let sample_rate_hz = self.activation.sample_rate_hz.load(Ordering::Relaxed);
+        (sample_rate_hz > 0.0).then(|| (self.activation.latency_samples.load(Ordering::Relaxed), sample_rate_hz))
     }
 }
 

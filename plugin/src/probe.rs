@@ -154,7 +154,7 @@ impl ProbeIn {
     }
 
     /// Reports the share of its time that a block has used; real-time safe.
-    pub fn tell_load(&self, load: f32) {
+    pub fn report_load(&self, load: f32) {
         if load.is_finite() && load >= 0.0 {
             // A second or so of blocks.
             let before = self.shared.load.load(Ordering::Relaxed);
@@ -307,7 +307,7 @@ mod tests {
     fn loads_are_smoothed_and_the_worst_is_reported_once() {
         let (sent, seen) = pair();
         for load in [0.5, f32::NAN, 0.25, f32::INFINITY, -1.0] {
-            sent.tell_load(load);
+            sent.report_load(load);
         }
         let (smooth, worst) = seen.load();
         assert!((0.01..0.02).contains(&smooth) && worst == 0.5, "{smooth} {worst}");

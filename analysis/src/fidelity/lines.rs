@@ -103,9 +103,9 @@ impl Lines {
                 (*median > 0.0).then(|| self.power[bin] / *median)
             })
             .collect();
-        let place = (above.len() as f64 * Self::PERCENTILE) as usize;
-        (place < above.len()).then(|| {
-            let (_, found, _) = above.select_nth_unstable_by(place, f32::total_cmp);
+        let index = (above.len() as f64 * Self::PERCENTILE) as usize;
+        (index < above.len()).then(|| {
+            let (_, found, _) = above.select_nth_unstable_by(index, f32::total_cmp);
             10.0 * f64::from(*found).log10()
         })
     }

@@ -126,20 +126,20 @@ impl Builder {
     pub fn build(&mut self, engine: Engine, is_offline: bool, limit: Option<Duration>) -> Result<Built, String> {
         self.finish();
         let (mut arriving, mut pending) = Pending::pair();
-        let (told, hears) = mpsc::channel();
+        let (sender, receiver) = mpsc::channel();
         let work = move || {
             let built = Engines::new(engine).map(|mut engines| {
                 engines.start_gas(is_offline);
                 // If nobody awaits them any more, they end here.
                 let _ = arriving.try_push(Box::new(engines));
             });
-            let _ = told.send(built.map_err(|error| error.to_string()));
+            let _ = sender.send(built.map_err(|error| error.to_string()));
         };
         let thread = std::thread::Builder::new().name("pyrophone-engines".to_owned()).spawn(work);
         self.thread = Some(thread.map_err(|error| format!("the system cannot start a thread ({error})"))?);
         let outcome = match limit {
-            Some(limit) => hears.recv_timeout(limit),
-            None => hears.recv().map_err(mpsc::RecvTimeoutError::from),
+            Some(limit) => receiver.recv_timeout(limit),
+            None => receiver.recv().map_err(mpsc::RecvTimeoutError::from),
         };
         match outcome {
             Ok(Ok(())) => Ok(pending.receive().map_or(Built::Pending(pending), Built::Ready)),

@@ -91,7 +91,7 @@ const SPACING: f32 = 6.0;
 const MARGIN: i8 = 9;
 
 /// The groups of a page.
-pub fn show(ui: &mut Ui, page: Page, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut Ui, page: Page, edit: &mut ParamEditor<'_>) {
     ScrollArea::vertical().id_salt(page as usize).auto_shrink(false).show(ui, |ui| {
         let room = ui.available_width();
         let mut rest = page.groups();
@@ -108,7 +108,7 @@ pub fn show(ui: &mut Ui, page: Page, hand: &mut ParamEditor<'_>) {
             let spare = (room - used).max(0.0) / row.len() as f32;
             ui.horizontal_top(|ui| {
                 ui.spacing_mut().item_spacing.x = SPACING;
-                row.iter().for_each(|group| group.show(ui, (group.width() + spare).min(room), hand));
+                row.iter().for_each(|group| group.show(ui, (group.width() + spare).min(room), edit));
             });
             rest = next;
         }
@@ -143,7 +143,7 @@ impl ControlGroup {
         2.0 * f32::from(MARGIN) + picks + self.knobs.len() as f32 * (KNOB.x + SPACING)
     }
 
-    fn show(&self, ui: &mut Ui, width: f32, hand: &mut ParamEditor<'_>) {
+    fn show(&self, ui: &mut Ui, width: f32, edit: &mut ParamEditor<'_>) {
         let width = width - 2.0 * f32::from(MARGIN);
         Frame::new().fill(theme::PANEL).corner_radius(theme::ROUNDING).inner_margin(Margin::symmetric(MARGIN, 6)).show(
             ui,
@@ -162,12 +162,12 @@ impl ControlGroup {
                             ui.vertical(|ui| {
                                 ui.set_width(PICK_WIDTH);
                                 self.picks.iter().for_each(|index| match PARAMETERS[*index].kind {
-                                    ParameterKind::Choice { names, .. } => choice(ui, *index, names, hand),
-                                    _ => toggle(ui, *index, hand),
+                                    ParameterKind::Choice { names, .. } => choice(ui, *index, names, edit),
+                                    _ => toggle(ui, *index, edit),
                                 });
                             });
                         }
-                        ui.horizontal_wrapped(|ui| self.knobs.iter().for_each(|index| knob(ui, *index, hand)));
+                        ui.horizontal_wrapped(|ui| self.knobs.iter().for_each(|index| knob(ui, *index, edit)));
                     });
                 });
             },

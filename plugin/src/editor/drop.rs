@@ -67,7 +67,7 @@ impl DropTarget {
             RawWindowHandle::Xcb(handle) => handle.window.get(),
             _ => return None,
         };
-        let shared = Arc::new(Shared::stand_in_for(editor).ok()?);
+        let shared = Arc::new(Shared::proxy_for(editor).ok()?);
         let (sender, receiver) = channel();
         let target = shared.clone();
         let work = move || target.run(&sender, &notifier);
@@ -91,7 +91,7 @@ impl Drop for DropTarget {
         self.shared.has_ended.store(true, Ordering::Relaxed);
         // Any event wakes the thread. Without a display it has ended already.
         let own = self.shared.own;
-        let _ = self.shared.tell(own, self.shared.words.XdndLeave, [0; 5], own);
+        let _ = self.shared.send(own, self.shared.words.XdndLeave, [0; 5], own);
         if let Some(thread) = self.thread.take() {
             // A panic on that thread only means that files are no longer accepted.
             let _ = thread.join();
@@ -100,7 +100,7 @@ impl Drop for DropTarget {
 }
 
 impl Shared {
-    fn stand_in_for(editor: Window) -> Result<Self, ReplyOrIdError> {
+    fn proxy_for(editor: Window) -> Result<Self, ReplyOrIdError> {
         let (connection, screen) = x11rb::connect(None).map_err(|_| ReplyOrIdError::IdsExhausted)?;
         let words = Words::new(&connection)?.reply()?;
         let own = connection.generate_id()?;
@@ -146,7 +146,7 @@ impl Shared {
                     let (target, accepts) = (known.target, u32::from(known.has_files));
                     if kind == words.XdndPosition {
                         let action = if known.has_files { words.XdndActionCopy } else { 0 };
-                        self.tell(source, words.XdndStatus, [target, accepts, 0, 0, action], source)?;
+                        self.send(source, words.XdndStatus, [target, accepts, 0, 0, action], source)?;
                     } else if kind == words.XdndLeave {
                         *drag = None;
                     } else if kind == words.XdndDrop && known.has_files {
@@ -154,7 +154,7 @@ impl Shared {
                         self.connection.convert_selection(self.own, property, words.UriList, property, data[2])?;
                         self.connection.flush()?;
                     } else if kind == words.XdndDrop {
-                        self.tell(source, words.XdndFinished, [target, 0, 0, 0, 0], source)?;
+                        self.send(source, words.XdndFinished, [target, 0, 0, 0, 0], source)?;
                         *drag = None;
                     }
                 }
@@ -169,7 +169,7 @@ impl Shared {
                     files = files_in(&list.value);
                 }
                 let (is_taken, action) = if files.is_empty() { (0, 0) } else { (1, words.XdndActionCopy) };
-                self.tell(source, words.XdndFinished, [target, is_taken, action, 0, 0], source)?;
+                self.send(source, words.XdndFinished, [target, is_taken, action, 0, 0], source)?;
                 return Ok(files);
             }
             _ => {}
@@ -186,7 +186,7 @@ impl Shared {
         Ok(list.reply()?.value32().map(Iterator::collect).unwrap_or_default())
     }
 
-    fn tell(&self, to: Window, kind: u32, data: [u32; 5], about: Window) -> Result<(), ReplyOrIdError> {
+    fn send(&self, to: Window, kind: u32, data: [u32; 5], about: Window) -> Result<(), ReplyOrIdError> {
         let message = ClientMessageEvent::new(32, about, kind, data);
         self.connection.send_event(false, to, EventMask::NO_EVENT, message)?;
         self.connection.flush()?;

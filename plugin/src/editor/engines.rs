@@ -32,13 +32,13 @@ const COURSES: [&str; 2] = [
 ];
 
 /// Draws the page.
-pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
-    let controls = pictures(ui, rest, parts, hand);
-    part(ui, controls, "controls", |ui| controls::show(ui, Page::Engines, hand));
+pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
+    let controls = pictures(ui, rest, parts, edit);
+    part(ui, controls, "controls", |ui| controls::show(ui, Page::Engines, edit));
 }
 
 /// Draws spectra, sounds, meters and the engines' pictures in the upper part of `rest`; returns the area below them.
-pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) -> Rect {
+pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) -> Rect {
     // Pictures get the space left by the parameters, and at least two fifths.
     let split = rest.top() + (rest.height() - CONTROLS).clamp(0.4 * rest.height(), 0.62 * rest.height());
     let (upper, lower) = rest.split_top_bottom_at_y(split);
@@ -50,26 +50,26 @@ pub fn pictures(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut
     let shows_engines = left.height() >= ROOM_FOR_ENGINES;
     let spectra = if shows_engines { left.with_max_y(left.bottom() - ENGINES - GAP) } else { left };
     let (assessment, overview) = (parts.assessment, parts.view.overview.clone());
-    parts.monitor.spectra().show(ui, spectra, overview.as_deref(), &assessment, hand);
+    parts.monitor.spectra().show(ui, spectra, overview.as_deref(), &assessment, edit);
     if shows_engines {
-        engines(ui, left.with_min_y(left.bottom() - ENGINES), parts, hand);
+        engines(ui, left.with_min_y(left.bottom() - ENGINES), parts, edit);
     }
-    sounds(ui, right, parts, hand);
+    sounds(ui, right, parts, edit);
     meter_bridge::show(ui, meters.with_max_y(meters.bottom() - listen::HEIGHT - GAP), parts.levels);
     part(ui, listen::place(meters), "listen", |ui| {
-        parts.listen.show(ui, parts.monitor, parts.loader, parts.view, hand);
+        parts.listen.show(ui, parts.monitor, parts.loader, parts.view, edit);
     });
     lower.with_min_y(lower.top() + GAP)
 }
 
 /// Pictures of the engines: extension's factors, texture's levels, and the loudness matching.
-fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &ParamEditor<'_>) {
+fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, edit: &ParamEditor<'_>) {
     let width = (rect.width() - 2.0 * GAP) / 3.0;
     let place = |index: f32| {
         let left = rect.left() + index * (width + GAP);
         rect.with_min_x(left).with_max_x(left + width)
     };
-    let uses_learned = DYNAMIC_RANGES.get(hand.get(Id::DynamicRange) as usize) == Some(&"learned");
+    let uses_learned = DYNAMIC_RANGES.get(edit.get(Id::DynamicRange) as usize) == Some(&"learned");
     let [recording, learned] = &parts.view.amplitudes;
     let learned = learned.as_deref().filter(|_| uses_learned);
     parts.monitor.betas.show(ui, place(0.0));
@@ -87,7 +87,7 @@ fn engines(ui: &egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &ParamEditor<
 }
 
 /// Flame, output and recording over time, and the recording's words.
-fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let view = parts.view;
     let cancels = parts.meters.input_cancels();
     let has_message = view.error.is_some() || view.notice.is_some() || cancels;
@@ -108,7 +108,7 @@ fn sounds(ui: &mut egui::Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut Param
         ui.interact(row(index as f32), id, egui::Sense::hover()).on_hover_text(words);
     }
     part(ui, words, "recording", |ui| {
-        parts.recording.show(ui, parts.loader, hand, view);
+        parts.recording.show(ui, parts.loader, edit, view);
         if cancels && view.error.is_none() {
             let warning = "The input's channels cancel each other: invert one of them, or use mono.";
             ui.label(egui::RichText::new(warning).font(theme::small()).color(theme::ALARM));

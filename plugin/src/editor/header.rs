@@ -31,7 +31,7 @@ impl Header {
     }
 
     /// The row. `load` is the share of their time that blocks use, and the maximum of the last second.
-    pub fn show(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>, meters: &Meters, load: (f32, f32)) {
+    pub fn show(&mut self, ui: &mut Ui, edit: &mut ParamEditor<'_>, meters: &Meters, load: (f32, f32)) {
         let width = ui.available_width();
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.spacing_mut().button_padding.x = 6.0;
@@ -40,9 +40,9 @@ impl Header {
                 ui.label(RichText::new("PYROPHONE").heading().color(theme::EMBER).strong());
                 ui.separator();
             }
-            ui.scope(|ui| self.presets.show(ui, width - OTHERS, hand));
+            ui.scope(|ui| self.presets.show(ui, width - OTHERS, edit));
             gap(ui);
-            history(ui, hand);
+            history(ui, edit);
             gap(ui);
             for page in Page::ALL {
                 let is_shown = self.page == page;
@@ -59,11 +59,11 @@ impl Header {
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let bypass = Id::Bypass as usize;
-                let is_on = hand.get(Id::Bypass) > 0.5;
+                let is_on = edit.get(Id::Bypass) > 0.5;
                 let button = ui.add(Button::new("Bypass").selected(is_on));
                 map::note(ui, "button.Bypass", button.rect);
                 if button.on_hover_text(Id::Bypass.parameter().help).clicked() {
-                    hand.set_once(bypass, f64::from(u8::from(!is_on)));
+                    edit.set_once(bypass, f64::from(u8::from(!is_on)));
                 }
                 if ui.available_width() > ROOM_FOR_COST {
                     cost(ui, meters, load);
@@ -78,33 +78,33 @@ fn gap(ui: &mut Ui) {
     ui.add_space(5.0);
 }
 
-fn history(ui: &mut Ui, hand: &mut ParamEditor<'_>) {
+fn history(ui: &mut Ui, edit: &mut ParamEditor<'_>) {
     let keys = |key| move |input: &mut egui::InputState| input.consume_key(egui::Modifiers::COMMAND, key);
-    let undo = ui.add_enabled(hand.history.can_undo(), Button::new("Undo"));
+    let undo = ui.add_enabled(edit.history.can_undo(), Button::new("Undo"));
     map::note(ui, "button.Undo", undo.rect);
     let undo = undo.on_hover_text("Ctrl+Z: undoes your last change, but not the host's automation");
     if undo.clicked() || ui.input_mut(keys(egui::Key::Z)) {
-        hand.undo();
+        edit.undo();
     }
-    let redo = ui.add_enabled(hand.history.can_redo(), Button::new("Redo")).on_hover_text("Ctrl+Y");
+    let redo = ui.add_enabled(edit.history.can_redo(), Button::new("Redo")).on_hover_text("Ctrl+Y");
     map::note(ui, "button.Redo", redo.rect);
     if redo.clicked() || ui.input_mut(keys(egui::Key::Y)) {
-        hand.redo();
+        edit.redo();
     }
     gap(ui);
     for (name, is_b) in [("A", false), ("B", true)] {
-        let is_heard = hand.history.is_b() == is_b;
+        let is_heard = edit.history.is_b() == is_b;
         let slot = ui.add(Button::new(name).selected(is_heard)).on_hover_text("Two settings to compare");
         map::note(ui, format_args!("button.{name}"), slot.rect);
         if slot.clicked() && !is_heard {
-            hand.exchange();
+            edit.exchange();
         }
     }
-    let (from, to) = if hand.history.is_b() { ("B", "A") } else { ("A", "B") };
+    let (from, to) = if edit.history.is_b() { ("B", "A") } else { ("A", "B") };
     let copy = ui.button(format!("{from}›{to}")).on_hover_text(format!("Copies {from}, the active setting, to {to}"));
     map::note(ui, "button.Copy", copy.rect);
     if copy.clicked() {
-        hand.copy();
+        edit.copy();
     }
 }
 

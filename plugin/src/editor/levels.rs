@@ -54,7 +54,7 @@ impl Meter {
         }
     }
 
-    fn place(self) -> usize {
+    fn index(self) -> usize {
         match self {
             Self::Input => 0,
             Self::Drive => 1,
@@ -121,7 +121,7 @@ impl Levels {
 
     /// A meter.
     pub fn get(&self, meter: Meter) -> Level {
-        self.meters[meter.place()]
+        self.meters[meter.index()]
     }
 
     /// True if the output has reached full scale, until [`forgive`](Self::forgive).

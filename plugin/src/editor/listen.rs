@@ -132,7 +132,7 @@ impl ListenPanel {
         monitor: &mut Monitor,
         loader: &LoaderHandle,
         view: &View,
-        hand: &ParamEditor<'_>,
+        edit: &ParamEditor<'_>,
     ) {
         ui.spacing_mut().item_spacing = Vec2::new(4.0, 3.0);
         ui.spacing_mut().button_padding = Vec2::new(5.0, 2.0);
@@ -141,7 +141,7 @@ impl ListenPanel {
             monitoring(ui, monitor, loader, view);
         });
         ui.horizontal(|ui| {
-            self.burst(ui, monitor, hand);
+            self.burst(ui, monitor, edit);
             self.record(ui, monitor);
             self.saves(ui, monitor, view);
         });
@@ -149,8 +149,8 @@ impl ListenPanel {
     }
 
     /// A button that lights a burst.
-    pub fn burst(&self, ui: &mut Ui, monitor: &Monitor, hand: &ParamEditor<'_>) {
-        let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
+    pub fn burst(&self, ui: &mut Ui, monitor: &Monitor, edit: &ParamEditor<'_>) {
+        let burns = DRIVE_MODES.get(edit.get(Id::DriveMode) as usize) == Some(&"flame");
         let burst = ui.add_enabled(!burns && self.rate_hz.is_some(), Button::new("Burst"));
         map::note(ui, "button.Burst", burst.rect);
         let hint = "Adds a burst of flame to the input, for trying out settings. Has no effect on a built-in flame.";
@@ -243,16 +243,16 @@ impl ListenPanel {
 
 /// Buttons that choose the monitored sound.
 pub fn monitoring(ui: &mut Ui, monitor: &Monitor, loader: &LoaderHandle, view: &View) {
-    let heard = monitor.listen();
+    let monitored = monitor.listen();
     for (name, listen, hint) in [
         ("flame", Listen::Drive, "Hear only the signal that drives the engines"),
         ("rec.", Listen::Recording, "Hear the selected part of the recording, looped"),
         ("output", Listen::Output, "Hear the output, as usual"),
     ] {
         let is_there = listen != Listen::Recording || view.recording.is_some();
-        let is_heard = heard == listen;
-        let waits = is_heard && listen == Listen::Recording && !view.has_clip;
-        let button = ui.add_enabled(is_there, Button::new(if waits { "…" } else { name }).selected(is_heard));
+        let is_monitored = monitored == listen;
+        let waits = is_monitored && listen == Listen::Recording && !view.has_clip;
+        let button = ui.add_enabled(is_there, Button::new(if waits { "…" } else { name }).selected(is_monitored));
         map::note(ui, format_args!("button.Hear {name}"), button.rect);
         if button.on_hover_text(format!("{hint}, until the window closes. Not saved, not automated.")).clicked() {
             monitor.listen_to(listen);

@@ -232,13 +232,13 @@ impl Window {
             loaded: std::array::from_fn(|slot| view.slots[slot].is_some()),
         };
         let inert = reasons(&self.params.values(), circumstances);
-        let mut hand = ParamEditor { params: &self.params, setter, history: &mut self.history, inert: &inert };
-        part(ui, head, "head", |ui| self.header.show(ui, &mut hand, &self.meters, load));
+        let mut edit = ParamEditor { params: &self.params, setter, history: &mut self.history, inert: &inert };
+        part(ui, head, "head", |ui| self.header.show(ui, &mut edit, &self.meters, load));
 
         let overview = view.overview.as_deref();
         self.monitor.follow_traces(overview.map(|overview| [overview.duration_s, overview.start_s]), now_s);
         let figures = self.monitor.figures(overview.map(|overview| &overview.character));
-        let fault = figures.fault().or_else(|| foreseen(&mut self.monitor, &view, &hand, now_s));
+        let fault = figures.fault().or_else(|| foreseen(&mut self.monitor, &view, &edit, now_s));
         let assessment = Advice { figures, fault, scaling_alpha: self.meters.scaling_alpha() };
         let mut parts = play::Parts {
             monitor: &mut self.monitor,
@@ -252,10 +252,10 @@ impl Window {
             assessment,
         };
         match self.header.page {
-            Page::Play => play::show(ui, rest, &mut parts, &mut hand),
-            Page::Space => space::show(ui, rest, &mut parts, &mut hand),
-            Page::Engines => engines::show(ui, rest, &mut parts, &mut hand),
-            Page::Setup => setup::show(ui, rest, &mut self.user, &mut self.midi, &mut hand),
+            Page::Play => play::show(ui, rest, &mut parts, &mut edit),
+            Page::Space => space::show(ui, rest, &mut parts, &mut edit),
+            Page::Engines => engines::show(ui, rest, &mut parts, &mut edit),
+            Page::Setup => setup::show(ui, rest, &mut self.user, &mut self.midi, &mut edit),
         }
         self.monitor.silence(self.levels.silenced());
         self.midi.show(ui, all, &self.params.controllers);
@@ -266,12 +266,12 @@ impl Window {
 }
 
 /// True if matching is likely to buzz, before it can be heard.
-fn foreseen(monitor: &mut Monitor, view: &View, hand: &ParamEditor<'_>, now_s: f64) -> Option<Diagnosis> {
-    let range = DYNAMIC_RANGES[hand.get(Id::DynamicRange) as usize];
-    if hand.get(Id::ScalingAuto) > 0.5 {
+fn foreseen(monitor: &mut Monitor, view: &View, edit: &ParamEditor<'_>, now_s: f64) -> Option<Diagnosis> {
+    let range = DYNAMIC_RANGES[edit.get(Id::DynamicRange) as usize];
+    if edit.get(Id::ScalingAuto) > 0.5 {
         return None;
     }
-    let scaling_alpha = hand.get(Id::ScalingAlpha);
+    let scaling_alpha = edit.get(Id::ScalingAlpha);
     let [recording, learned] = &view.amplitudes;
     let recording = recording.as_deref()?;
     let gain_db = match (range, learned.as_deref(), monitor.dynamics.drive(now_s)) {

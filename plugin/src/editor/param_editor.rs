@@ -8,7 +8,7 @@ use super::inert::Reasons;
 use crate::entry::indication::Automation;
 use crate::parameters::EffectParams;
 
-/// A hand on the parameters.
+/// Access of the widgets to the parameters.
 pub struct ParamEditor<'a> {
     /// The parameters.
     pub params: &'a EffectParams,

@@ -82,14 +82,14 @@ impl Presets {
     }
 
     /// The preset's name, with a star if changed, which opens the list; and buttons for the previous and next preset.
-    pub fn show(&mut self, ui: &mut Ui, width: f32, hand: &mut ParamEditor<'_>) {
-        self.follow(hand);
-        let values = hand.values();
-        if hand.history.chosen.is_none() {
-            hand.history.chosen =
+    pub fn show(&mut self, ui: &mut Ui, width: f32, edit: &mut ParamEditor<'_>) {
+        self.follow(edit);
+        let values = edit.values();
+        if edit.history.chosen.is_none() {
+            edit.history.chosen =
                 self.factory.iter().find(|entry| entry.preset.values.chosen_over(&values) == values).cloned();
         }
-        let shown = match &hand.history.chosen {
+        let shown = match &edit.history.chosen {
             Some(entry) if entry.preset.values.chosen_over(&values) == values => entry.preset.title().to_owned(),
             Some(entry) => format!("{} *", entry.preset.title()),
             None => "changed *".to_owned(),
@@ -108,7 +108,7 @@ impl Presets {
         map::note(ui, "button.Presets", button.rect);
         let is_forth = step(ui, "›", "Next preset", "Next preset");
         if is_back || is_forth {
-            self.step(is_forth, hand);
+            self.step(is_forth, edit);
         }
         if button.clicked() && self.list.toggle() {
             self.message = None;
@@ -118,14 +118,14 @@ impl Presets {
             }
         }
         if self.list.is_open() {
-            self.show_list(ui, button.rect, hand);
+            self.show_list(ui, button.rect, edit);
         }
     }
 
     /// Chooses the next preset of the list, or the previous one, with wraparound.
-    fn step(&mut self, is_forth: bool, hand: &mut ParamEditor<'_>) {
+    fn step(&mut self, is_forth: bool, edit: &mut ParamEditor<'_>) {
         let all: Vec<Arc<Entry>> = self.users.iter().chain(&self.factory).cloned().collect();
-        let now = hand.history.chosen.as_ref();
+        let now = edit.history.chosen.as_ref();
         let at =
             all.iter().position(|entry| Some(entry.preset.name.as_str()) == now.map(|now| now.preset.name.as_str()));
         let next = match (at, is_forth) {
@@ -133,11 +133,11 @@ impl Presets {
             (Some(at), true) => (at + 1) % all.len(),
             (Some(at), false) => (at + all.len() - 1) % all.len(),
         };
-        hand.choose(all.get(next).cloned());
+        edit.choose(all.get(next).cloned());
     }
 
     /// Handles the result of a task.
-    fn follow(&mut self, hand: &mut ParamEditor<'_>) {
+    fn follow(&mut self, edit: &mut ParamEditor<'_>) {
         let Some((done, found)) = self.task.as_mut().and_then(Task::poll) else { return };
         self.task = None;
         let entry = |stored: Stored| Arc::new(Entry { preset: stored.preset, path: Some(stored.path) });
@@ -151,7 +151,7 @@ impl Presets {
                 let kept = self.users.iter().find(|entry| entry.path.as_ref() == Some(&path)).cloned();
                 let name = kept.as_ref().map_or("", |entry| entry.preset.title());
                 self.message = Some((format!("Saved as \"{name}\""), false));
-                hand.history.chosen = kept;
+                edit.history.chosen = kept;
             }
             Ok(Done::Deleted) => self.message = Some(("Deleted.".to_owned(), false)),
             Ok(Done::Exists(name)) => {

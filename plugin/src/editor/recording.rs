@@ -111,16 +111,16 @@ impl RecordingPanel {
     }
 
     /// The panel, with the part used for learning in figures, and controls for learning.
-    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut ParamEditor<'_>, view: &View) {
-        ScrollArea::vertical().id_salt("recording").auto_shrink(false).show(ui, |ui| self.rows(ui, loader, hand, view));
+    pub fn show(&mut self, ui: &mut Ui, loader: &LoaderHandle, edit: &mut ParamEditor<'_>, view: &View) {
+        ScrollArea::vertical().id_salt("recording").auto_shrink(false).show(ui, |ui| self.rows(ui, loader, edit, view));
     }
 
-    fn rows(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut ParamEditor<'_>, view: &View) {
+    fn rows(&mut self, ui: &mut Ui, loader: &LoaderHandle, edit: &mut ParamEditor<'_>, view: &View) {
         // Narrow windows break the rows, and scroll.
         ui.horizontal_wrapped(|ui| self.loading(ui, loader, view));
         ui.horizontal_wrapped(|ui| self.cutting(ui, loader, view));
         ui.horizontal_wrapped(|ui| {
-            self.learning(ui, loader, hand, view);
+            self.learning(ui, loader, edit, view);
             if let Some(field) = &view.field {
                 ui.separator();
                 ui.label(RichText::new(field).color(theme::WEAK)).on_hover_text("Speed field: used when Flow is field");
@@ -282,7 +282,7 @@ impl RecordingPanel {
             let width = above.width() - 20.0;
             let galley = painter.layout(text.to_owned(), egui::FontId::proportional(12.5), color, width);
             let place = Rect::from_center_size(centre, galley.size());
-            painter.rect_filled(place.expand(5.0), 3.0, theme::behind_words());
+            painter.rect_filled(place.expand(5.0), 3.0, theme::text_background());
             painter.galley(place.min, galley, color);
         };
         if let Some((what, done)) = &view.progress {
@@ -301,7 +301,7 @@ impl RecordingPanel {
         }
     }
 
-    fn learning(&mut self, ui: &mut Ui, loader: &LoaderHandle, hand: &mut ParamEditor<'_>, view: &View) {
+    fn learning(&mut self, ui: &mut Ui, loader: &LoaderHandle, edit: &mut ParamEditor<'_>, view: &View) {
         let learning = &loader.shared.learning;
         let is_on = learning.load(Ordering::Relaxed);
         let text = if is_on { "Learning: press again after playing" } else { "Learn the flame" };
@@ -324,13 +324,13 @@ impl RecordingPanel {
             self.ask(Ask::Drive);
         }
         let learned_range = DYNAMIC_RANGES.iter().position(|range| *range == "learned").unwrap_or(0);
-        let is_used = hand.get(Id::DynamicRange) as usize == learned_range;
+        let is_used = edit.get(Id::DynamicRange) as usize == learned_range;
         if let Some(learned) = &view.learned {
             if !is_used {
                 let use_it = ui.small_button("Use it").on_hover_text("Sets Dynamic range to learned");
                 map::note(ui, "button.Use learned", use_it.rect);
                 if use_it.clicked() {
-                    hand.set_once(Id::DynamicRange as usize, learned_range as f64);
+                    edit.set_once(Id::DynamicRange as usize, learned_range as f64);
                 }
             }
             if ui.small_button("Forget").clicked() {

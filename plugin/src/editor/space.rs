@@ -16,11 +16,11 @@ const ROOM_FOR_METERS: f32 = 900.0;
 const ROOM_FOR_COURSE: f32 = 60.0;
 
 /// The page.
-pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let side = rest.height().min(VIEW * rest.width());
     let (view, right) = rest.split_left_right_at_x(rest.left() + side);
     let channels = parts.monitor.channels();
-    parts.monitor.space.show(ui, view.with_max_y(view.top() + side), channels, hand);
+    parts.monitor.space.show(ui, view.with_max_y(view.top() + side), channels, edit);
     let below = view.with_min_y(view.top() + side + GAP);
     if below.height() >= ROOM_FOR_COURSE {
         parts.monitor.output().show(ui, below, theme::EMBER);
@@ -31,8 +31,8 @@ pub fn show(ui: &mut egui::Ui, rest: Rect, parts: &mut Parts<'_>, hand: &mut Par
         controls.max.x = meters.left() - GAP;
         meter_bridge::show(ui, meters.with_max_y(meters.bottom() - listen::HEIGHT - GAP), parts.levels);
         part(ui, listen::place(meters), "listen", |ui| {
-            parts.listen.show(ui, parts.monitor, parts.loader, parts.view, hand);
+            parts.listen.show(ui, parts.monitor, parts.loader, parts.view, edit);
         });
     }
-    part(ui, controls, "controls", |ui| controls::show(ui, Page::Space, hand));
+    part(ui, controls, "controls", |ui| controls::show(ui, Page::Space, edit));
 }

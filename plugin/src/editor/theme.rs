@@ -31,7 +31,7 @@ pub const VIOLET: Color32 = Color32::from_rgb(0xb5, 0x97, 0xff);
 pub const WELL_DONE: Color32 = Color32::from_rgb(0x7f, 0xd8, 0x8f);
 
 /// Background of text over curves and pictures, which may show through without competing with it.
-pub fn behind_words() -> Color32 {
+pub fn text_background() -> Color32 {
     WELL.gamma_multiply(0.92)
 }
 

@@ -42,7 +42,7 @@ impl ClipLoader {
         let key = (recording.content_hash.clone(), *cut, rate_hz);
         if self.made.as_ref().is_none_or(|(made, _)| *made != key) {
             let part = cut.apply(recording)?;
-            let progress = |done: f32| job.goes_on("Preparing playback", done);
+            let progress = |done: f32| job.report("Preparing playback", done);
             let resampled = pyrophone_recording::resample(&part, rate_hz, &progress)?;
             self.made = Some((key, Arc::new(resampled.channels)));
             self.is_sent = false;

@@ -44,7 +44,7 @@ impl Job {
     }
 
     /// Shows progress (0-1); returns false if the work should stop.
-    pub fn goes_on(&self, what: &str, done: f32) -> bool {
+    pub fn report(&self, what: &str, done: f32) -> bool {
         // 0 is kept for no progress shown yet.
         let percent = (done * 100.0) as u32 + 1;
         if self.shown.swap(percent, Ordering::Relaxed) != percent {
@@ -53,9 +53,9 @@ impl Job {
         !self.is_called_off()
     }
 
-    /// As `goes_on`, for work that depends on the structure.
-    pub fn goes_on_indexing(&self, what: &str, done: f32) -> bool {
-        self.goes_on(what, done) && self.params.values().structure() == self.wanted
+    /// As `report`, for work that depends on the structure.
+    pub fn report_indexing(&self, what: &str, done: f32) -> bool {
+        self.report(what, done) && self.params.values().structure() == self.wanted
     }
 
     /// Clears the displayed progress.

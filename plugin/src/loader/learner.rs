@@ -175,10 +175,10 @@ impl Learner {
 
 /// The distribution that one pass of the file through the effect, as currently set, would have given.
 fn learned_from(path: &Path, engine: &Engine, values: &Values, job: &Job) -> Result<Learned, Failure> {
-    let sound = decode(path, &|done| job.goes_on("Reading", 0.5 * done))?;
-    let resampling = |done: f32| job.goes_on("Resampling", 0.5 + 0.3 * done);
+    let sound = decode(path, &|done| job.report("Reading", 0.5 * done))?;
+    let resampling = |done: f32| job.report("Resampling", 0.5 + 0.3 * done);
     let sound = resample(&sound, engine.sample_rate_hz.round() as u32, &resampling)?;
-    if !job.goes_on("Learning", 0.8) {
+    if !job.report("Learning", 0.8) {
         return Err(Failure::Cancelled);
     }
     let distribution = learn(engine.sample_rate_hz, &engine.structure, &values.controls(), &sound.channels, &[])

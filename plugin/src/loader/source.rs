@@ -120,7 +120,7 @@ fn notes(recording: &Recording) -> Option<String> {
 }
 
 fn decode(bytes: &[u8], content_hash: &str, name: &str, job: &Job) -> Result<Arc<Recording>, Failure> {
-    let make = || decode_known(bytes, content_hash, name, &|done| job.goes_on("Reading", 0.2 * done));
+    let make = || decode_known(bytes, content_hash, name, &|done| job.report("Reading", 0.2 * done));
     match RECORDINGS.get_or_make(&content_hash.to_owned(), || job.is_called_off(), make) {
         Some(made) => Ok(made?),
         None => Err(Failure::Cancelled),

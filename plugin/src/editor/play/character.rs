@@ -19,14 +19,14 @@ const WORDS: f32 = 40.0;
 const PER_ROW: usize = 4;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "CHARACTER", "eight macros: offsets from the settings; 0 % changes nothing");
     let mut dials = inner;
     if inner.width() >= ROOM_FOR_PAD {
         let side = inner.height().min(0.34 * inner.width());
         let pad = inner.with_min_x(inner.right() - side);
         dials = inner.with_max_x(pad.left() - GAP);
-        parts.pad.show(ui, pad, hand);
+        parts.pad.show(ui, pad, edit);
     }
     let rows = MACROS.len().div_ceil(PER_ROW);
     let height = dials.height() / rows as f32;
@@ -34,16 +34,16 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
         let top = dials.top() + row as f32 * height;
         let places = columns(dials.with_min_y(top).with_max_y(top + height), PER_ROW, 2.0);
         for (place, line) in places.zip(macros) {
-            dial(ui, place, line, hand);
+            dial(ui, place, line, edit);
         }
     }
 }
 
-fn dial(ui: &mut Ui, rect: Rect, line: &Macro, hand: &mut ParamEditor<'_>) {
+fn dial(ui: &mut Ui, rect: Rect, line: &Macro, edit: &mut ParamEditor<'_>) {
     let radius = (0.5 * (rect.height() - WORDS)).min(0.36 * rect.width()).clamp(RADII.0, RADII.1);
     let more = || format!("Raises: {}.\nFrom -100 to 100 %: {}.", line.figure, line.effects_in_words());
     let look = Look { name: line.name, font: theme::strong(), color: color(line.id), radius, more: Some(&more) };
-    named_dial(ui, rect, line.id as usize, &look, hand);
+    named_dial(ui, rect, line.id as usize, &look, edit);
 }
 
 /// The colour of a macro, after its main target.

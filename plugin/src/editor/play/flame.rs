@@ -50,33 +50,33 @@ impl Source {
 }
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "FLAME", "its source");
     let radius = (0.075 * inner.height()).clamp(13.0, 24.0);
     let knobs = 2.0 * radius + 36.0;
-    let source = Source::of(hand.get(Id::DriveMode) as usize);
+    let source = Source::of(edit.get(Id::DriveMode) as usize);
     // Scenes use the space that otherwise belongs to the trace.
     let spare = inner.height() - knobs - ROW - LIST_AND_METER - 3.0 * GAP;
     let trace = match source {
         Source::BuiltIn => (0.13 * inner.height()).clamp(14.0, 44.0),
         Source::Track | Source::Sidechain => spare.clamp(14.0, HIGHEST_TRACE),
     };
-    sources(ui, inner.with_max_y(inner.top() + ROW), source, hand);
+    sources(ui, inner.with_max_y(inner.top() + ROW), source, edit);
 
     let trace_at = inner.with_min_y(inner.bottom() - trace);
     let knobs_at = inner.with_max_y(trace_at.top() - GAP).with_min_y(trace_at.top() - GAP - knobs);
     let body = inner.with_min_y(inner.top() + ROW + GAP).with_max_y(knobs_at.top() - GAP);
     match source {
-        Source::BuiltIn => scenes(ui, body, hand),
-        Source::Track => track(ui, body, parts, hand),
+        Source::BuiltIn => scenes(ui, body, edit),
+        Source::Track => track(ui, body, parts, edit),
         Source::Sidechain => sidechain(ui, body, parts),
     }
-    knobs_row(ui, knobs_at, source, radius, hand);
+    knobs_row(ui, knobs_at, source, radius, edit);
     parts.monitor.trace.show(ui, trace_at, theme::BLUE);
     ui.interact(trace_at, Place::unique("trace"), Sense::hover()).on_hover_text("The flame of the last four seconds");
 }
 
-fn sources(ui: &mut Ui, rect: Rect, now: Source, hand: &mut ParamEditor<'_>) {
+fn sources(ui: &mut Ui, rect: Rect, now: Source, edit: &mut ParamEditor<'_>) {
     // In proportion to the length of their labels.
     let cuts = [0.28, 0.67].map(|share| rect.left() + share * rect.width());
     let (first, rest) = rect.split_left_right_at_x(cuts[0]);
@@ -86,14 +86,14 @@ fn sources(ui: &mut Ui, rect: Rect, now: Source, hand: &mut ParamEditor<'_>) {
         let button = filled(ui, place, name, name, source == now, true);
         if button.on_hover_text(hint).clicked() && source != now {
             let mode = DRIVE_MODES.iter().position(|found| *found == mode).unwrap_or(0);
-            hand.set_once(Id::DriveMode as usize, mode as f64);
+            edit.set_once(Id::DriveMode as usize, mode as f64);
         }
     }
 }
 
 /// Knobs that shape the flame, whatever its origin.
-fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut ParamEditor<'_>) {
-    let follows = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize).is_some_and(|mode| mode.contains("envelope"));
+fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, edit: &mut ParamEditor<'_>) {
+    let follows = DRIVE_MODES.get(edit.get(Id::DriveMode) as usize).is_some_and(|mode| mode.contains("envelope"));
     let knobs: [(Id, &str); 3] = match source {
         Source::BuiltIn => [(Id::DriveGain, "Gain"), (Id::FlameIntensity, "Intensity"), (Id::FlameWind, "Wind")],
         _ if follows => [(Id::DriveGain, "Gain"), (Id::Attack, "Attack"), (Id::Release, "Release")],
@@ -101,15 +101,15 @@ fn knobs_row(ui: &mut Ui, rect: Rect, source: Source, radius: f32, hand: &mut Pa
     };
     for (place, (id, name)) in columns(rect, 3, 2.0).zip(knobs) {
         let look = Look { name, font: theme::small(), color: theme::EMBER, radius, more: None };
-        named_dial(ui, place, id as usize, &look, hand);
+        named_dial(ui, place, id as usize, &look, edit);
     }
 }
 
 /// Interpretation of the track's sound.
-fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>) {
+fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, edit: &mut ParamEditor<'_>) {
     const KINDS: [(&str, &str); 3] =
         [("pressure", "flame pressure"), ("flux", "flame flux"), ("input envelope", "any sound")];
-    let mode = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize).copied().unwrap_or_default();
+    let mode = DRIVE_MODES.get(edit.get(Id::DriveMode) as usize).copied().unwrap_or_default();
     let row = rect.with_max_y(rect.top() + ROW);
     let chosen = within(ui, row, "track", |ui| {
         let mut chosen = mode;
@@ -126,7 +126,7 @@ fn track(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>)
         chosen
     });
     if let Some(next) = DRIVE_MODES.iter().position(|name| *name == chosen && chosen != mode) {
-        hand.set_once(Id::DriveMode as usize, next as f64);
+        edit.set_once(Id::DriveMode as usize, next as f64);
     }
     let level = parts.levels.get(Meter::Input);
     let words = if parts.meters.input_cancels() {
@@ -178,22 +178,22 @@ fn picture(scene: &str) -> (&str, f32, f32) {
     }
 }
 
-fn scenes(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
+fn scenes(ui: &mut Ui, rect: Rect, edit: &mut ParamEditor<'_>) {
     let rows = FLAME_SCENES.len().div_ceil(TILES_PER_ROW);
     let height = (rect.height() - (rows - 1) as f32 * 4.0) / rows as f32;
     let width = (rect.width() - (TILES_PER_ROW - 1) as f32 * 4.0) / TILES_PER_ROW as f32;
     if height < LEAST_TILE.y || width < LEAST_TILE.x {
         let row = Rect::from_center_size(rect.center(), Vec2::new(rect.width(), ROW));
-        within(ui, row, "scenes", |ui| list(ui, Id::FlameScene as usize, FLAME_SCENES, row.width() - 8.0, hand));
+        within(ui, row, "scenes", |ui| list(ui, Id::FlameScene as usize, FLAME_SCENES, row.width() - 8.0, edit));
         return;
     }
-    let chosen = hand.get(Id::FlameScene) as usize;
+    let chosen = edit.get(Id::FlameScene) as usize;
     for (number, scene) in FLAME_SCENES.iter().enumerate() {
         let (column, row) = ((number % TILES_PER_ROW) as f32, (number / TILES_PER_ROW) as f32);
         let at = rect.left_top() + Vec2::new(column * (width + 4.0), row * (height + 4.0));
         let place = Rect::from_min_size(at, Vec2::new(width, height));
         if tile(ui, place, scene, number == chosen) && number != chosen {
-            hand.set_once(Id::FlameScene as usize, number as f64);
+            edit.set_once(Id::FlameScene as usize, number as f64);
         }
     }
 }

@@ -43,16 +43,16 @@ const LINES: [Line; 8] = [
 ];
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "LAYERS", "the mix");
     let faders = inner.with_max_y(inner.bottom() - MONITOR - 6.0);
     for (place, line) in columns(faders, LINES.len(), 2.0).zip(&LINES) {
-        column(ui, place, line, parts.levels, hand);
+        column(ui, place, line, parts.levels, edit);
     }
     monitoring(ui, inner.with_min_y(inner.bottom() - MONITOR), parts);
 }
 
-fn column(ui: &mut Ui, rect: Rect, line: &Line, levels: &mut Levels, hand: &mut ParamEditor<'_>) {
+fn column(ui: &mut Ui, rect: Rect, line: &Line, levels: &mut Levels, edit: &mut ParamEditor<'_>) {
     let is_wide = rect.width() >= WIDE;
     let switching = if is_wide { SWITCH } else { 2.0 * SWITCH + 1.0 };
     let bottom = rect.with_min_y(rect.bottom() - switching);
@@ -62,8 +62,8 @@ fn column(ui: &mut Ui, rect: Rect, line: &Line, levels: &mut Levels, hand: &mut 
     let is_silenced = matches!(line.meter, Meter::Layer(layer) if silenced.get(layer) == Some(&true));
     peak(ui, rect.with_max_y(rect.top() + PEAK), line, levels);
     let track = rect.with_min_y(rect.top() + PEAK + 2.0).with_max_y(name_at.y - NAME - 2.0);
-    fader(ui, track, line.id as usize, &Track { color: line.color, level, is_silenced }, hand);
-    let is_dimmed = hand.inert(line.id as usize).is_some();
+    fader(ui, track, line.id as usize, &Track { color: line.color, level, is_silenced }, edit);
+    let is_dimmed = edit.inert(line.id as usize).is_some();
     let color = if is_dimmed || is_silenced { theme::WEAK } else { theme::TEXT };
     let name = if is_wide { line.name } else { line.short };
     let size = if rect.width() > 42.0 { 10.5 } else { 9.2 };
@@ -103,16 +103,16 @@ fn peak(ui: &Ui, rect: Rect, line: &Line, levels: &mut Levels) {
 
 /// Choice of the sound that is monitored while the window is open.
 fn monitoring(ui: &mut Ui, rect: Rect, parts: &Parts<'_>) {
-    let heard = parts.monitor.listen();
+    let monitored = parts.monitor.listen();
     for (place, (name, listen, hint)) in columns(rect, 3, 3.0).zip([
         ("Output", Listen::Output, "Hear the output, as usual"),
         ("Flame", Listen::Drive, "Hear only the flame that drives the engines"),
         ("Recording", Listen::Recording, "Hear the selected part of the recording, looped"),
     ]) {
         let is_there = listen != Listen::Recording || parts.view.recording.is_some();
-        let waits = heard == listen && listen == Listen::Recording && !parts.view.has_clip;
+        let waits = monitored == listen && listen == Listen::Recording && !parts.view.has_clip;
         let words = if waits { "…" } else { name };
-        let button = filled(ui, place, words, &format!("Monitor {name}"), heard == listen, is_there);
+        let button = filled(ui, place, words, &format!("Monitor {name}"), monitored == listen, is_there);
         if button.on_hover_text(format!("{hint}, until the window closes. Not saved, not automated.")).clicked() {
             parts.monitor.listen_to(listen);
             parts.loader.audition(listen == Listen::Recording);

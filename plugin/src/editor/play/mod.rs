@@ -62,7 +62,7 @@ pub struct Parts<'a> {
 }
 
 /// The page.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let (upper, lower) = rect.split_top_bottom_at_fraction(UPPER);
     let (upper, lower) = (upper.with_max_y(upper.bottom() - 0.5 * GAP), lower.with_min_y(lower.top() + 0.5 * GAP));
     let left = rect.left() + column(LEFT, rect.width());
@@ -70,12 +70,12 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
     let middle = upper.with_min_x(left + GAP).with_max_x(right - GAP);
     let (above, below) = middle.split_top_bottom_at_fraction(SPECTROGRAM);
 
-    flame::show(ui, upper.with_max_x(left), parts, hand);
-    output::show(ui, above.with_max_y(above.bottom() - 0.5 * GAP), parts, hand);
-    recording::show(ui, below.with_min_y(below.top() + 0.5 * GAP), parts, hand);
-    layers::show(ui, upper.with_min_x(right), parts, hand);
-    character::show(ui, lower.with_max_x(right - GAP), parts, hand);
-    variations::show(ui, lower.with_min_x(right), parts, hand);
+    flame::show(ui, upper.with_max_x(left), parts, edit);
+    output::show(ui, above.with_max_y(above.bottom() - 0.5 * GAP), parts, edit);
+    recording::show(ui, below.with_min_y(below.top() + 0.5 * GAP), parts, edit);
+    layers::show(ui, upper.with_min_x(right), parts, edit);
+    character::show(ui, lower.with_max_x(right - GAP), parts, edit);
+    variations::show(ui, lower.with_min_x(right), parts, edit);
 }
 
 fn column((share, least, most): (f32, f32, f32), width: f32) -> f32 {

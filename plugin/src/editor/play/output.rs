@@ -12,7 +12,7 @@ use super::super::suggestion::Suggestion;
 use super::super::widgets::section::{filled, within};
 use super::super::{map, theme};
 use super::Parts;
-use pyrophone_analysis::bands::place;
+use pyrophone_analysis::bands::position;
 use pyrophone_analysis::fidelity::Diagnosis;
 
 /// Height of the strip in points.
@@ -21,7 +21,7 @@ const STRIP: f32 = 22.0;
 const BUTTON: f32 = 17.0;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let (picture, strip) = rect.split_top_bottom_at_y(rect.bottom() - STRIP);
     ui.painter().rect_filled(rect, f32::from(theme::ROUNDING) + 2.0, theme::PANEL);
     parts.monitor.output().show_picture(ui, picture);
@@ -34,18 +34,18 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
     };
     readable(picture.left_top() + Vec2::new(10.0, 9.0), Align2::LEFT_TOP, "OUTPUT", theme::head(), theme::EMBER);
     for (frequency_hz, name) in [(100.0, "100"), (1000.0, "1k"), (10_000.0, "10k Hz")] {
-        let y = picture.bottom() - place(frequency_hz) as f32 * picture.height();
+        let y = picture.bottom() - position(frequency_hz) as f32 * picture.height();
         readable(Pos2::new(picture.right() - 6.0, y), Align2::RIGHT_CENTER, name, theme::small(), theme::WEAK);
     }
-    light(ui, picture, parts, hand);
+    light(ui, picture, parts, edit);
     let assessment = parts.assessment;
-    within(ui, strip.shrink2(Vec2::new(9.0, 2.0)), "match", |ui| figures(ui, &assessment, hand));
+    within(ui, strip.shrink2(Vec2::new(9.0, 2.0)), "match", |ui| figures(ui, &assessment, edit));
 }
 
 /// An offer to start the built-in flame where no input arrives: the first thing a user sees after loading the plug-in.
-fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>) {
+fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, edit: &mut ParamEditor<'_>) {
     let is_silent = |meter| parts.levels.get(meter).held_db <= FLOOR_DB;
-    let burns = DRIVE_MODES.get(hand.get(Id::DriveMode) as usize) == Some(&"flame");
+    let burns = DRIVE_MODES.get(edit.get(Id::DriveMode) as usize) == Some(&"flame");
     if burns || ![Meter::Input, Meter::Drive, Meter::Output].into_iter().all(is_silent) {
         return;
     }
@@ -53,12 +53,12 @@ fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, hand: &mut ParamEditor<'_>)
     let button = filled(ui, place, "Light a built-in fire", "Light", false, true);
     if button.on_hover_text("There is no input: burn a simulated campfire instead of the track").clicked() {
         let flame = DRIVE_MODES.iter().position(|mode| *mode == "flame").unwrap_or(0);
-        hand.set_once(Id::DriveMode as usize, flame as f64);
+        edit.set_once(Id::DriveMode as usize, flame as f64);
     }
 }
 
 /// One line: a lamp, the figures, and a suggestion where there is a fault.
-fn figures(ui: &mut Ui, assessment: &Advice, hand: &mut ParamEditor<'_>) {
+fn figures(ui: &mut Ui, assessment: &Advice, edit: &mut ParamEditor<'_>) {
     // Otherwise a button would be higher than the strip, and cut.
     ui.spacing_mut().interact_size.y = BUTTON;
     ui.horizontal_centered(|ui| {
@@ -71,7 +71,7 @@ fn figures(ui: &mut Ui, assessment: &Advice, hand: &mut ParamEditor<'_>) {
         let (spot, _) = ui.allocate_exact_size(Vec2::splat(8.0), Sense::hover());
         ui.painter().circle_filled(spot.center(), 3.5, lamp);
         if let Some(fault) = assessment.fault {
-            advise(ui, fault, hand);
+            advise(ui, fault, edit);
             return;
         }
         let text = if words.is_empty() { "Nothing to compare yet".to_owned() } else { words.join("  ·  ") };
@@ -96,8 +96,8 @@ fn words(assessment: &Advice) -> Vec<String> {
 }
 
 /// The fault, and a button that applies the suggestion.
-fn advise(ui: &mut Ui, fault: Diagnosis, hand: &mut ParamEditor<'_>) {
-    let remedy = Suggestion::of(fault, &hand.values());
+fn advise(ui: &mut Ui, fault: Diagnosis, edit: &mut ParamEditor<'_>) {
+    let remedy = Suggestion::of(fault, &edit.values());
     let advice = fault.advice(remedy.is_none());
     let room = if remedy.is_some() { 130.0 } else { 0.0 };
     ui.allocate_ui(Vec2::new((ui.available_width() - room).max(60.0), ui.available_height()), |ui| {
@@ -110,6 +110,6 @@ fn advise(ui: &mut Ui, fault: Diagnosis, hand: &mut ParamEditor<'_>) {
     map::note(ui, "button.Cure", button.rect);
     let what = format!("{}. Undo reverts it.", remedy.words);
     if button.on_hover_text(what).clicked() {
-        hand.set_once(remedy.id as usize, remedy.plain);
+        edit.set_once(remedy.id as usize, remedy.plain);
     }
 }

@@ -36,15 +36,15 @@ impl Default for Pad {
 
 impl Pad {
     /// Shows the pad, and below it the choice of its macros.
-    pub fn show(&mut self, ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
+    pub fn show(&mut self, ui: &mut Ui, rect: Rect, edit: &mut ParamEditor<'_>) {
         let (pad, choices) = rect.split_top_bottom_at_y(rect.bottom() - CHOICES);
         let pad = pad.with_max_y(pad.bottom() - 4.0);
-        self.choices(ui, choices, hand);
-        self.follow(ui, pad, hand);
-        self.draw(ui, pad, hand);
+        self.choices(ui, choices, edit);
+        self.follow(ui, pad, edit);
+        self.draw(ui, pad, edit);
     }
 
-    fn choices(&mut self, ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
+    fn choices(&mut self, ui: &mut Ui, rect: Rect, edit: &mut ParamEditor<'_>) {
         for (axis, place) in columns(rect, 2, 4.0).enumerate() {
             let before = self.axes[axis];
             within(ui, place, ["across", "up"][axis], |ui| {
@@ -61,7 +61,7 @@ impl Pad {
                 list.response.on_hover_text(["Macro on the horizontal axis", "Macro on the vertical axis"][axis]);
             });
             if self.axes[axis] != before {
-                self.let_go(hand);
+                self.let_go(edit);
                 if self.axes[1 - axis] == self.axes[axis] {
                     // Both axes must have different macros, so they swap.
                     self.axes[1 - axis] = before;
@@ -71,25 +71,25 @@ impl Pad {
         }
     }
 
-    fn follow(&mut self, ui: &Ui, pad: Rect, hand: &mut ParamEditor<'_>) {
+    fn follow(&mut self, ui: &Ui, pad: Rect, edit: &mut ParamEditor<'_>) {
         let response = ui.interact(pad, Place::unique("pad"), Sense::click_and_drag());
         map::note(ui, "pad", pad);
         let pressed = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
         if pressed && !self.is_held {
             self.is_held = true;
-            self.indices().into_iter().for_each(|index| hand.begin(index));
+            self.indices().into_iter().for_each(|index| edit.begin(index));
         }
         if let (true, Some(at)) = (self.is_held && pressed, response.interact_pointer_pos()) {
             let across = f64::from((at.x - pad.left()) / pad.width());
             let up = f64::from((pad.bottom() - at.y) / pad.height());
             for (index, share) in self.indices().into_iter().zip([across, up]) {
-                hand.set(index, 200.0 * share.clamp(0.0, 1.0) - 100.0);
+                edit.set(index, 200.0 * share.clamp(0.0, 1.0) - 100.0);
             }
         } else if self.is_held {
-            self.let_go(hand);
+            self.let_go(edit);
         }
         if response.double_clicked() {
-            self.indices().into_iter().for_each(|index| hand.set_once(index, 0.0));
+            self.indices().into_iter().for_each(|index| edit.set_once(index, 0.0));
         }
         if !response.dragged() {
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
@@ -97,9 +97,9 @@ impl Pad {
         }
     }
 
-    fn let_go(&mut self, hand: &mut ParamEditor<'_>) {
+    fn let_go(&mut self, edit: &mut ParamEditor<'_>) {
         if std::mem::take(&mut self.is_held) {
-            self.indices().into_iter().for_each(|index| hand.end(index));
+            self.indices().into_iter().for_each(|index| edit.end(index));
         }
     }
 
@@ -107,14 +107,14 @@ impl Pad {
         self.axes.map(|axis| MACROS[axis].id as usize)
     }
 
-    fn draw(&mut self, ui: &Ui, pad: Rect, hand: &ParamEditor<'_>) {
+    fn draw(&mut self, ui: &Ui, pad: Rect, edit: &ParamEditor<'_>) {
         let painter = ui.painter().with_clip_rect(pad);
         baked(&painter, Place::unique("pad grid"), bits(pad), || grid(pad));
         let names = self.axes.map(|axis| MACROS[axis].name);
         let weak = theme::WEAK.gamma_multiply(0.7);
         painter.text(pad.right_bottom() - Vec2::splat(5.0), Align2::RIGHT_BOTTOM, names[0], theme::small(), weak);
         painter.text(pad.left_top() + Vec2::splat(5.0), Align2::LEFT_TOP, names[1], theme::small(), weak);
-        let now = self.indices().map(|index| hand.value(index));
+        let now = self.indices().map(|index| edit.value(index));
         if self.trail.back() != Some(&now) {
             if self.trail.len() == TRAIL {
                 self.trail.pop_front();

@@ -26,7 +26,7 @@ const SLOTS_SHARE: f32 = 0.62;
 const SECOND: f32 = 52.0;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "RECORDING", "");
     let title = title_row(rect);
     let name_at = title.with_min_x(title.left() + 78.0);
@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
     if inner.height() >= ROOM_FOR_SLOTS {
         let slots = outline.with_min_y(outline.bottom() - SLOTS);
         outline.max.y = slots.top() - 4.0;
-        show_slots(ui, slots, view, hand);
+        show_slots(ui, slots, view, edit);
     }
     parts.recording.show_outline(ui, outline, loader, view);
     parts.monitor.heat.show(ui, outline);
@@ -63,9 +63,9 @@ pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEdit
 }
 
 /// The slots, the second recording, and its share.
-fn show_slots(ui: &mut Ui, rect: Rect, view: &View, hand: &mut ParamEditor<'_>) {
+fn show_slots(ui: &mut Ui, rect: Rect, view: &View, edit: &mut ParamEditor<'_>) {
     let (slots, blend) = rect.split_left_right_at_x(rect.left() + SLOTS_SHARE * rect.width());
-    let chosen = hand.get(Id::RecordingSlot) as usize;
+    let chosen = edit.get(Id::RecordingSlot) as usize;
     for (slot, place) in columns(slots, RECORDING_SLOTS.len(), 3.0).enumerate() {
         let number = RECORDING_SLOTS[slot];
         let named = view.slots[slot].as_deref();
@@ -81,15 +81,15 @@ fn show_slots(ui: &mut Ui, rect: Rect, view: &View, hand: &mut ParamEditor<'_>) 
             named.unwrap_or("Empty")
         );
         if button.on_hover_text(hint).clicked() {
-            hand.set_once(Id::RecordingSlot as usize, slot as f64);
+            edit.set_once(Id::RecordingSlot as usize, slot as f64);
         }
     }
     let blend = blend.with_min_x(blend.left() + 6.0);
     let (second, share) = blend.split_left_right_at_x(blend.left() + SECOND);
     within(ui, second, "second recording", |ui| {
-        list(ui, Id::RecordingSecond as usize, RECORDING_SLOTS, SECOND - 12.0, hand);
+        list(ui, Id::RecordingSecond as usize, RECORDING_SLOTS, SECOND - 12.0, edit);
     });
-    slider(ui, share, Id::RecordingBlend as usize, "Blend", hand);
+    slider(ui, share, Id::RecordingBlend as usize, "Blend", edit);
 }
 
 /// Available actions on the left, the recording's properties on the right.

@@ -17,40 +17,40 @@ const GAP: f32 = 5.0;
 const FOOT: f32 = 50.0;
 
 /// The panel.
-pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &mut ParamEditor<'_>) {
+pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
     let inner = section(ui, rect, "VARIATIONS", "same fire, different events");
     let top = inner.with_max_y(inner.top() + ROW);
     let (new, amount) = top.split_left_right_at_fraction(0.5);
     let button = filled(ui, new.with_max_x(new.right() - 2.0), "New take", "New take", false, true);
     let hint = "Changes the seed behind everything random: same character, different events";
     if button.on_hover_text(hint).clicked() {
-        let take = hand.params.takes.add();
-        hand.set_once(Id::Take as usize, f64::from(take));
+        let take = edit.params.takes.add();
+        edit.set_once(Id::Take as usize, f64::from(take));
     }
-    amount_field(ui, amount.with_min_x(amount.left() + 2.0), hand);
+    amount_field(ui, amount.with_min_x(amount.left() + 2.0), edit);
     let foot = inner.with_min_y(inner.bottom() - FOOT);
     let list = inner.with_min_y(top.bottom() + GAP).with_max_y(foot.top() - GAP);
-    takes(ui, list, hand);
-    recording(ui, foot, parts, hand);
+    takes(ui, list, edit);
+    recording(ui, foot, parts, edit);
 }
 
 /// A field for the range of the takes' variation.
-fn amount_field(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
+fn amount_field(ui: &mut Ui, rect: Rect, edit: &mut ParamEditor<'_>) {
     let index = Id::TakeAmount as usize;
     ui.painter().rect_stroke(rect, f32::from(theme::ROUNDING), Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
     let name_at = rect.left_center() + Vec2::new(6.0, 0.0);
     let name = ui.painter().text(name_at, Align2::LEFT_CENTER, "Stray", theme::small(), theme::WEAK);
     let place = rect.with_min_x(name.right() + 2.0).shrink2(Vec2::new(2.0, 3.0));
-    let color = if hand.inert(index).is_some() { theme::WEAK } else { theme::TEXT };
-    value(ui, place, index, color, hand);
+    let color = if edit.inert(index).is_some() { theme::WEAK } else { theme::TEXT };
+    value(ui, place, index, color, edit);
     ui.interact(name.expand(3.0), Place::unique("take amount"), Sense::hover())
         .on_hover_text(Id::TakeAmount.parameter().help);
 }
 
 /// The list: the seeds as set, then every take that was tried.
-fn takes(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
-    let now = hand.get(Id::Take) as u16;
-    let mut listed = hand.params.takes.list();
+fn takes(ui: &mut Ui, rect: Rect, edit: &mut ParamEditor<'_>) {
+    let now = edit.get(Id::Take) as u16;
+    let mut listed = edit.params.takes.list();
     if now != 0 && !listed.contains(&now) {
         listed.push(now);
     }
@@ -65,7 +65,7 @@ fn takes(ui: &mut Ui, rect: Rect, hand: &mut ParamEditor<'_>) {
                 }
             }
             if let Some(take) = chosen.filter(|take| *take != now) {
-                hand.set_once(Id::Take as usize, f64::from(take));
+                edit.set_once(Id::Take as usize, f64::from(take));
             }
             if listed.is_empty() {
                 ui.label(egui::RichText::new("New takes are listed here.").font(theme::small()).color(theme::WEAK));
@@ -96,12 +96,12 @@ fn line(ui: &mut Ui, name: &str, note: &str, take: u16, is_now: bool) -> bool {
     response.on_hover_text("Hear this take").clicked()
 }
 
-fn recording(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, hand: &ParamEditor<'_>) {
+fn recording(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &ParamEditor<'_>) {
     within(ui, rect, "recording", |ui| {
         ui.horizontal(|ui| {
             parts.listen.record(ui, parts.monitor);
             parts.listen.saves(ui, parts.monitor, parts.view);
-            parts.listen.burst(ui, parts.monitor, hand);
+            parts.listen.burst(ui, parts.monitor, edit);
         });
         ui.horizontal(|ui| {
             parts.listen.drag_out(ui, parts.monitor);

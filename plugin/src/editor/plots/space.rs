@@ -54,11 +54,11 @@ impl Space {
     }
 
     /// Draws the sources; the centre of those arranged in a ball can be dragged.
-    pub fn show(&mut self, ui: &mut Ui, rect: Rect, channels: usize, hand: &mut ParamEditor<'_>) {
+    pub fn show(&mut self, ui: &mut Ui, rect: Rect, channels: usize, edit: &mut ParamEditor<'_>) {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 3.0, theme::WELL);
-        let [right_m, front_m] = self.held.unwrap_or_else(|| middle_m(hand));
-        let spread_m = hand.get(Id::VortexSpread) as f32;
+        let [right_m, front_m] = self.held.unwrap_or_else(|| middle_m(edit));
+        let spread_m = edit.get(Id::VortexSpread) as f32;
         self.follow_radius(right_m.hypot(front_m) + spread_m);
         let view = View { centre: rect.center(), scale: (0.5 * rect.size().min_elem() - 16.0) / self.radius_m };
 
@@ -66,15 +66,15 @@ impl Space {
         speakers(&painter, &view, self.radius_m, channels);
         self.sources(&painter, &view);
         head(&painter, view.centre);
-        let is_dimmed = hand.inert(Id::VortexDistance as usize).is_some();
+        let is_dimmed = edit.inert(Id::VortexDistance as usize).is_some();
         let color = if is_dimmed { theme::WEAK } else { theme::VIOLET };
-        let at = view.place(right_m, front_m);
+        let at = view.to_screen(right_m, front_m);
         painter.circle_stroke(at, (view.scale * spread_m).max(4.0), Stroke::new(1.0, color.gamma_multiply(0.8)));
         if !is_dimmed {
-            self.drag(ui, at, &view, hand);
+            self.drag(ui, at, &view, edit);
         }
         label(ui, rect, "from above", theme::VIOLET);
-        if let Some(reason) = hand.inert(Id::VortexDistance as usize) {
+        if let Some(reason) = edit.inert(Id::VortexDistance as usize) {
             let at = rect.center_bottom() - Vec2::new(0.0, 8.0);
             painter.text(
                 at,
@@ -105,12 +105,12 @@ impl Space {
             let [right, front, _] = source.position_m;
             let glow = glow(source.level, self.loudest);
             let color = mix(theme::VIOLET.gamma_multiply(0.35), theme::SPARK, glow);
-            painter.circle_filled(view.place(right, front), DOT + MORE * glow, color);
+            painter.circle_filled(view.to_screen(right, front), DOT + MORE * glow, color);
         }
     }
 
     /// The centre of the sources, which sets distance and azimuth.
-    fn drag(&mut self, ui: &mut Ui, at: Pos2, view: &View, hand: &mut ParamEditor<'_>) {
+    fn drag(&mut self, ui: &mut Ui, at: Pos2, view: &View, edit: &mut ParamEditor<'_>) {
         let handle = Rect::from_center_size(at, Vec2::splat(16.0));
         let response = ui.interact(handle, Place::unique("space middle"), Sense::drag());
         map::note(ui, format_args!("handle.space"), handle);
@@ -122,22 +122,22 @@ impl Space {
         }
         let indices = [Id::VortexDistance as usize, Id::VortexAzimuth as usize];
         if response.drag_started() {
-            indices.into_iter().for_each(|index| hand.begin(index));
-            self.held = Some(middle_m(hand));
+            indices.into_iter().for_each(|index| edit.begin(index));
+            self.held = Some(middle_m(edit));
         }
         if let Some(held) = &mut self.held {
             let by = response.drag_delta() / view.scale;
             *held = [held[0] + by.x, held[1] - by.y];
             if response.dragged() && by != Vec2::ZERO {
                 let [right, front] = held.map(f64::from);
-                let rise = hand.get(Id::VortexElevation).to_radians().cos().max(0.05);
-                hand.set(indices[0], right.hypot(front) / rise);
-                hand.set(indices[1], right.atan2(front).to_degrees());
+                let rise = edit.get(Id::VortexElevation).to_radians().cos().max(0.05);
+                edit.set(indices[0], right.hypot(front) / rise);
+                edit.set(indices[1], right.atan2(front).to_degrees());
             }
         }
         if response.drag_stopped() {
             self.held = None;
-            indices.into_iter().for_each(|index| hand.end(index));
+            indices.into_iter().for_each(|index| edit.end(index));
         }
         response.on_hover_text("Drag to set distance and azimuth of the sources' centre. The circle is their spread.");
     }
@@ -150,15 +150,15 @@ struct View {
 }
 
 impl View {
-    fn place(&self, right_m: f32, front_m: f32) -> Pos2 {
+    fn to_screen(&self, right_m: f32, front_m: f32) -> Pos2 {
         self.centre + self.scale * Vec2::new(right_m, -front_m)
     }
 }
 
 /// The middle of the sources as the parameters have it, in m to the right and to the front.
-fn middle_m(hand: &ParamEditor<'_>) -> [f32; 2] {
-    let flat = hand.get(Id::VortexDistance) * hand.get(Id::VortexElevation).to_radians().cos();
-    let (sin, cos) = hand.get(Id::VortexAzimuth).to_radians().sin_cos();
+fn middle_m(edit: &ParamEditor<'_>) -> [f32; 2] {
+    let flat = edit.get(Id::VortexDistance) * edit.get(Id::VortexElevation).to_radians().cos();
+    let (sin, cos) = edit.get(Id::VortexAzimuth).to_radians().sin_cos();
     [flat * sin, flat * cos].map(|x| x as f32)
 }
 

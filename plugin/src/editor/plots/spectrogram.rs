@@ -137,6 +137,6 @@ pub fn label(ui: &Ui, rect: Rect, text: &str, color: Color32) {
     let place = rect.left_top() + Vec2::new(6.0, 4.0);
     let galley = ui.painter().layout_no_wrap(text.to_owned(), theme::small(), color);
     let behind = Rect::from_min_size(place, galley.size()).expand(2.0);
-    ui.painter().rect_filled(behind, 2.0, theme::behind_words());
+    ui.painter().rect_filled(behind, 2.0, theme::text_background());
     ui.painter().galley(place, galley, color);
 }

@@ -76,7 +76,7 @@ impl List {
 }
 
 impl Presets {
-    pub(super) fn show_list(&mut self, ui: &mut Ui, button: Rect, hand: &mut ParamEditor<'_>) {
+    pub(super) fn show_list(&mut self, ui: &mut Ui, button: Rect, edit: &mut ParamEditor<'_>) {
         let screen = ui.ctx().content_rect();
         let size = SIZE
             .min(screen.size() - Vec2::splat(24.0))
@@ -88,7 +88,7 @@ impl Presets {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_min_size(size - Vec2::splat(16.0));
                 ui.set_max_size(size - Vec2::splat(16.0));
-                self.contents(ui, hand);
+                self.contents(ui, edit);
             });
         });
         let outside = ui.input(|input| {
@@ -100,7 +100,7 @@ impl Presets {
         }
     }
 
-    fn contents(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>) {
+    fn contents(&mut self, ui: &mut Ui, edit: &mut ParamEditor<'_>) {
         let keys = ui.input_mut(|input| {
             [Key::ArrowDown, Key::ArrowUp, Key::Enter].map(|key| input.consume_key(egui::Modifiers::NONE, key))
         });
@@ -119,16 +119,16 @@ impl Presets {
         let last = found.len().max(1) - 1;
         self.list.marked = (self.list.marked + usize::from(down)).saturating_sub(usize::from(up)).min(last);
         let is_naming = ui.memory(|memory| memory.has_focus(egui::Id::unique(NAME)));
-        let chosen = self.lines(ui, &found, up || down, hand.history.chosen.as_ref());
+        let chosen = self.lines(ui, &found, up || down, edit.history.chosen.as_ref());
         if let Some(entry) = chosen.or_else(|| found.get(self.list.marked).filter(|_| enter && !is_naming).cloned()) {
             self.list.name = entry.preset.name.clone();
-            hand.choose(Some(entry));
+            edit.choose(Some(entry));
             self.message = None;
             self.list.forget_questions();
         }
         ui.separator();
-        self.keeping(ui, hand, enter && is_naming);
-        self.foot(ui, hand);
+        self.keeping(ui, edit, enter && is_naming);
+        self.foot(ui, edit);
     }
 
     /// The lines that were found; the one that was clicked.
@@ -244,9 +244,9 @@ impl Presets {
     }
 
     /// Saving, renaming, deleting.
-    fn keeping(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>, entered: bool) {
+    fn keeping(&mut self, ui: &mut Ui, edit: &mut ParamEditor<'_>, entered: bool) {
         let is_free = self.task.is_none();
-        let chosen = hand.history.chosen.clone();
+        let chosen = edit.history.chosen.clone();
         let own = chosen.as_ref().and_then(|entry| Some((entry.path.clone()?, entry.preset.name.clone())));
         let (mut save, mut rename, mut delete) = (false, false, false);
         ui.horizontal(|ui| {
@@ -277,30 +277,30 @@ impl Presets {
         });
         let name = self.list.name.clone();
         match own {
-            _ if save => self.save(&name, hand.values(), self.list.replaces, chosen.as_ref()),
+            _ if save => self.save(&name, edit.values(), self.list.replaces, chosen.as_ref()),
             Some((path, _)) if rename => self.run(move |library| library.rename(&path, &name).map(Done::Kept)),
             Some(_) if delete && !self.list.deletes => {
                 self.list.deletes = true;
                 self.message = Some((format!("Delete \"{name}\" for good?"), true));
             }
             Some((path, _)) if delete => {
-                hand.history.chosen = None;
+                edit.history.chosen = None;
                 self.run(move |library| library.delete(&path).map(|()| Done::Deleted));
             }
             _ => {}
         }
     }
 
-    fn foot(&mut self, ui: &mut Ui, hand: &mut ParamEditor<'_>) {
+    fn foot(&mut self, ui: &mut Ui, edit: &mut ParamEditor<'_>) {
         ui.horizontal(|ui| {
             let paper = ui
                 .button("The paper's values")
                 .on_hover_text("Chadwick & James 2011; levels, widths, seed and envelope do not change");
             map::note(ui, "button.The paper's values", paper.rect);
             if paper.clicked() {
-                let mut values = hand.values();
+                let mut values = edit.values();
                 values.reset_to_paper();
-                hand.set_all(&values);
+                edit.set_all(&values);
             }
             match (&self.message, &self.library) {
                 (Some((message, is_bad)), _) => {

@@ -25,14 +25,14 @@ pub struct Track {
 }
 
 /// A fader for the parameter at `index`, a level in dB, along all of `rect`; meter and handle share the parameter's scale.
-pub fn fader(ui: &mut Ui, rect: Rect, index: usize, track: &Track, hand: &mut ParamEditor<'_>) {
+pub fn fader(ui: &mut Ui, rect: Rect, index: usize, track: &Track, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let response = ui.interact(rect, Id::unique(("fader", parameter.id)), Sense::click_and_drag());
     map::note(ui, format_args!("fader.{}", parameter.id), rect);
     let well = Rect::from_center_size(rect.center(), Vec2::new(TRACK.min(rect.width()), rect.height()));
     let travel = well.shrink2(Vec2::new(0.0, 0.5 * HANDLE.y));
-    let plain = turn(ui, &response, index, Travel::Fader(travel.height()), hand);
-    let reason = hand.inert(index);
+    let plain = turn(ui, &response, index, Travel::Fader(travel.height()), edit);
+    let reason = edit.inert(index);
     let y = |level_db: f64| travel.bottom() - parameter.to_normalised(level_db) as f32 * travel.height();
 
     let painter = ui.painter();

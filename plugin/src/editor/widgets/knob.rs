@@ -39,26 +39,26 @@ pub struct Look<'a> {
 }
 
 /// The knob of a parameter, its name above the dial.
-pub fn knob(ui: &mut Ui, index: usize, hand: &mut ParamEditor<'_>) {
+pub fn knob(ui: &mut Ui, index: usize, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let (rect, _) = ui.allocate_exact_size(SIZE, Sense::hover());
     let look = Look { name: parameter.name, font: theme::small(), color: theme::EMBER, radius: RADIUS, more: None };
     let centre = Pos2::new(rect.center().x, rect.top() + 37.0);
-    let is_dimmed = hand.inert(index).is_some();
+    let is_dimmed = edit.inert(index).is_some();
     let color = faded(theme::WEAK, is_dimmed);
     let at = Pos2::new(rect.center().x, rect.top());
     ui.painter().text(at, Align2::CENTER_TOP, parameter.name, theme::small(), color);
-    dial(ui, centre, index, &look, hand);
-    value(ui, rect.with_min_y(rect.bottom() - 20.0), index, faded(theme::TEXT, is_dimmed), hand);
+    dial(ui, centre, index, &look, edit);
+    value(ui, rect.with_min_y(rect.bottom() - 20.0), index, faded(theme::TEXT, is_dimmed), edit);
 }
 
 /// A dial with its name and its value below, centred in the upper part of `rect`.
-pub fn named_dial(ui: &mut Ui, rect: Rect, index: usize, look: &Look<'_>, hand: &mut ParamEditor<'_>) {
+pub fn named_dial(ui: &mut Ui, rect: Rect, index: usize, look: &Look<'_>, edit: &mut ParamEditor<'_>) {
     let height = 2.0 * look.radius + look.font.size + LINE + 8.0;
     let top = rect.top() + (0.5 * (rect.height() - height)).max(0.0);
     let centre = Pos2::new(rect.center().x, top + look.radius + 2.0);
-    let is_dimmed = hand.inert(index).is_some();
-    dial(ui, centre, index, look, hand);
+    let is_dimmed = edit.inert(index).is_some();
+    dial(ui, centre, index, look, edit);
     let name_at = Pos2::new(rect.center().x, centre.y + look.radius + 4.0);
     let name =
         ui.painter().text(name_at, Align2::CENTER_TOP, look.name, look.font.clone(), faded(theme::TEXT, is_dimmed));
@@ -66,7 +66,7 @@ pub fn named_dial(ui: &mut Ui, rect: Rect, index: usize, look: &Look<'_>, hand: 
         Pos2::new(rect.center().x, name.bottom() + 0.5 * LINE),
         Vec2::new(rect.width().min(74.0), LINE),
     );
-    value(ui, place, index, faded(theme::WEAK, is_dimmed), hand);
+    value(ui, place, index, faded(theme::WEAK, is_dimmed), edit);
 }
 
 fn faded(color: Color32, is_dimmed: bool) -> Color32 {
@@ -74,17 +74,17 @@ fn faded(color: Color32, is_dimmed: bool) -> Color32 {
 }
 
 /// The dial itself, about `centre`.
-fn dial(ui: &mut Ui, centre: Pos2, index: usize, look: &Look<'_>, hand: &mut ParamEditor<'_>) {
+fn dial(ui: &mut Ui, centre: Pos2, index: usize, look: &Look<'_>, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let place = Rect::from_center_size(centre, Vec2::splat(2.0 * look.radius + 6.0));
     let response = ui.interact(place, Id::unique(("knob", parameter.id)), Sense::click_and_drag());
-    let plain = turn(ui, &response, index, Travel::Knob, hand);
+    let plain = turn(ui, &response, index, Travel::Knob, edit);
     map::note(ui, format_args!("knob.{}", parameter.id), place);
-    let reason = hand.inert(index);
+    let reason = edit.inert(index);
     draw(ui, &response, centre, parameter, plain, look, reason.is_some());
-    indicate(ui, place, hand.indication(index));
-    let controller = hand.params.controllers.number(index);
-    if hand.params.controllers.learner() == Some(index) {
+    indicate(ui, place, edit.indication(index));
+    let controller = edit.params.controllers.number(index);
+    if edit.params.controllers.learner() == Some(index) {
         ui.painter().circle_stroke(centre, look.radius + 6.0, Stroke::new(1.5, theme::BLUE));
     }
     response.on_hover_ui(|ui| {
@@ -149,13 +149,13 @@ fn draw(
         let fill = if is_hot { theme::LINE } else { theme::GROUND };
         // Bipolar values grow from the middle.
         let from: f64 = if parameter.low() == -parameter.high() { 0.5 } else { 0.0 };
-        let hand = Stroke::new(2.0, faded(theme::TEXT, is_dimmed));
+        let edit = Stroke::new(2.0, faded(theme::TEXT, is_dimmed));
         let mut shapes = vec![
             Shape::circle_filled(centre, radius - width - 2.0, fill),
             arc(0.0, 1.0, Stroke::new(width, theme::LINE)),
             arc(from.min(place), from.max(place), Stroke::new(width, color)),
             Shape::circle_filled(at(default, radius + 0.5 * width + 2.5), 1.3, theme::WEAK),
-            Shape::line_segment([at(place, 0.32 * radius), at(place, radius - width - 3.0)], hand),
+            Shape::line_segment([at(place, 0.32 * radius), at(place, radius - width - 3.0)], edit),
         ];
         if has_focus {
             shapes.push(Shape::circle_stroke(centre, radius + width + 3.5, Stroke::new(1.0, theme::EMBER)));

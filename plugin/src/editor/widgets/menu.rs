@@ -9,12 +9,12 @@ use super::value;
 use crate::host_menu::Line;
 
 /// The menu of a parameter on `response`; `has_text` if its value can be typed and copied.
-pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut ParamEditor<'_>) {
+pub fn menu(response: &Response, index: usize, has_text: bool, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let is_key =
         response.has_focus() && response.ctx.input(|input| input.key_pressed(Key::M) && input.modifiers.is_none());
     if response.secondary_clicked() || is_key {
-        hand.params.host_menu.ask(index);
+        edit.params.host_menu.ask(index);
     }
     let id = Popup::default_response_id(response);
     if is_key {
@@ -35,10 +35,10 @@ pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut ParamE
             reset.request_focus();
         }
         if closes(ui, &reset) {
-            hand.set_once(index, parameter.default_value());
+            edit.set_once(index, parameter.default_value());
         }
         if has_text {
-            let text = parameter.to_text(hand.value(index));
+            let text = parameter.to_text(edit.value(index));
             if entry(ui, "Type a value".to_owned(), "Type") {
                 value::begin_typing(ui, index, &text);
             }
@@ -48,21 +48,21 @@ pub fn menu(response: &Response, index: usize, has_text: bool, hand: &mut ParamE
         }
         if parameter.automatable {
             ui.separator();
-            controllers(ui, index, hand);
+            controllers(ui, index, edit);
         }
-        host(ui, index, hand);
+        host(ui, index, edit);
     });
 }
 
 /// The host's entries, once it has answered.
-fn host(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
-    let lines = hand.params.host_menu.offered(index);
+fn host(ui: &mut Ui, index: usize, edit: &ParamEditor<'_>) {
+    let lines = edit.params.host_menu.offered(index);
     if lines.is_empty() {
         return;
     }
     ui.separator();
     if let Some(action) = host_lines(ui, &lines) {
-        hand.params.host_menu.perform(index, action);
+        edit.params.host_menu.perform(index, action);
         ui.close();
     }
 }
@@ -113,8 +113,8 @@ fn length(lines: &[Line]) -> usize {
 }
 
 /// Entries for the MIDI controller of a parameter.
-fn controllers(ui: &mut Ui, index: usize, hand: &ParamEditor<'_>) {
-    let controllers = &hand.params.controllers;
+fn controllers(ui: &mut Ui, index: usize, edit: &ParamEditor<'_>) {
+    let controllers = &edit.params.controllers;
     if controllers.learner() == Some(index) {
         if entry(ui, "Stop MIDI learn".to_owned(), "Stop learning") {
             controllers.stop_learning();

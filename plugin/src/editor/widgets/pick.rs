@@ -14,25 +14,25 @@ pub const WIDTH: f32 = 112.0;
 const DIMMED: f32 = 0.45;
 
 /// A list to choose from, under its name.
-pub fn choice(ui: &mut Ui, index: usize, names: &[&str], hand: &mut ParamEditor<'_>) {
+pub fn choice(ui: &mut Ui, index: usize, names: &[&str], edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     ui.allocate_ui(Vec2::new(WIDTH, 42.0), |ui| {
         ui.vertical(|ui| {
-            let reason = hand.inert(index);
+            let reason = edit.inert(index);
             let color = if reason.is_some() { theme::WEAK.gamma_multiply(DIMMED) } else { theme::WEAK };
             let name = ui.label(RichText::new(parameter.name).font(theme::small()).color(color));
             explain(name, parameter, reason);
-            list(ui, index, names, WIDTH - 12.0, hand);
+            list(ui, index, names, WIDTH - 12.0, edit);
         });
     });
 }
 
 /// The list of a choice alone, `width` points wide.
-pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut ParamEditor<'_>) {
+pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
-    let mut chosen = hand.value(index) as usize;
+    let mut chosen = edit.value(index) as usize;
     let before = chosen;
-    let reason = hand.inert(index);
+    let reason = edit.inert(index);
     let name = names[chosen.min(names.len() - 1)];
     let shown = RichText::new(name);
     let shown = if reason.is_some() { shown.color(theme::TEXT.gamma_multiply(DIMMED)) } else { shown };
@@ -49,29 +49,29 @@ pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, hand: &mut Pa
         info.current_text_value = Some(name.to_owned());
         info
     });
-    menu(&response, index, false, hand);
+    menu(&response, index, false, edit);
     map::note(ui, format_args!("choice.{}", parameter.id), response.rect);
     // Without opening the list, as the host's own menus do.
     let next = (chosen as f64 - notches(ui, &response)).clamp(0.0, (names.len() - 1) as f64);
     chosen = next as usize;
     if chosen != before {
-        hand.set_once(index, chosen as f64);
+        edit.set_once(index, chosen as f64);
     }
 }
 
 /// A switch.
-pub fn toggle(ui: &mut Ui, index: usize, hand: &mut ParamEditor<'_>) {
+pub fn toggle(ui: &mut Ui, index: usize, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
-    let mut is_on = hand.value(index) > 0.5;
-    let reason = hand.inert(index);
+    let mut is_on = edit.value(index) > 0.5;
+    let reason = edit.inert(index);
     let color = if is_on { theme::TEXT } else { theme::WEAK };
     let color = if reason.is_some() { color.gamma_multiply(DIMMED) } else { color };
     let switch = ui.checkbox(&mut is_on, RichText::new(parameter.name).color(color));
     let switch = explain(switch, parameter, reason);
-    menu(&switch, index, false, hand);
+    menu(&switch, index, false, edit);
     map::note(ui, format_args!("toggle.{}", parameter.id), switch.rect);
     if switch.changed() {
-        hand.set_once(index, f64::from(u8::from(is_on)));
+        edit.set_once(index, f64::from(u8::from(is_on)));
     }
 }
 

@@ -12,12 +12,12 @@ use super::turn::{Travel, turn};
 const DIMMED: f32 = 0.45;
 
 /// A slider for the parameter at `index` in all of `rect`; `name` is its label there.
-pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, hand: &mut ParamEditor<'_>) {
+pub fn slider(ui: &mut Ui, rect: Rect, index: usize, name: &str, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let response = ui.interact(rect, Id::unique(("slider", parameter.id)), Sense::click_and_drag());
     map::note(ui, format_args!("slider.{}", parameter.id), rect);
-    let plain = turn(ui, &response, index, Travel::Slider(rect.width()), hand);
-    let reason = hand.inert(index);
+    let plain = turn(ui, &response, index, Travel::Slider(rect.width()), edit);
+    let reason = edit.inert(index);
     let dimmed = if reason.is_some() { DIMMED } else { 1.0 };
     let painter = ui.painter().with_clip_rect(rect);
     let filled = rect.with_max_x(rect.left() + rect.width() * parameter.to_normalised(plain) as f32);

@@ -25,23 +25,23 @@ pub enum Travel {
 }
 
 /// Follows mouse and keys; returns the resulting value. The pointer does not move parameters without effect.
-pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut ParamEditor<'_>) -> f64 {
+pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, edit: &mut ParamEditor<'_>) -> f64 {
     let parameter = &PARAMETERS[index];
     let is_held = ui.data(|data| data.get_temp::<f64>(response.id)).is_some();
-    if is_held || hand.inert(index).is_none() {
-        drag(ui, response, index, travel, hand);
-        notches(ui, response, index, hand);
+    if is_held || edit.inert(index).is_none() {
+        drag(ui, response, index, travel, edit);
+        notches(ui, response, index, edit);
     }
     if response.double_clicked() {
-        hand.set_once(index, parameter.default_value());
+        edit.set_once(index, parameter.default_value());
     } else if response.clicked() {
         response.request_focus();
     }
     if response.has_focus() && ui.input(|input| input.key_pressed(Key::Delete) || input.key_pressed(Key::Backspace)) {
-        hand.set_once(index, parameter.default_value());
+        edit.set_once(index, parameter.default_value());
     }
-    menu(response, index, true, hand);
-    let plain = hand.value(index);
+    menu(response, index, true, edit);
+    let plain = edit.value(index);
     response.widget_info(|| {
         let mut info = WidgetInfo::slider(true, plain, parameter.name);
         info.current_text_value = Some(parameter.to_text(plain));
@@ -50,15 +50,15 @@ pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &m
     plain
 }
 
-fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut ParamEditor<'_>) {
+fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
-    let plain = hand.value(index);
+    let plain = edit.value(index);
     let place = parameter.to_normalised(plain);
     let id = response.id;
     let by_primary = ui.input(|input| input.pointer.primary_down());
     if response.drag_started() && by_primary {
         response.request_focus();
-        hand.begin(index);
+        edit.begin(index);
         ui.data_mut(|data| data.insert_temp(id, place));
     }
     let Some(held) = ui.data(|data| data.get_temp::<f64>(id)) else { return };
@@ -73,18 +73,18 @@ fn drag(ui: &Ui, response: &Response, index: usize, travel: Travel, hand: &mut P
         ui.data_mut(|data| data.insert_temp(id, held));
         let next = parameter.from_normalised(held);
         if next != plain {
-            hand.set(index, next);
+            edit.set(index, next);
         }
     }
     if response.drag_stopped() {
         ui.data_mut(|data| data.remove::<f64>(id));
-        hand.end(index);
+        edit.end(index);
     }
 }
 
 /// Notches of the wheel, where the pointer rests on the focused widget or Ctrl is held, and of arrow keys: without
 /// focus the wheel scrolls the page.
-fn notches(ui: &Ui, response: &Response, index: usize, hand: &mut ParamEditor<'_>) {
+fn notches(ui: &Ui, response: &Response, index: usize, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let mut notches = 0.0;
     if response.hovered() && (response.has_focus() || ui.input(|input| input.modifiers.command)) {
@@ -95,13 +95,13 @@ fn notches(ui: &Ui, response: &Response, index: usize, hand: &mut ParamEditor<'_
     if notches == 0.0 {
         return;
     }
-    let plain = hand.value(index);
+    let plain = edit.value(index);
     let next = match parameter.kind {
         ParameterKind::Int { .. } => (plain + notches.signum()).clamp(parameter.low(), parameter.high()),
         _ => parameter.from_normalised((parameter.to_normalised(plain) + notches * NOTCH * fine(ui)).clamp(0.0, 1.0)),
     };
     if next != plain {
-        hand.set_once(index, next);
+        edit.set_once(index, next);
     }
 }
 

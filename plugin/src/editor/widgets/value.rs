@@ -26,21 +26,21 @@ pub fn begin_typing(ui: &Ui, index: usize, text: &str) {
 }
 
 /// Shows the value in `rect`.
-pub fn value(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &mut ParamEditor<'_>) {
+pub fn value(ui: &mut Ui, rect: Rect, index: usize, color: Color32, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let id = id_of(parameter);
     map::note(ui, format_args!("value.{}", parameter.id), rect);
     match ui.data(|data| data.get_temp::<String>(id)) {
-        None => shown(ui, rect, index, color, hand),
-        Some(typed) => field(ui, rect, index, typed, hand),
+        None => shown(ui, rect, index, color, edit),
+        Some(typed) => field(ui, rect, index, typed, edit),
     }
 }
 
-fn shown(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &ParamEditor<'_>) {
+fn shown(ui: &mut Ui, rect: Rect, index: usize, color: Color32, edit: &ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let id = id_of(parameter);
     let response = ui.interact(rect, id.with("shown"), Sense::click());
-    let text = parameter.to_text(hand.value(index));
+    let text = parameter.to_text(edit.value(index));
     let now_s = ui.input(|input| input.time);
     let word: Option<(String, f64)> = ui.data(|data| data.get_temp(id.with("word")));
     let word = word.filter(|(_, until_s)| now_s < *until_s).map(|(word, _)| word);
@@ -62,7 +62,7 @@ fn shown(ui: &mut Ui, rect: Rect, index: usize, color: Color32, hand: &ParamEdit
     }
 }
 
-fn field(ui: &mut Ui, rect: Rect, index: usize, mut typed: String, hand: &mut ParamEditor<'_>) {
+fn field(ui: &mut Ui, rect: Rect, index: usize, mut typed: String, edit: &mut ParamEditor<'_>) {
     let parameter = &PARAMETERS[index];
     let id = id_of(parameter);
     let is_valid = parameter.parse_nearest(&typed).is_ok();
@@ -81,7 +81,7 @@ fn field(ui: &mut Ui, rect: Rect, index: usize, mut typed: String, hand: &mut Pa
     }
     let is_refused = ui.input(|input| input.key_pressed(Key::Escape));
     if let (Ok((plain, is_nearest)), false) = (parameter.parse_nearest(&typed), is_refused) {
-        hand.set_once(index, plain);
+        edit.set_once(index, plain);
         if is_nearest {
             let end = if plain >= parameter.high() { "at most" } else { "at least" };
             let until_s = ui.input(|input| input.time) + WORD_S;

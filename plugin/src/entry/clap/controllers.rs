@@ -86,7 +86,7 @@ impl Messages {
         for place in 0..count {
             // SAFETY: guaranteed by the caller.
             let Some((number, share, time)) = (unsafe { controller(event(place)) }) else { continue };
-            controllers.hear(number);
+            controllers.note_moved(number);
             let values = controllers.targets(number).count() as u32;
             if values == 0 || self.messages.len() == MOST {
                 continue;
@@ -198,8 +198,9 @@ mod tests {
             host(4),
         ];
         assert_eq!(found, expected);
-        let told: Vec<(u32, f64)> = messages.moved(&controllers).map(|event| (event.param_id, event.value)).collect();
-        assert_eq!(told, [(NUMERIC_IDS[alpha], 0.0), (NUMERIC_IDS[size], 0.0)], "the host is told the last value");
+        let reported: Vec<(u32, f64)> =
+            messages.moved(&controllers).map(|event| (event.param_id, event.value)).collect();
+        assert_eq!(reported, [(NUMERIC_IDS[alpha], 0.0), (NUMERIC_IDS[size], 0.0)], "the host is told the last value");
         controllers.assign(size, None);
         assert!(
             matches!(messages.event_at(&controllers, 2), EventSource::Host(1)),

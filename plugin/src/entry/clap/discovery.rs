@@ -134,7 +134,7 @@ unsafe extern "C" fn get_extension(
 ///
 /// # Safety
 /// `receiver` is the host's, and live.
-unsafe fn tell(
+unsafe fn report(
     receiver: &clap_preset_discovery_metadata_receiver,
     preset: &Preset,
     key: Option<&str>,
@@ -181,9 +181,9 @@ unsafe extern "C" fn metadata(
     let Some(receiver) = (unsafe { receiver.as_ref() }) else { return false };
     let failed = |reason: String| {
         let reason = CString::new(reason).unwrap_or_default();
-        if let Some(told) = receiver.on_error {
+        if let Some(on_error) = receiver.on_error {
             // SAFETY: a live receiver, and a text that lives as long as the call.
-            unsafe { told(receiver, 0, reason.as_ptr()) };
+            unsafe { on_error(receiver, 0, reason.as_ptr()) };
         }
         false
     };
@@ -191,7 +191,7 @@ unsafe extern "C" fn metadata(
         CLAP_PRESET_DISCOVERY_LOCATION_PLUGIN => match Preset::factory() {
             Ok(presets) => presets.iter().all(|preset| {
                 // SAFETY: a live receiver.
-                unsafe { tell(receiver, preset, Some(&preset.name), CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT) }
+                unsafe { report(receiver, preset, Some(&preset.name), CLAP_PRESET_DISCOVERY_IS_FACTORY_CONTENT) }
             }),
             Err(error) => failed(error.to_string()),
         },
@@ -208,7 +208,7 @@ unsafe extern "C" fn metadata(
                         CLAP_PRESET_DISCOVERY_IS_USER_CONTENT
                     };
                     // SAFETY: a live receiver.
-                    unsafe { tell(receiver, &preset, None, flags) }
+                    unsafe { report(receiver, &preset, None, flags) }
                 }
                 Err(error) => failed(error.to_string()),
             }

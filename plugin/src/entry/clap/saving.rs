@@ -179,17 +179,17 @@ unsafe extern "C" fn from_location(
                 // SAFETY: a live host, on its main thread.
                 unsafe { rescan(guard.host, CLAP_PARAM_RESCAN_VALUES) };
             }
-            if let Some(told) = host.and_then(|host| host.loaded) {
+            if let Some(callback) = host.and_then(|host| host.loaded) {
                 // SAFETY: a live host and its own texts.
-                unsafe { told(guard.host, kind, location, key) };
+                unsafe { callback(guard.host, kind, location, key) };
             }
             true
         }
         Err(reason) => {
             let reason = CString::new(reason).unwrap_or_default();
-            if let Some(told) = host.and_then(|host| host.on_error) {
+            if let Some(callback) = host.and_then(|host| host.on_error) {
                 // SAFETY: a live host, its own texts, and one that lives as long as the call.
-                unsafe { told(guard.host, kind, location, key, 0, reason.as_ptr()) };
+                unsafe { callback(guard.host, kind, location, key, 0, reason.as_ptr()) };
             }
             false
         }

@@ -199,7 +199,7 @@ impl ControllerInput {
 
     /// Sets a controller's position, which completes a pending MIDI learn. Real-time safe.
     pub fn set_position(&self, controllers: &Controllers, number: u8, position: f64) {
-        controllers.hear(number);
+        controllers.note_moved(number);
         self.positions[usize::from(number)].store(position.clamp(0.0, 1.0), Ordering::Relaxed);
     }
 

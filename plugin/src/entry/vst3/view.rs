@@ -49,7 +49,7 @@ impl View {
         let _ = self.open.compare_exchange(own, none, Ordering::AcqRel, Ordering::Relaxed);
     }
 
-    fn let_go_of_frame(&self) {
+    fn release_frame(&self) {
         let frame = self.frame().take();
         if let Some(frame) = frame {
             // SAFETY: a live view.
@@ -62,7 +62,7 @@ impl View {
 impl Drop for View {
     fn drop(&mut self) {
         self.close();
-        self.let_go_of_frame();
+        self.release_frame();
     }
 }
 
@@ -124,7 +124,7 @@ impl IPlugViewTrait for View {
     }
 
     unsafe fn setFrame(&self, frame: *mut IPlugFrame) -> tresult {
-        self.let_go_of_frame();
+        self.release_frame();
         // SAFETY: null or a live frame.
         let Some(host) = (unsafe { ComRef::from_raw(frame) }) else { return kResultOk };
         let guard = ComWrapper::new(GuardedPlugFrame::new(host.to_com_ptr(), self.address.load(Ordering::Relaxed)));

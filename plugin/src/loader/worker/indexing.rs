@@ -80,11 +80,11 @@ impl Worker {
         let Some(Engine { sample_rate_hz, .. }) = self.engine else { return Ok(None) };
         let key = self.key(recording, cut, job.wanted(), sample_rate_hz);
         let progress = |stage: Stage, done: f32| match stage {
-            Stage::Resampling => job.goes_on_indexing("Resampling", 0.2 + 0.2 * done),
-            Stage::Indexing => job.goes_on_indexing("Indexing", 0.4 + 0.6 * done),
+            Stage::Resampling => job.report_indexing("Resampling", 0.2 + 0.2 * done),
+            Stage::Indexing => job.report_indexing("Indexing", 0.4 + 0.6 * done),
         };
         let make = || build(recording, cut, sample_rate_hz, job.wanted(), &progress).map_err(Failure::from);
-        let is_called_off = || !job.goes_on_indexing("Waiting for another instance", 0.4);
+        let is_called_off = || !job.report_indexing("Waiting for another instance", 0.4);
         let read_or_make = || -> Result<RecordingDictionary, Failure> {
             if let Some(kept) = self.store.as_ref().and_then(|store| store.read(&key)) {
                 return Ok(kept);

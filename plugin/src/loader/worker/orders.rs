@@ -70,15 +70,14 @@ impl Worker {
     /// Cancels the current work. Recordings not fetched are listed as if not found; dictionaries not built are not
     /// tried again until something changes.
     fn cancel(&mut self) {
-        let Some(what) =
-            self.give_up_fetching().or_else(|| self.give_up_learning()).or_else(|| self.give_up_indexing())
+        let Some(what) = self.cancel_fetching().or_else(|| self.cancel_learning()).or_else(|| self.cancel_indexing())
         else {
             return;
         };
         self.status.fail(format!("Cancelled: {what}. The previous sound continues; load it again at any time."));
     }
 
-    fn give_up_fetching(&mut self) -> Option<String> {
+    fn cancel_fetching(&mut self) -> Option<String> {
         let slot = self.order().find(|slot| self.slots[*slot].pending.is_some())?;
         match self.slots[slot].pending.take()? {
             Pending::File(path) => Some(path.display().to_string()),
@@ -89,14 +88,14 @@ impl Worker {
         }
     }
 
-    fn give_up_learning(&mut self) -> Option<String> {
+    fn cancel_learning(&mut self) -> Option<String> {
         self.learner.is_awaited().then(|| {
             self.learner.give_up();
             "learning from a file".to_owned()
         })
     }
 
-    fn give_up_indexing(&mut self) -> Option<String> {
+    fn cancel_indexing(&mut self) -> Option<String> {
         let engine = self.engine?;
         let structure = self.params.values().structure();
         for slot in self.order() {
