@@ -46,10 +46,10 @@ const SOUNDS: [&str; 13] =
 
 /// Measures the frames of `input`, or reads its series, and writes the requested outputs.
 pub fn run(args: &FluxArgs, work: &Work) -> Result<Outcome, Error> {
-    let others: Vec<&Path> = args.partial.iter().chain(&args.speed_field).map(|path| path.as_path()).collect();
-    sound::check(&args.sound, args.timeline.rate, &others, args.per_cluster.is_some())?;
+    let others: Vec<&Path> = args.partial.file.iter().chain(&args.speed_field).map(|path| path.as_path()).collect();
+    sound::check(&args.sound, args.timeline.rate, &others, args.clusters.folder.is_some())?;
     pyrophone_flame::Front::new(args.iso.unwrap_or(0.0), args.refine)?;
-    in_range("--clusters", args.clusters as f64, 1.0, 256.0)?;
+    in_range("--clusters", args.clusters.count as f64, 1.0, 256.0)?;
     per_cluster::check(args)?;
     let extension = args.input.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let is_series = TABLES.contains(&extension.as_str()) || SOUNDS.contains(&extension.as_str());
@@ -65,9 +65,9 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Outcome, Error
     let given = [
         ("--iso", args.iso.is_some()),
         ("--frames", args.frames.is_some()),
-        ("--partial", args.partial.is_some()),
-        ("--mesh", args.mesh.is_some()),
-        ("--per-cluster", args.per_cluster.is_some()),
+        ("--partial", args.partial.file.is_some()),
+        ("--mesh", args.mesh.folder.is_some()),
+        ("--per-cluster", args.clusters.folder.is_some()),
         ("--flux-csv", args.sound.flux_csv.is_some()),
         ("--speed-field", args.speed_field.is_some()),
         ("--rate", is_sound && args.timeline.rate.is_some()),
@@ -103,18 +103,18 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Outcome, Error
 
 fn simulation(args: &FluxArgs, work: &Work) -> Result<Outcome, Error> {
     let plan = Plan::new(args, work)?;
-    let others = args.partial.as_deref().into_iter().chain(args.speed_field.as_deref());
+    let others = args.partial.file.as_deref().into_iter().chain(args.speed_field.as_deref());
     let outputs: Vec<&Path> = sound::files(&args.sound).chain(others).collect();
     let files = cache::files(&plan.sequence);
     let inputs: Vec<&Path> = files.iter().map(|path| path.as_path()).collect();
     for output in &outputs {
         check_not_among(output, &inputs)?;
     }
-    let folders = args.sound.report.as_deref().or(args.per_cluster.as_deref());
+    let folders = args.sound.report.as_deref().or(args.clusters.folder.as_deref());
     let Some(beside) = outputs.first().copied().or(folders) else { return Ok(Outcome::default()) };
     // Before the long work, not behind it.
     let rate_hz = plan.rate_hz(args.timeline.rate)?;
-    let needs_rate = args.speed_field.is_some() || args.per_cluster.is_some();
+    let needs_rate = args.speed_field.is_some() || args.clusters.folder.is_some();
     if rate_hz.is_none() && (needs_rate || holds(args, PartialWith::SpeedField)) {
         return Err(sound::no_rate(&args.input));
     }
@@ -152,7 +152,7 @@ fn check_place(args: &FluxArgs, plan: &Plan, rate_hz: Option<f64>) -> Result<(),
 
 /// True if parts should hold `what` in addition to their table.
 fn holds(args: &FluxArgs, what: PartialWith) -> bool {
-    args.partial_with.contains(&what)
+    args.partial.with.contains(&what)
 }
 
 /// Writes the requested outputs from the measurements.
@@ -166,7 +166,7 @@ fn write(
 ) -> Result<Outcome, Error> {
     let facts = CacheFacts::of_plan(plan, &args.input, checked);
     let mut files: Vec<PathBuf> = vec![];
-    if let Some(path) = &args.partial {
+    if let Some(path) = &args.partial.file {
         let extras = extras(args, plan, rate_hz, facts.clone(), work)?;
         write_file(path, |file| part.write(file))?;
         files.push(path.clone());
@@ -174,7 +174,7 @@ fn write(
     }
     files.extend(args.speed_field.clone());
     let is_sound = args.sound.report.is_some() || sound::files(&args.sound).next().is_some();
-    if !is_sound && args.speed_field.is_none() && args.per_cluster.is_none() {
+    if !is_sound && args.speed_field.is_none() && args.clusters.folder.is_none() {
         return Ok(Outcome { files, ..Outcome::default() });
     }
     let flux = Flux::from_steps(&part.steps)?;
@@ -188,7 +188,7 @@ fn write(
         let survey = Survey::new(plan, &own, rate_hz, work)?;
         motion::write(path, &survey.field(&survey.measure(plan, work)?, args.up, rate_hz, start_s)?)?;
     }
-    if let Some(folder) = &args.per_cluster {
+    if let Some(folder) = &args.clusters.folder {
         files.extend(per_cluster::write(folder, args, plan, part, &signal, work)?);
     }
     if !is_sound {
@@ -217,7 +217,7 @@ fn extras(
     facts: CacheFacts,
     work: &Work,
 ) -> Result<Option<PartExtras>, Error> {
-    let Some(whole) = plan.whole.as_ref().filter(|_| !args.partial_with.is_empty()) else { return Ok(None) };
+    let Some(whole) = plan.whole.as_ref().filter(|_| !args.partial.with.is_empty()) else { return Ok(None) };
     let survey = match rate_hz.filter(|_| holds(args, PartialWith::SpeedField)) {
         Some(rate_hz) => Some(Survey::new(plan, whole, rate_hz, work)?),
         None => None,

@@ -77,9 +77,10 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Outcome, Error> {
 
 /// Loads the recordings into the engines, the second one into the slot after the first.
 fn load_recordings(chain: &mut Chain, args: &RenderArgs, values: &Values, work: &Work) -> Result<(), Error> {
-    let cut = Cut { region_s: args.training_region, gain_db: args.training_gain, normalise: args.training_normalise };
+    let cut =
+        Cut { region_s: args.training.region, gain_db: args.training.gain_db, normalise: args.training.normalise };
     let (rate_hz, structure) = (chain.sample_rate_hz(), values.structure());
-    for (slot, path, cut) in [(0, &args.training, cut), (1, &args.recording_b, Cut::default())] {
+    for (slot, path, cut) in [(0, &args.training.file, cut), (1, &args.recording_b, Cut::default())] {
         let Some(path) = path else { continue };
         let recording = input::load(path, work)?;
         check_region(cut.region_s, &recording, path)?;
@@ -97,7 +98,7 @@ fn check_output(args: &RenderArgs) -> Result<(), Error> {
     let sources = [
         &args.input,
         &args.sidechain,
-        &args.training,
+        &args.training.file,
         &args.recording_b,
         &args.learn,
         &args.speed_field,
@@ -185,7 +186,7 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     if args.recording_b.is_some() && !uses_second {
         note("the second recording is not used; set a recording_blend, or recording_slot=2");
     }
-    if args.training.is_some() || args.recording_b.is_some() && uses_second || !may_sound(Id::TextureLevel) {
+    if args.training.file.is_some() || args.recording_b.is_some() && uses_second || !may_sound(Id::TextureLevel) {
         return Ok(());
     }
     if values.structure().dynamics == MatchingMode::Companded {

@@ -20,15 +20,9 @@ pub struct FluxArgs {
     /// Grid of the burning field; `flame` matches any of the usual names
     #[arg(long, value_name = "NAME", default_value = "flame")]
     pub field: String,
-    /// Grid (or grids) of the velocity; `velocity` matches any of the usual names
-    #[arg(long, value_name = "NAME", default_value = "velocity")]
-    pub velocity: String,
-    /// Position of the velocity's components in a voxel
-    #[arg(long, value_enum, default_value_t = Placement::Collocated)]
-    pub placement: Placement,
-    /// Factor that converts the velocity to world units per second [default: 1; 2.5 voxels for Blender's files]
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
-    pub velocity_scale: Option<f64>,
+    /// Velocity of the gas.
+    #[command(flatten)]
+    pub velocity: VelocityArgs,
     /// Quantity to measure in each frame
     #[arg(long, value_enum, default_value_t = Measure::Flux)]
     pub measure: Measure,
@@ -41,54 +35,120 @@ pub struct FluxArgs {
     /// Frames to measure, ends included: 7, 1-100, -5--1, 1-8x2 (every second), 1,5-9
     #[arg(long, value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true)]
     pub frames: Option<FrameList>,
-    /// Write the frames' flux to a part file for flux-merge
-    #[arg(long, value_name = "FILE.csv")]
-    pub partial: Option<PathBuf>,
-    /// Additional data to measure for flux-merge, stored in FILE.csv.extra
-    #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', requires = "partial")]
-    pub partial_with: Vec<PartialWith>,
-    /// Frames of all parts together, for --partial-with [default: all frames]
-    #[arg(long, value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true, requires = "partial_with")]
-    pub partial_of: Option<FrameList>,
+    /// Part of a simulation.
+    #[command(flatten)]
+    pub partial: PartialArgs,
     /// Interpolate missing or unreadable frames instead of failing
     #[arg(long)]
     pub skip_bad: bool,
-    /// Also write the flame fronts: DIR/front_NUMBER.ply
-    #[arg(long, value_name = "DIR")]
-    pub mesh: Option<PathBuf>,
-    /// Write every N-th front
-    #[arg(long, value_name = "N", default_value_t = 1, requires = "mesh", value_parser = clap::value_parser!(u64).range(1..))]
-    pub mesh_every: u64,
-    /// Format of the flame-front files
-    #[arg(long, value_enum, value_name = "KIND", default_value_t = MeshKind::Ply, requires = "mesh")]
-    pub mesh_kind: MeshKind,
+    /// Files of the flame fronts.
+    #[command(flatten)]
+    pub mesh: MeshArgs,
     /// Also write a speed field for vortex sound: the speeds of the gas by place and time
     #[arg(long, value_name = "FILE.field")]
     pub speed_field: Option<PathBuf>,
     /// Axis of the simulation that points up, for the speed field and the listener
     #[arg(long, value_enum, value_name = "AXIS", default_value_t = UpAxis::Z, requires = "upright")]
     pub up: UpAxis,
-    /// Also write a drive and its positions for each flame (connected front): DIR/cluster_001.wav and .csv
-    #[arg(long, value_name = "DIR", conflicts_with = "partial")]
-    pub per_cluster: Option<PathBuf>,
-    /// Number of flames with separate drives, 1-256; the quietest share one
-    #[arg(long, value_name = "N", default_value_t = 16, requires = "per_cluster", allow_negative_numbers = true)]
-    pub clusters: usize,
-    /// Also write all flames as a listener at X,Y,Z hears them, in the files' axes: DIR/ambisonic.wav (first order, AmbiX)
-    #[arg(long, value_name = "X,Y,Z", requires = "per_cluster", allow_hyphen_values = true, value_parser = position)]
-    pub listener: Option<[f64; 3]>,
-    /// Method of filling in steps, up to 360 per second, if the simulation has fewer than 200
-    #[arg(long, value_enum, default_value_t = Upsample::Auto)]
-    pub upsample: Upsample,
-    /// Random seed of the filled-in steps
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
-    pub upsample_seed: u64,
+    /// Flames apart.
+    #[command(flatten)]
+    pub clusters: ClusterArgs,
+    /// Steps between frames.
+    #[command(flatten)]
+    pub upsample: UpsampleArgs,
     /// Timeline of the steps.
     #[command(flatten)]
     pub timeline: TimelineArgs,
     /// Conversion of the flux to sound.
     #[command(flatten)]
     pub sound: SoundArgs,
+}
+
+/// Options for the velocity.
+#[derive(Debug, Args)]
+pub struct VelocityArgs {
+    /// Grid (or grids) of the velocity; `velocity` matches any of the usual names
+    #[arg(id = "velocity", long = "velocity", value_name = "NAME", default_value = "velocity")]
+    pub grid: String,
+    /// Position of the velocity's components in a voxel
+    #[arg(long, value_enum, default_value_t = Placement::Collocated)]
+    pub placement: Placement,
+    /// Factor that converts the velocity to world units per second [default: 1; 2.5 voxels for Blender's files]
+    #[arg(id = "velocity_scale", long = "velocity-scale", value_name = "X", allow_negative_numbers = true)]
+    pub scale: Option<f64>,
+}
+
+/// Options for measuring a part of a simulation.
+#[derive(Debug, Args)]
+pub struct PartialArgs {
+    /// Write the frames' flux to a part file for flux-merge
+    #[arg(id = "partial", long = "partial", value_name = "FILE.csv")]
+    pub file: Option<PathBuf>,
+    /// Additional data to measure for flux-merge, stored in FILE.csv.extra
+    #[arg(
+        id = "partial_with",
+        long = "partial-with",
+        value_enum,
+        value_name = "KIND",
+        value_delimiter = ',',
+        requires = "partial"
+    )]
+    pub with: Vec<PartialWith>,
+    /// Frames of all parts together, for --partial-with [default: all frames]
+    #[arg(id = "partial_of", long = "partial-of", value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true, requires = "partial_with")]
+    pub of: Option<FrameList>,
+}
+
+/// Options for writing flame fronts.
+#[derive(Debug, Args)]
+pub struct MeshArgs {
+    /// Also write the flame fronts: DIR/front_NUMBER.ply
+    #[arg(id = "mesh", long = "mesh", value_name = "DIR")]
+    pub folder: Option<PathBuf>,
+    /// Write every N-th front
+    #[arg(id = "mesh_every", long = "mesh-every", value_name = "N", default_value_t = 1, requires = "mesh", value_parser = clap::value_parser!(u64).range(1..))]
+    pub every: u64,
+    /// Format of the flame-front files
+    #[arg(id = "mesh_kind", long = "mesh-kind", value_enum, value_name = "KIND", default_value_t = MeshKind::Ply, requires = "mesh")]
+    pub kind: MeshKind,
+}
+
+/// Options for flames with drives of their own.
+#[derive(Debug, Args)]
+pub struct ClusterArgs {
+    /// Also write a drive and its positions for each flame (connected front): DIR/cluster_001.wav and .csv
+    #[arg(id = "per_cluster", long = "per-cluster", value_name = "DIR", conflicts_with = "partial")]
+    pub folder: Option<PathBuf>,
+    /// Number of flames with separate drives, 1-256; the quietest share one
+    #[arg(
+        id = "clusters",
+        long = "clusters",
+        value_name = "N",
+        default_value_t = 16,
+        requires = "per_cluster",
+        allow_negative_numbers = true
+    )]
+    pub count: usize,
+    /// Also write all flames as a listener at X,Y,Z hears them, in the files' axes: DIR/ambisonic.wav (first order, AmbiX)
+    #[arg(long, value_name = "X,Y,Z", requires = "per_cluster", allow_hyphen_values = true, value_parser = position)]
+    pub listener: Option<[f64; 3]>,
+}
+
+/// Options for filling in steps.
+#[derive(Debug, Args)]
+pub struct UpsampleArgs {
+    /// Method of filling in steps, up to 360 per second, if the simulation has fewer than 200
+    #[arg(id = "upsample", long = "upsample", value_enum, value_name = "UPSAMPLE", default_value_t = Upsample::Auto)]
+    pub method: Upsample,
+    /// Random seed of the filled-in steps
+    #[arg(
+        id = "upsample_seed",
+        long = "upsample-seed",
+        value_name = "N",
+        default_value_t = 1,
+        allow_negative_numbers = true
+    )]
+    pub seed: u64,
 }
 
 /// Values of `--partial-with`.

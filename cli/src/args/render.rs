@@ -26,25 +26,9 @@ pub struct RenderArgs {
     /// Sound whose envelope drives the engines, with drive_mode=envelope
     #[arg(long, value_name = "S.wav")]
     pub sidechain: Option<PathBuf>,
-    /// Fire recording for texture to learn from
-    #[arg(long, visible_alias = "recording", value_name = "T.wav")]
-    pub training: Option<PathBuf>,
-    /// Part of the recording to learn from, in seconds
-    #[arg(long, alias = "recording-region", value_name = "START-END", requires = "training", value_parser = region)]
-    pub training_region: Option<[f64; 2]>,
-    /// Gain of the recording in dB
-    #[arg(
-        long,
-        alias = "recording-gain",
-        value_name = "DB",
-        default_value_t = 0.0,
-        requires = "training",
-        allow_negative_numbers = true
-    )]
-    pub training_gain: f64,
-    /// Normalise the selected part of the recording to full scale first
-    #[arg(long, alias = "recording-normalise", requires = "training")]
-    pub training_normalise: bool,
+    /// Recording to learn from.
+    #[command(flatten)]
+    pub training: TrainingArgs,
     /// Second fire recording, in slot 2: --set recording_blend=50 mixes half of it in, recording_slot=2 plays it alone
     #[arg(long, value_name = "B.wav")]
     pub recording_b: Option<PathBuf>,
@@ -69,6 +53,36 @@ pub struct RenderArgs {
     /// Number of output channels [default: as the input; 2 without one]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub channels: Option<usize>,
+}
+
+/// Options for the recording.
+#[derive(Debug, Args)]
+pub struct TrainingArgs {
+    /// Fire recording for texture to learn from
+    #[arg(id = "training", long = "training", visible_alias = "recording", value_name = "T.wav")]
+    pub file: Option<PathBuf>,
+    /// Part of the recording to learn from, in seconds
+    #[arg(id = "training_region", long = "training-region", alias = "recording-region", value_name = "START-END", requires = "training", value_parser = region)]
+    pub region: Option<[f64; 2]>,
+    /// Gain of the recording in dB
+    #[arg(
+        id = "training_gain",
+        long = "training-gain",
+        alias = "recording-gain",
+        value_name = "DB",
+        default_value_t = 0.0,
+        requires = "training",
+        allow_negative_numbers = true
+    )]
+    pub gain_db: f64,
+    /// Normalise the selected part of the recording to full scale first
+    #[arg(
+        id = "training_normalise",
+        long = "training-normalise",
+        alias = "recording-normalise",
+        requires = "training"
+    )]
+    pub normalise: bool,
 }
 
 /// Reads a time range in seconds, as in `1.5-4`.

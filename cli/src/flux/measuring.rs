@@ -63,17 +63,17 @@ impl Plan {
         check_wanted(args, &sequence, &indices, &missing)?;
         let selection = selection(args);
         let sight = Sight::of_first(&sequence, &indices, &selection, args, work)?;
-        if sight.is_none() && args.partial.is_none() && !indices.is_empty() && !args.skip_bad {
+        if sight.is_none() && args.partial.file.is_none() && !indices.is_empty() && !args.skip_bad {
             note("nothing burns in any frame");
         }
-        let mesh =
-            args.mesh.clone().map(|folder| (folder, args.mesh_every, indices.first().map_or(0, |i| numbers[*i])));
+        let first_step = indices.first().map_or(0, |index| numbers[*index]);
+        let mesh = args.mesh.folder.clone().map(|folder| (folder, args.mesh.every, first_step));
         let whole = whole(args, &sequence, &indices)?;
         // A part before ignition measures the change from its last frame to the next, and the motion of its gas: for
         // both it needs the iso value and the unit that the other parts find.
         let others: Vec<usize> = match (&sight, &whole, indices.last()) {
             (None, Some(whole), _) => whole.indices.clone(),
-            (None, None, Some(last)) if args.partial.is_some() => (last + 1..sequence.len()).take(AHEAD).collect(),
+            (None, None, Some(last)) if args.partial.file.is_some() => (last + 1..sequence.len()).take(AHEAD).collect(),
             _ => vec![],
         };
         let seen_by_others = Sight::of_any(&sequence, &others, &selection, args);
@@ -95,7 +95,7 @@ impl Plan {
             upsampler: None,
             skip_bad: args.skip_bad,
             mesh,
-            mesh_kind: args.mesh_kind,
+            mesh_kind: args.mesh.kind,
         })
     }
 
@@ -172,9 +172,9 @@ fn selection(args: &FluxArgs) -> Selection {
     let is_usual = args.field.eq_ignore_ascii_case("flame");
     Selection {
         field: if args.measure == Measure::Divergence && is_usual { "divergence".into() } else { args.field.clone() },
-        velocity: args.velocity.clone(),
+        velocity: args.velocity.grid.clone(),
         velocity_scale: 1.0,
-        placement: match args.placement {
+        placement: match args.velocity.placement {
             Placement::Collocated => PlacementChoice::Collocated,
             Placement::Staggered => PlacementChoice::Staggered,
             Placement::File => PlacementChoice::FromFile,
@@ -187,7 +187,7 @@ fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
     let Sight { iso, field, velocity, .. } = sight;
     match args.measure {
         Measure::Flux => {
-            let placement = format!("{:?}", args.placement).to_lowercase();
+            let placement = format!("{:?}", args.velocity.placement).to_lowercase();
             let scale = match selection.velocity_scale {
                 1.0 => String::new(),
                 scale => format!(" times {scale:?}"),

@@ -37,7 +37,7 @@ struct Group {
 
 /// Rejects options that do not work flame by flame.
 pub fn check(args: &FluxArgs) -> Result<(), Error> {
-    if args.per_cluster.is_none() {
+    if args.clusters.folder.is_none() {
         return Ok(());
     }
     let conflicts = [
@@ -62,7 +62,7 @@ pub fn write(
     work: &Work,
 ) -> Result<Vec<PathBuf>, Error> {
     let tracks = tracks(plan, part, work)?;
-    let groups = groups(&tracks, args.clusters);
+    let groups = groups(&tracks, args.clusters.count);
     let handover = (HANDOVER_S * signal.rate_hz).round() as u64;
     let fluxes = series(&tracks, handover);
     let upsampled = |signal: Signal| match &plan.upsampler {
@@ -76,7 +76,7 @@ pub fn write(
     let added = added(signal, &whole, plan.upsampler.as_ref())?;
     let shares = shares(&groups, &tracks, signal, whole.substeps);
     let reference_samples = sound::time_reference(&args.sound, signal)?;
-    let mut listener = args.listener.map(|position| {
+    let mut listener = args.clusters.listener.map(|position| {
         let samples = rendered.samples.len();
         Listener::new(position, middle(&tracks), args.up, samples, args.sound.sample_rate)
     });

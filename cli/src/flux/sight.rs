@@ -93,7 +93,7 @@ impl Sight {
         match lit.map(look).find(|found| !is_bad(found)) {
             Some(later) => later.map(Some),
             // A farm's shard without one good frame writes an empty part.
-            None if args.partial.is_some() => Ok(None),
+            None if args.partial.file.is_some() => Ok(None),
             None => found.map(Some),
         }
     }
@@ -120,7 +120,7 @@ impl Sight {
 }
 
 fn note_staggered(velocity: &GridInfo, args: &FluxArgs) {
-    if velocity.is_staggered() && args.placement == Placement::Collocated {
+    if velocity.is_staggered() && args.velocity.placement == Placement::Collocated {
         note(&format!(
             "the grid {} is staggered (components on the voxels' faces), but is read at the voxels' centres; --placement file reads it as stored",
             velocity.name

@@ -27,7 +27,7 @@ pub fn scaled(
     sight: Option<&Sight>,
     args: &FluxArgs,
 ) -> Result<Selection, Error> {
-    if let Some(scale) = args.velocity_scale {
+    if let Some(scale) = args.velocity.scale {
         in_range("--velocity-scale", scale, 1e-9, 1e9)?;
         return Ok(Selection { velocity_scale: scale, ..selection });
     }

@@ -20,7 +20,7 @@ const ENOUGH_HZ: f64 = 200.0;
 /// Fails if upsampling was requested and the rate is unknown.
 pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>, Error> {
     let is_envelope = args.sound.kind == SoundKind::Envelope;
-    let method = match (args.upsample, rate_hz) {
+    let method = match (args.upsample.method, rate_hz) {
         (Upsample::Off, _) => return Ok(None),
         (Upsample::Auto, Some(rate_hz)) if rate_hz >= ENOUGH_HZ || is_envelope => return Ok(None),
         (Upsample::Auto, None) => return Ok(None),
@@ -51,5 +51,5 @@ pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>
         method.name(),
         0.5 * rate_hz
     ));
-    Ok(Some(Upsampler::new(method, substeps, args.upsample_seed)?))
+    Ok(Some(Upsampler::new(method, substeps, args.upsample.seed)?))
 }

@@ -36,14 +36,14 @@ pub fn wanted(sequence: &Sequence, list: Option<&FrameList>) -> (Vec<usize>, Vec
 
 /// Frames of all parts together, for a part that needs them.
 pub fn whole(args: &FluxArgs, sequence: &Sequence, own: &[usize]) -> Result<Option<Whole>, Error> {
-    if args.partial_with.is_empty() {
+    if args.partial.with.is_empty() {
         return Ok(None);
     }
     let numbers: Vec<i64> = sequence.numbers().collect();
-    let (indices, missing) = wanted(sequence, args.partial_of.as_ref());
+    let (indices, missing) = wanted(sequence, args.partial.of.as_ref());
     let span = span(&numbers, &indices, &missing);
     let is_outside = |index: &&usize| indices.binary_search(index).is_err();
-    match (span, own.iter().find(is_outside), &args.partial_of) {
+    match (span, own.iter().find(is_outside), &args.partial.of) {
         (Some(span), None, _) => Ok(Some(Whole { indices, span })),
         (None, None, None) => Ok(None),
         (_, outside, list) => {
@@ -82,7 +82,7 @@ pub fn check_wanted(args: &FluxArgs, sequence: &Sequence, indices: &[usize], mis
     let ends = [sequence.numbers().next(), sequence.numbers().last()];
     let [first, last] = ends.map(|step| sequence.numbering().label(step.unwrap_or_default()));
     let message = format!("--frames is {list}, but the frames in {shown} are {first}-{last}");
-    if args.partial.is_none() {
+    if args.partial.file.is_none() {
         return Err(Error::Conflict(format!("{message}; choose from those")));
     }
     note(&format!("{message}: the part is empty"));
