@@ -136,7 +136,7 @@ fn shards(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     Ok(shards)
 }
 
-/// The first part, which stands for the whole in messages.
+/// The first part, which messages name for all of them.
 fn shards_name(shards: &[PathBuf]) -> &std::path::Path {
     shards.first().map_or(std::path::Path::new("the parts"), |path| path.as_path())
 }

@@ -1,6 +1,6 @@
 //! A small flow, simulated during playback (Dobashi et al. 2004, §6: 15 × 15 × 20 voxels).
 
-use pyrophone_synthesis::vortex::{Asked, Simulator};
+use pyrophone_synthesis::vortex::{Simulator, StepRequest};
 
 use crate::error::Error;
 use crate::solver::{Domain, Emitter, EmitterShape, Forcing, Parameters, Side, Solver};
@@ -124,15 +124,15 @@ impl Inline {
 }
 
 impl Simulator for Inline {
-    fn ask(&mut self, asked: Asked) {
-        if asked.run != self.run {
-            self.run = asked.run;
+    fn request(&mut self, request: StepRequest) {
+        if request.run != self.run {
+            self.run = request.run;
             self.flow.reset();
             self.done = [None, None];
         }
         let [older, newer] = &mut self.done;
         *older = newer.take();
-        *newer = self.flow.step(asked.speed_m_s).ok().map(|speeds| (asked.step, speeds));
+        *newer = self.flow.step(request.speed_m_s).ok().map(|speeds| (request.step, speeds));
     }
 
     fn answer(&mut self, run: u64, step: u64, speeds_m_s: &mut [f32]) -> bool {
@@ -201,15 +201,15 @@ mod tests {
     fn inline_answers_the_last_two_steps_of_the_run() {
         let mut inline = Inline::new(LiveFlow::new(STEP_S).unwrap());
         let mut speeds = vec![0.0; inline.flow.places().len()];
-        let asked = |run, step| Asked { run, step, speed_m_s: 4.0 };
-        (0..3).for_each(|step| inline.ask(asked(1, step)));
+        let request = |run, step| StepRequest { run, step, speed_m_s: 4.0 };
+        (0..3).for_each(|step| inline.request(request(1, step)));
         assert!(
             !inline.answer(1, 0, &mut speeds) && inline.answer(1, 1, &mut speeds) && inline.answer(1, 2, &mut speeds)
         );
         assert!(!inline.answer(2, 2, &mut speeds) && !inline.answer(1, 2, &mut speeds[1..]));
         let mut flow = LiveFlow::new(STEP_S).unwrap();
         assert_eq!(speeds, run(&mut flow, 3, |_| 4.0)[2]);
-        inline.ask(asked(2, 0));
+        inline.request(request(2, 0));
         assert!(inline.answer(2, 0, &mut speeds));
         assert_eq!(speeds, run(&mut LiveFlow::new(STEP_S).unwrap(), 1, |_| 4.0)[0]);
     }

@@ -12,7 +12,7 @@ use pyrophone_settings::{PARAMETERS, index_of};
 
 /// Number of no controller.
 const NONE: u8 = u8::MAX;
-/// Index that stands for no parameter.
+/// Value for no parameter.
 const NOBODY: u32 = u32::MAX;
 
 /// Assignments of one instance.

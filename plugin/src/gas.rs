@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use pyrophone_flame::live::LiveFlow;
 use pyrophone_synthesis::chain::Chain;
-use pyrophone_synthesis::vortex::{Asked, Simulator};
+use pyrophone_synthesis::vortex::{Simulator, StepRequest};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use ringbuf::traits::{Consumer, Observer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd, HeapRb};
@@ -31,7 +31,7 @@ const PATIENCE: Duration = Duration::from_micros(100);
 
 /// Result of one step.
 #[derive(Debug, Clone, Copy)]
-struct Answer {
+struct StepResult {
     run: u64,
     step: u64,
     /// None where the simulation failed.
@@ -40,18 +40,18 @@ struct Answer {
 
 /// The audio thread's end.
 struct GasProxy {
-    asked: HeapProd<Asked>,
-    answers: HeapCons<Answer>,
+    requests: HeapProd<StepRequest>,
+    answers: HeapCons<StepResult>,
     /// The newest result received.
-    newest: Option<Answer>,
+    newest: Option<StepResult>,
     /// True in an offline render.
     waits: bool,
 }
 
 impl GasProxy {
     /// Returns the result of a step, if available; drops those of earlier steps, which are obsolete.
-    fn poll(&mut self, run: u64, step: u64) -> Option<&Answer> {
-        let is_wanted = |answer: &Answer| (answer.run, answer.step) >= (run, step);
+    fn poll(&mut self, run: u64, step: u64) -> Option<&StepResult> {
+        let is_wanted = |answer: &StepResult| (answer.run, answer.step) >= (run, step);
         while !self.newest.as_ref().is_some_and(is_wanted) {
             self.newest = Some(self.answers.try_pop()?);
         }
@@ -60,13 +60,13 @@ impl GasProxy {
 }
 
 impl Simulator for GasProxy {
-    fn ask(&mut self, asked: Asked) {
+    fn request(&mut self, request: StepRequest) {
         // Obsolete results make room.
-        while self.newest.is_none_or(|answer| answer.run < asked.run) {
+        while self.newest.is_none_or(|answer| answer.run < request.run) {
             let Some(answer) = self.answers.try_pop() else { break };
             self.newest = Some(answer);
         }
-        while self.asked.try_push(asked).is_err() && self.waits && self.asked.read_is_held() {
+        while self.requests.try_push(request).is_err() && self.waits && self.requests.read_is_held() {
             std::thread::sleep(PATIENCE);
         }
     }
@@ -74,14 +74,14 @@ impl Simulator for GasProxy {
     fn answer(&mut self, run: u64, step: u64, speeds_m_s: &mut [f32]) -> bool {
         loop {
             // Read before the ring is polled: results pushed before the thread ended must not be missed.
-            let goes_on = self.waits && self.answers.write_is_held();
+            let can_wait = self.waits && self.answers.write_is_held();
             if let Some(answer) = self.poll(run, step) {
                 let Some(speeds) = &answer.speeds_m_s else { return false };
                 let count = speeds_m_s.len().min(MOST_SOURCES);
                 speeds_m_s[..count].copy_from_slice(&speeds[..count]);
                 return true;
             }
-            if !goes_on || self.newest.as_ref().is_some_and(|answer| (answer.run, answer.step) > (run, step)) {
+            if !can_wait || self.newest.as_ref().is_some_and(|answer| (answer.run, answer.step) > (run, step)) {
                 return false;
             }
             std::thread::sleep(PATIENCE);
@@ -91,12 +91,12 @@ impl Simulator for GasProxy {
 
 /// The thread's end of one simulation.
 struct GasWorker {
-    asked: HeapCons<Asked>,
-    answers: HeapProd<Answer>,
+    requests: HeapCons<StepRequest>,
+    answers: HeapProd<StepResult>,
     flow: LiveFlow,
     run: u64,
     /// A result for which there was no room yet.
-    held: Option<Answer>,
+    held: Option<StepResult>,
 }
 
 impl GasWorker {
@@ -106,17 +106,17 @@ impl GasWorker {
             self.held = self.answers.try_push(answer).err();
             return self.held.is_none();
         }
-        let Some(asked) = self.asked.try_pop() else { return false };
-        if asked.run != self.run {
-            self.run = asked.run;
+        let Some(request) = self.requests.try_pop() else { return false };
+        if request.run != self.run {
+            self.run = request.run;
             self.flow.reset();
         }
-        let speeds_m_s = self.flow.step(asked.speed_m_s).ok().map(|speeds| {
+        let speeds_m_s = self.flow.step(request.speed_m_s).ok().map(|speeds| {
             let mut speeds_m_s = [0.0; MOST_SOURCES];
             speeds_m_s.iter_mut().zip(speeds).for_each(|(to, speed)| *to = speed);
             speeds_m_s
         });
-        self.held = self.answers.try_push(Answer { run: asked.run, step: asked.step, speeds_m_s }).err();
+        self.held = self.answers.try_push(StepResult { run: request.run, step: request.step, speeds_m_s }).err();
         true
     }
 }
@@ -145,12 +145,13 @@ impl Gas {
         let flow = || LiveFlow::new(step_s).map_err(|error| error.to_string());
         let flows = [flow()?, flow()?];
         let places = flows[0].places();
-        let mut desks = Vec::with_capacity(flows.len());
+        let mut workers = Vec::with_capacity(flows.len());
         let remotes = flows.map(|flow| {
-            let (asked_in, asked_out) = HeapRb::new(STEPS).split();
+            let (requests_in, requests_out) = HeapRb::new(STEPS).split();
             let (answers_in, answers_out) = HeapRb::new(STEPS).split();
-            desks.push(GasWorker { asked: asked_out, answers: answers_in, flow, run: 0, held: None });
-            Box::new(GasProxy { asked: asked_in, answers: answers_out, newest: None, waits }) as Box<dyn Simulator>
+            workers.push(GasWorker { requests: requests_out, answers: answers_in, flow, run: 0, held: None });
+            Box::new(GasProxy { requests: requests_in, answers: answers_out, newest: None, waits })
+                as Box<dyn Simulator>
         });
         chain.set_simulators(remotes, &places[..places.len().min(MOST_SOURCES)]).map_err(|error| error.to_string())?;
         let switches = Arc::new(Switches::default());
@@ -158,7 +159,7 @@ impl Gas {
         let work = move || {
             while !theirs.quit.load(Ordering::Relaxed) {
                 // Counted, because `any` would stop at the first one with work.
-                let found = desks.iter_mut().filter_map(|desk| desk.work().then_some(())).count();
+                let found = workers.iter_mut().filter_map(|worker| worker.work().then_some(())).count();
                 if found == 0 {
                     std::thread::sleep(if theirs.used.load(Ordering::Relaxed) { POLL_INTERVAL } else { REST });
                 }

@@ -110,8 +110,8 @@ pub fn check_finite(path: &Path, channels: &[Vec<f32>]) -> Result<(), Error> {
 /// # Errors
 /// [`Error::Overwrites`] if the file at `output` is one of `sources`.
 pub fn check_not_among(output: &Path, sources: &[&Path]) -> Result<(), Error> {
-    let Ok(place) = output.canonicalize() else { return Ok(()) };
-    let same = |source: &&&Path| source.canonicalize().is_ok_and(|source| source == place);
+    let Ok(target) = output.canonicalize() else { return Ok(()) };
+    let same = |source: &&&Path| source.canonicalize().is_ok_and(|source| source == target);
     match sources.iter().find(same) {
         Some(source) => Err(Error::Overwrites { path: one_line(output), source_path: one_line(source) }),
         None => Ok(()),
@@ -128,11 +128,11 @@ pub fn write_file<E: std::fmt::Display>(
     write: impl FnOnce(&mut std::fs::File) -> Result<(), E>,
 ) -> Result<(), Error> {
     let failure = |reason: String| Error::NotWritten { path: one_line(path), reason: clean(&reason) };
-    let place = place_of(path)?;
-    let mut file = part(&place).map_err(|error| failure(error.kind().to_string()))?;
+    let target = place_of(path)?;
+    let mut file = part(&target).map_err(|error| failure(error.kind().to_string()))?;
     write(file.as_file_mut()).map_err(|error| failure(error.to_string()))?;
     file.as_file_mut().flush().map_err(|error| failure(error.to_string()))?;
-    file.persist(&place).map_err(|error| failure(error.error.kind().to_string()))?;
+    file.persist(&target).map_err(|error| failure(error.error.kind().to_string()))?;
     Ok(())
 }
 
@@ -141,8 +141,8 @@ pub fn write_file<E: std::fmt::Display>(
 /// # Errors
 /// The errors with which [`write_file`] would fail at the end of the work.
 pub fn check_writable(path: &Path) -> Result<(), Error> {
-    let place = place_of(path)?;
-    match part(&place) {
+    let target = place_of(path)?;
+    match part(&target) {
         Ok(_) => Ok(()),
         Err(error) => Err(Error::NotWritten { path: one_line(path), reason: error.kind().to_string() }),
     }
@@ -162,8 +162,8 @@ fn place_of(path: &Path) -> Result<PathBuf, Error> {
 
 /// A file under a temporary name in the same folder, which is deleted unless it is moved. The system's messages about
 /// it contain a path that nobody typed, so only the kind of an error is useful.
-fn part(place: &Path) -> std::io::Result<tempfile::NamedTempFile> {
-    let folder = match place.parent() {
+fn part(target: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let folder = match target.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };

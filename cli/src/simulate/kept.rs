@@ -54,10 +54,10 @@ impl SimulationCheckpoint {
     }
 
     fn try_restore(&self, simulation: &mut Simulation) -> Result<(Steps, Flow), String> {
-        let said = |error: std::io::Error| error.kind().to_string();
-        let mut file = std::io::BufReader::new(std::fs::File::open(&self.path).map_err(said)?);
+        let message = |error: std::io::Error| error.kind().to_string();
+        let mut file = std::io::BufReader::new(std::fs::File::open(&self.path).map_err(message)?);
         let mut line = String::new();
-        file.by_ref().take(64).read_line(&mut line).map_err(said)?;
+        file.by_ref().take(64).read_line(&mut line).map_err(message)?;
         let mut numbers = line.split_whitespace().map(|number| number.parse::<u64>().ok());
         let mut number = |most: u64| {
             numbers.next().flatten().filter(|number| *number <= most).ok_or("it was not written by this program")
@@ -65,7 +65,7 @@ impl SimulationCheckpoint {
         let size = number(MOST_TABLE_BYTES)?;
         let (rows, columns) = (number(MOST_TABLE_BYTES)?, number(1 << 16)?);
         let mut table = String::new();
-        file.by_ref().take(size).read_to_string(&mut table).map_err(said)?;
+        file.by_ref().take(size).read_to_string(&mut table).map_err(message)?;
         let partial = FluxShard::read(&table, &self.path.display().to_string()).map_err(|error| error.to_string())?;
         if partial.settings != self.settings {
             return Err(format!("it belongs to a run with other settings: {}", partial.settings));
@@ -73,7 +73,7 @@ impl SimulationCheckpoint {
         let mut speeds = vec![];
         let bytes = (4 * rows).checked_mul(columns).filter(|bytes| *bytes <= MOST_TABLE_BYTES);
         let bytes = bytes.ok_or("it was not written by this program")?;
-        file.by_ref().take(bytes).read_to_end(&mut speeds).map_err(said)?;
+        file.by_ref().take(bytes).read_to_end(&mut speeds).map_err(message)?;
         if speeds.len() as u64 != bytes {
             return Err("it ends early".to_owned());
         }

@@ -47,14 +47,14 @@ impl TextureCheckpoint {
     }
 
     fn try_restore(&self) -> Result<Vec<Row>, String> {
-        let said = |error: std::io::Error| error.kind().to_string();
-        if std::fs::metadata(&self.path).map_err(said)?.len() > MOST_BYTES {
+        let message = |error: std::io::Error| error.kind().to_string();
+        if std::fs::metadata(&self.path).map_err(message)?.len() > MOST_BYTES {
             return Err("it was not written by this program".into());
         }
-        let bytes = std::fs::read(&self.path).map_err(said)?;
+        let bytes = std::fs::read(&self.path).map_err(message)?;
         let mut rest = bytes.as_slice();
         let mut settings = vec![];
-        rest.read_until(b'\n', &mut settings).map_err(said)?;
+        rest.read_until(b'\n', &mut settings).map_err(message)?;
         let settings = String::from_utf8(settings).map_err(|_| "it was not written by this program")?;
         if settings.trim_end() != self.settings {
             let other = settings.trim_end().chars().take(200).collect::<String>().replace('\r', " ");

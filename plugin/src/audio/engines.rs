@@ -65,7 +65,7 @@ impl Engines {
         self.burst.stop();
     }
 
-    /// Starts the simulation of gas anew; an offline render waits for each of its steps.
+    /// Restarts the simulation of gas; an offline render waits for each of its steps.
     pub(super) fn start_gas(&mut self, is_offline: bool) {
         self.gas = match Gas::start(&mut self.chain, is_offline) {
             Ok(gas) => Some(gas),

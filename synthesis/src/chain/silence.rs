@@ -1,4 +1,4 @@
-//! How long the effect still sounds.
+//! Duration of the sound after the input has fallen silent.
 
 /// Silence of input and output, and the tail after it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -14,12 +14,12 @@ pub(super) struct Silence {
 }
 
 impl Silence {
-    /// Takes note of an input's largest magnitude.
+    /// Counts a block of input by its largest magnitude.
     pub fn add_input(&mut self, peak: f32) {
         self.samples = if peak == 0.0 { self.samples } else { 0 };
     }
 
-    /// Takes note of the largest magnitude of `samples` of output.
+    /// Counts `samples` of output by their largest magnitude.
     pub fn add_output(&mut self, peak: f64, samples: usize) {
         self.samples = if peak == 0.0 { self.samples.saturating_add(samples) } else { 0 };
     }

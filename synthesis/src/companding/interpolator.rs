@@ -14,8 +14,8 @@ impl Interpolator {
     pub fn value_at(&mut self, position: (i64, f64), mut value_of: impl FnMut(i64) -> f64) -> f64 {
         let (frame, part) = position;
         if self.frame != Some(frame) {
-            let goes_on = self.frame.is_some_and(|before| before + 1 == frame);
-            self.from = if goes_on { self.to } else { value_of(frame) };
+            let follows = self.frame.is_some_and(|before| before + 1 == frame);
+            self.from = if follows { self.to } else { value_of(frame) };
             self.to = value_of(frame + 1);
             self.frame = Some(frame);
         }

@@ -14,8 +14,8 @@ impl OutputGain {
     #[inline]
     pub fn go_to(&mut self, frame: i64, mut values_of: impl FnMut(i64) -> [f64; 2]) {
         if self.frame != Some(frame) {
-            let goes_on = self.frame.is_some_and(|before| before + 1 == frame);
-            self.from = if goes_on { self.to } else { values_of(frame) };
+            let follows = self.frame.is_some_and(|before| before + 1 == frame);
+            self.from = if follows { self.to } else { values_of(frame) };
             self.to = values_of(frame + 1);
             self.frame = Some(frame);
         }

@@ -69,7 +69,7 @@ impl Octave {
     }
 
     fn go_to(&mut self, seed: u32, node: i64) {
-        let goes_on = self.held == Some((seed, node.wrapping_sub(1)));
+        let follows = self.held == Some((seed, node.wrapping_sub(1)));
         let common = White::new(seed, self.stream);
         for (channel, coefficients) in self.coefficients.iter_mut().enumerate() {
             let own = White::new(seed, self.stream + 1 + channel as u32);
@@ -77,7 +77,7 @@ impl Octave {
             let coefficient = |node: i64| {
                 if self.is_smooth { value(node) } else { value(node) - value(node.wrapping_sub(1)) }
             };
-            if goes_on {
+            if follows {
                 coefficients.rotate_left(1);
                 coefficients[3] = coefficient(node.wrapping_add(2));
             } else {

@@ -15,7 +15,7 @@
 //! | [`buzz`] | repeats that are audible as tones |
 //! | [`slots`] | several recordings, and the choice between them for each window |
 //! | `output` | the synthesized sound of each |
-//! | `window_feature`, `traces` | the engine's parts: the feature that is matched, and what it tells |
+//! | `window_feature`, `traces` | the engine's parts: the feature that is matched, and data for displays |
 //! | [`engine`] | the whole process, on a stream |
 //! | [`offline`] | the whole process, on a complete signal |
 

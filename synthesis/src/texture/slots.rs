@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::controls::{RecordingControls, SLOTS};
 use crate::dsp::White;
 
-/// Seconds over which one recording gives way to another, window by window.
+/// Seconds over which one recording replaces another, window by window.
 pub const CROSSFADE_S: f64 = 0.05;
 
 /// Noise streams that no other stage uses: for the choice of a window's recording, and for the time at which it follows

@@ -1,4 +1,4 @@
-//! What the engine tells about its work.
+//! Data about the engine's work, for displays.
 
 use super::extents::{Extent, Extents};
 

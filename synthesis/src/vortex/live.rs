@@ -19,7 +19,7 @@ const STEPS_PER_S: f64 = 60.0;
 
 /// A request to a simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Asked {
+pub struct StepRequest {
     /// Run that the step belongs to, counted by starts of the sound; every run begins in still gas.
     pub run: u64,
     /// Number of the step, from 0; a run's steps are requested in order.
@@ -31,7 +31,7 @@ pub struct Asked {
 /// A simulation of gas, local or remote. Both calls are made on the audio thread.
 pub trait Simulator: Send {
     /// Requests a step.
-    fn ask(&mut self, asked: Asked);
+    fn request(&mut self, request: StepRequest);
 
     /// Writes the sources' speeds in m/s after a requested step; returns whether they are available.
     fn answer(&mut self, run: u64, step: u64, speeds_m_s: &mut [f32]) -> bool;
@@ -51,7 +51,7 @@ pub(super) struct Live {
     /// Hops since the present step began; constant while stopped.
     into: u64,
     /// Sum over the step's hops of the requested speed.
-    asked_m_s: f64,
+    requested_m_s: f64,
     late: u64,
 }
 
@@ -87,7 +87,7 @@ impl Live {
             run: 0,
             hop: None,
             into: 0,
-            asked_m_s: 0.0,
+            requested_m_s: 0.0,
             late: 0,
         })
     }
@@ -121,7 +121,7 @@ impl Live {
             None => {
                 self.run += 1;
                 self.speeds.iter_mut().for_each(|speeds| speeds.fill(0.0));
-                self.asked_m_s = 0.0;
+                self.requested_m_s = 0.0;
                 0
             }
         };
@@ -129,13 +129,13 @@ impl Live {
         self.into = hop % self.hops_per_step;
         if hop > 0 && hop.is_multiple_of(self.hops_per_step) {
             let step = hop / self.hops_per_step;
-            let speed_m_s = std::mem::take(&mut self.asked_m_s) / self.hops_per_step as f64;
+            let speed_m_s = std::mem::take(&mut self.requested_m_s) / self.hops_per_step as f64;
             if let Some(audible_step) = step.checked_sub(2) {
                 self.receive_step(audible_step);
             }
-            self.simulator.ask(Asked { run: self.run, step: step - 1, speed_m_s });
+            self.simulator.request(StepRequest { run: self.run, step: step - 1, speed_m_s });
         }
-        self.asked_m_s += speed_m_s;
+        self.requested_m_s += speed_m_s;
     }
 
     /// Moves from the present speeds to those of a step.

@@ -54,7 +54,7 @@ pub use bank::Bank;
 pub use factory::TEXTURES;
 pub use field::{End, SpeedField};
 pub use layout::SpeakerLayout;
-pub use live::{Asked, Simulator};
+pub use live::{Simulator, StepRequest};
 pub use renderer::{MOST_SOURCES, Vortex};
 pub use seen::SeenSource;
 pub use texture::VortexTexture;

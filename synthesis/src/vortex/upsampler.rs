@@ -73,7 +73,7 @@ impl Upsampler {
 
     /// Resets to silence.
     pub fn reset(&mut self) {
-        self.recent.iter_mut().for_each(|heard| heard.fill(0.0));
+        self.recent.iter_mut().for_each(|recent| recent.fill(0.0));
     }
 
     /// Converts one hop of a channel, written to `raised`, which is `factor` times as long.
@@ -82,18 +82,18 @@ impl Upsampler {
             raised.copy_from_slice(hop);
             return;
         }
-        let heard = &mut self.recent[channel];
-        heard[2 * REACH - 1..].copy_from_slice(hop);
+        let recent = &mut self.recent[channel];
+        recent[2 * REACH - 1..].copy_from_slice(hop);
         for (phase, weights) in self.weights.iter().enumerate() {
             self.phase.fill(0.0);
             for (at, weight) in weights.iter().enumerate() {
-                self.phase.iter_mut().zip(&heard[at..]).for_each(|(sum, x)| *sum += weight * x);
+                self.phase.iter_mut().zip(&recent[at..]).for_each(|(sum, x)| *sum += weight * x);
             }
             for (out, x) in raised[phase..].iter_mut().step_by(self.factor).zip(&self.phase) {
                 *out = *x;
             }
         }
-        heard.copy_within(hop.len().., 0);
+        recent.copy_within(hop.len().., 0);
     }
 }
 

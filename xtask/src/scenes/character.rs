@@ -47,8 +47,8 @@ impl Character {
         let window = ((WINDOW_S * rate_hz).round() as usize).max(2);
         let spectrum = Spectrum::of_frames(&[signal], rate_hz, window);
         let (density, bin_hz) = (spectrum.density(), spectrum.bin_hz());
-        let heard = band_passed(signal, rate_hz);
-        let envelope = envelope(&heard, rate_hz);
+        let audible = band_passed(signal, rate_hz);
+        let envelope = envelope(&audible, rate_hz);
         let mean = mean_of(&envelope, |x| x);
         let deviation = mean_of(&envelope, |x| (x - mean).powi(2)).sqrt();
         Some(Self {
@@ -57,7 +57,7 @@ impl Character {
                 10.0 * (density[within].iter().sum::<f64>() * bin_hz).max(1e-30).log10()
             }),
             envelope_cv: deviation / mean,
-            kurtosis: mean_of(&heard, |x| x.powi(4)) / mean_of(&heard, |x| x * x).powi(2),
+            kurtosis: mean_of(&audible, |x| x.powi(4)) / mean_of(&audible, |x| x * x).powi(2),
             bursts_hz: bursts(&envelope, mean, rate_hz) as f64 * rate_hz / signal.len() as f64,
             // An exponent of 1 is 10 dB per decade.
             slope_db: 10.0 * spectrum.slope(SLOPE_HZ.0, SLOPE_HZ.1)?,

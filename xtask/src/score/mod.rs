@@ -143,15 +143,15 @@ fn pairs(
                         output_channels: 1,
                     })?;
                     let name = format!("{input}-on-{training}-{mode}");
-                    let heard = folder.join(format!("{name}-{offset}.wav"));
-                    write_wav_f32(&heard, &played.channels, main.sample_rate_hz)?;
+                    let output = folder.join(format!("{name}-{offset}.wav"));
+                    write_wav_f32(&output, &played.channels, main.sample_rate_hz)?;
                     let driven = folder.join(format!("{input}-{offset}.wav"));
                     write_wav_f32(&driven, &main.channels, main.sample_rate_hz)?;
                     if offset == OFFSETS[0] {
                         let picture = pictures.join(format!("{name}.png"));
                         spectrogram(&picture, &played.channels, main.sample_rate_hz)?;
                     }
-                    draws.push([heard, driven]);
+                    draws.push([output, driven]);
                 }
                 eprintln!("  {input} on {training}, {mode}");
                 let (input, training) = (input.clone(), training.clone());

@@ -13,7 +13,7 @@ struct Baked {
     mesh: Arc<Mesh>,
 }
 
-/// Draws `shapes`, which contain no text. They are made anew only if `key` differs from the last frame's: it has
+/// Draws `shapes`, which contain no text. They are rebuilt only if `key` differs from the last frame's: it has
 /// everything that they depend on.
 pub fn baked(painter: &Painter, id: Id, key: impl Hash, shapes: impl FnOnce() -> Vec<Shape>) {
     let context = painter.ctx();

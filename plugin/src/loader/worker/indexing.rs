@@ -14,7 +14,7 @@ use crate::loader::job::Job;
 use crate::loader::source::Failure;
 
 impl Worker {
-    /// Builds the recordings' dictionaries for the desired structure, and tells the audio thread when everything is
+    /// Builds the recordings' dictionaries for the desired structure, and informs the audio thread when everything is
     /// ready for that structure.
     pub(super) fn index(&mut self, job: &Job) -> Result<(), Failure> {
         let Some(engine) = self.engine else { return Ok(()) };
