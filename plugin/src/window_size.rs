@@ -116,8 +116,25 @@ fn desktop_scale() -> f64 {
     dots_per_inch.map_or(1.0, |dots_per_inch| f64::from(dots_per_inch) / 96.0)
 }
 
-/// On other systems the host sets the scale, or uses points.
-#[cfg(not(target_os = "linux"))]
+/// Pixels of a point on the user's desktop, as a window that opens there will find it: 1 in a host that leaves scaling to
+/// Windows. baseview 0.4.2 scales nothing before Windows 10 1903, which brought the function that it asks first: what it
+/// asks otherwise, it misreads.
+#[cfg(target_os = "windows")]
+fn desktop_scale() -> f64 {
+    use windows_sys::Win32::System::LibraryLoader::{GetModuleHandleA, GetProcAddress};
+    use windows_sys::Win32::UI::HiDpi::GetDpiForSystem;
+    // SAFETY: constant names, of a library that this one is linked to and of a function that is not called.
+    let is_scaled = unsafe {
+        let library = GetModuleHandleA(windows_sys::s!("user32.dll"));
+        GetProcAddress(library, windows_sys::s!("GetDpiAwarenessContextForProcess")).is_some()
+    };
+    // SAFETY: it has no requirements.
+    let dots_per_inch = if is_scaled { unsafe { GetDpiForSystem() } } else { 0 };
+    f64::from(dots_per_inch.max(96)) / 96.0
+}
+
+/// On other systems the host uses points.
+#[cfg(not(any(target_os = "linux", target_os = "windows")))]
 fn desktop_scale() -> f64 {
     1.0
 }

@@ -270,6 +270,9 @@ impl RecordingPanel {
         painter.rect_filled(above, 3.0, theme::WELL);
         if let Some(overview) = &view.overview {
             self.outline.show(ui, above, overview);
+            if let Some(recording) = &view.recording {
+                map::note(ui, format_args!("recording.{recording}"), above);
+            }
             let shown = self.held.unwrap_or(view.cut).region_s;
             let change = self.region.show(ui, above, overview.duration_s, shown);
             if let Some(change) = change {

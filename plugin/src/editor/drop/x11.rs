@@ -1,6 +1,5 @@
-//! Dropping files on the window. Under X11 egui-baseview 0.9.0 passes no drops on, so an invisible window of our own
-//! acts as target for the editor's (XDND 5, `XdndProxy`), on a separate thread. On other systems dropped files never
-//! arrive.
+//! Dropping files on the window under X11. egui-baseview 0.9.0 passes no drops on, so an invisible window of our own acts
+//! as target for the editor's (XDND 5, `XdndProxy`), on a separate thread.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
