@@ -4,10 +4,14 @@ use std::io::Error;
 use std::ptr::null;
 
 use windows_sys::Win32::Foundation::HWND;
+use windows_sys::Win32::UI::HiDpi::{
+    AdjustWindowRectExForDpi, DPI_AWARENESS_CONTEXT_PER_MONITOR_AWARE_V2, GetDpiForWindow,
+    SetProcessDpiAwarenessContext,
+};
 use windows_sys::Win32::UI::WindowsAndMessaging::{
-    AdjustWindowRect, CreateWindowExW, DestroyWindow, DispatchMessageW, HWND_TOP, MSG, PM_REMOVE, PeekMessageW,
-    SW_SHOWNOACTIVATE, SWP_NOACTIVATE, SWP_NOMOVE, SWP_NOSIZE, SWP_NOZORDER, SetWindowPos, ShowWindow,
-    TranslateMessage, WS_CLIPCHILDREN, WS_OVERLAPPEDWINDOW,
+    CreateWindowExW, DestroyWindow, DispatchMessageW, HWND_TOP, MSG, PM_REMOVE, PeekMessageW, SW_SHOWNOACTIVATE,
+    SWP_NOACTIVATE, SWP_NOMOVE, SWP_NOSIZE, SWP_NOZORDER, SetWindowPos, ShowWindow, TranslateMessage, WS_CLIPCHILDREN,
+    WS_OVERLAPPEDWINDOW,
 };
 
 type EditorResult = Result<(), Error>;
@@ -28,6 +32,9 @@ fn checked(is_done: i32) -> EditorResult {
 
 impl NativeWindow {
     pub fn new(title: &str) -> Result<Self, Error> {
+        // Present hosts see pixels; for others Windows enlarges the picture. Fails if the process has chosen already.
+        // SAFETY: a value that Windows knows.
+        unsafe { SetProcessDpiAwarenessContext(DPI_AWARENESS_CONTEXT_PER_MONITOR_AWARE_V2) };
         let (class, title) = (utf16(CLASS), utf16(title));
         let style = WS_OVERLAPPEDWINDOW | WS_CLIPCHILDREN;
         // SAFETY: both texts end in 0 and live until the call returns; all other pointers may be null.
@@ -52,8 +59,8 @@ impl NativeWindow {
         let edge = |length: u32| i32::try_from(length).unwrap_or(i32::MAX);
         let mut outside =
             windows_sys::Win32::Foundation::RECT { left: 0, top: 0, right: edge(width), bottom: edge(height) };
-        // SAFETY: a rectangle to read and write.
-        checked(unsafe { AdjustWindowRect(&mut outside, WS_OVERLAPPEDWINDOW, 0) })?;
+        // SAFETY: a rectangle to read and write, and a window of this thread.
+        checked(unsafe { AdjustWindowRectExForDpi(&mut outside, WS_OVERLAPPEDWINDOW, 0, 0, GetDpiForWindow(self.0)) })?;
         let (width, height) = (outside.right - outside.left, outside.bottom - outside.top);
         let flags = SWP_NOMOVE | SWP_NOZORDER | SWP_NOACTIVATE;
         // SAFETY: a window of this thread; if it no longer exists, the system reports that.
