@@ -13,9 +13,8 @@ use crate::setup::is_program;
 const PATIENCE: Duration = Duration::from_secs(300);
 const GLANCE: Duration = Duration::from_secs(2);
 
-/// Button of the page to be opened, and an item that only that page has; see `editor::map` of the plug-in.
-const PAGE: &str = "button.Engines";
-const ON_THE_PAGE: &str = "knob.alpha";
+/// Name of the window that our host gives an editor.
+const WINDOW: &str = "^Pyrophone$";
 
 /// Reason why a screen or a mouse is impossible here, if any.
 pub(super) fn obstacle() -> Option<&'static str> {
@@ -34,7 +33,7 @@ pub(super) struct Screen {
 impl Screen {
     pub fn start() -> Result<Self> {
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1280x900x24", "+extension", "GLX", "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-screen", "0", "2560x1700x24", "+extension", "GLX", "-nolisten", "tcp"])
             .arg("-noreset")
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -51,40 +50,119 @@ impl Screen {
         &self.display
     }
 
-    /// Clicks on the name of a page until that page is drawn. `map` is the file with the positions of the window's
+    /// Clicks on an item of the window until another one is there. `map` is the file with the positions of the window's
     /// items.
-    pub fn turn_page(&self, map: &Path) -> Result<()> {
+    pub fn click_until(&self, map: &Path, (clicked, wanted): (&str, &str)) -> Result<()> {
+        self.until(map, wanted, |items| {
+            if let Some(place) = middle(items, clicked) {
+                self.mouse(&at(place), &["click", "1"])?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Waits until an item is there, and clicks on it once.
+    pub fn click(&self, map: &Path, item: &str) -> Result<()> {
+        self.wait_for(map, item)?;
+        self.mouse(&at(self.place(map, item)?), &["click", "1"])
+    }
+
+    /// Waits until an item is there.
+    pub fn wait_for(&self, map: &Path, item: &str) -> Result<()> {
+        self.until(map, item, |_| Ok(()))
+    }
+
+    /// Waits until an item is there, and does something every so often until then.
+    fn until(&self, map: &Path, wanted: &str, step: impl Fn(&str) -> Result<()>) -> Result<()> {
         let began = Instant::now();
         while began.elapsed() < PATIENCE {
             std::thread::sleep(GLANCE);
             // There is none before the first frame.
-            let text = std::fs::read_to_string(map).unwrap_or_default();
-            if middle(&text, ON_THE_PAGE).is_some() {
+            let items = std::fs::read_to_string(map).unwrap_or_default();
+            if middle(&items, wanted).is_some() {
                 return Ok(());
             }
-            if let Some(place) = middle(&text, PAGE) {
-                self.click(place)?;
-            }
+            step(&items)?;
         }
         let drawn = std::fs::read_to_string(map).map(|text| text.lines().next().unwrap_or_default().to_owned());
-        bail!("{ON_THE_PAGE} is not seen within {PATIENCE:?} of clicks on {PAGE}; drawn: {drawn:?}")
+        bail!("{wanted} is not seen within {PATIENCE:?}; drawn: {drawn:?}")
     }
 
-    fn click(&self, (x, y): (i32, i32)) -> Result<()> {
-        let mut mouse = Command::new("xdotool");
-        mouse.args(["search", "--onlyvisible", "--name", "^Pyrophone$", "mousemove", "--window", "%1"]);
-        mouse.args([x.to_string(), y.to_string()]).args(["click", "1"]).env("DISPLAY", &self.display);
-        let moved = mouse.stdout(Stdio::null()).status().context("calling xdotool")?;
-        ensure!(moved.success(), "there is no window to click on");
+    fn place(&self, map: &Path, item: &str) -> Result<(i32, i32)> {
+        let items = std::fs::read_to_string(map).with_context(|| map.display().to_string())?;
+        middle(&items, item).with_context(|| format!("{item} is not in the window"))
+    }
+
+    /// Types a line into a window with this title, once there is one.
+    pub fn enter(&self, title: &str, line: &str) -> Result<()> {
+        let began = Instant::now();
+        let focus = ["search", "--onlyvisible", "--name", title, "windowfocus", "--sync", "%1"];
+        while !self.xdotool(&focus)? {
+            ensure!(began.elapsed() < PATIENCE, "no window with the title {title} within {PATIENCE:?}");
+            std::thread::sleep(GLANCE);
+        }
+        std::thread::sleep(GLANCE);
+        ensure!(self.xdotool(&["type", "--delay", "50", line])?, "{line} cannot be typed");
+        ensure!(self.xdotool(&["key", "Return"])?, "{line} cannot be entered");
         Ok(())
+    }
+
+    /// Drags from the middle of the window with this title to an item of the plug-in's.
+    pub fn drag(&self, title: &str, map: &Path, item: &str) -> Result<()> {
+        let began = Instant::now();
+        let press = ["search", "--onlyvisible", "--name", title, "mousemove", "--window", "%1", "60", "30"];
+        while !self.xdotool(&press)? {
+            ensure!(began.elapsed() < PATIENCE, "no window with the title {title} within {PATIENCE:?}");
+            std::thread::sleep(GLANCE);
+        }
+        let (x, y) = self.place(map, item)?;
+        ensure!(self.xdotool(&["mousedown", "1"])?, "the mouse cannot be pressed");
+        // Sources notice a drag by the mouse's first steps, and targets by those after it has entered.
+        for step in [200, 100, 20, 0] {
+            std::thread::sleep(GLANCE);
+            self.mouse(&at((x + step, y)), &[])?;
+        }
+        std::thread::sleep(GLANCE);
+        ensure!(self.xdotool(&["mouseup", "1"])?, "the mouse cannot be released");
+        Ok(())
+    }
+
+    /// Moves the mouse to a place in the plug-in's window, and does something more.
+    fn mouse(&self, place: &[String; 2], more: &[&str]) -> Result<()> {
+        let [x, y] = place;
+        let moved = ["search", "--onlyvisible", "--name", WINDOW, "mousemove", "--window", "%1", x, y];
+        ensure!(self.xdotool(&[&moved, more].concat())?, "there is no window to point at");
+        Ok(())
+    }
+
+    /// True if a call of xdotool succeeds.
+    fn xdotool(&self, arguments: &[&str]) -> Result<bool> {
+        let mut tool = Command::new("xdotool");
+        tool.args(arguments).env("DISPLAY", &self.display).stdout(Stdio::null()).stderr(Stdio::null());
+        Ok(tool.status().context("calling xdotool")?.success())
+    }
+
+    /// Fails unless the host's window is as large as the plug-in's on this map.
+    pub fn has_window_of(&self, map: &Path) -> Result<()> {
+        let map = std::fs::read_to_string(map).with_context(|| map.display().to_string())?;
+        let size = size(&map).context("the map has no size")?;
+        let list = self.windows()?;
+        let window = list.lines().find(|line| line.contains("\"Pyrophone\"")).unwrap_or("there is none");
+        ensure!(window.contains(&format!(" {size}+")), "the host's window is not of {size} pixels: {window}");
+        Ok(())
+    }
+
+    /// All windows, as `xwininfo` lists them.
+    fn windows(&self) -> Result<String> {
+        let list = Command::new("xwininfo").args(["-root", "-tree"]).env("DISPLAY", &self.display).output();
+        Ok(String::from_utf8_lossy(&list.context("calling xwininfo")?.stdout).into_owned())
     }
 
     /// Saves a picture of the window with this map. Under Wine, graphics drivers may draw beside the screen, where a
     /// picture of the screen would not show it.
     pub fn photograph(&self, map: &Path, file: &Path) -> Result<()> {
         let map = std::fs::read_to_string(map).with_context(|| map.display().to_string())?;
-        let list = Command::new("xwininfo").args(["-root", "-tree"]).env("DISPLAY", &self.display).output();
-        let list = String::from_utf8_lossy(&list.context("calling xwininfo")?.stdout).into_owned();
+        let list = self.windows()?;
         let drawn = size(&map).and_then(|size| drawn_beside(&list, &size));
         let mut camera = Command::new("import");
         camera.args(["-window", drawn.context("nothing of the window's size is drawn")?]).arg(file);
@@ -100,6 +178,11 @@ impl Drop for Screen {
         let _ = self.server.kill();
         let _ = self.server.wait();
     }
+}
+
+/// A place as the mouse takes it.
+fn at((x, y): (i32, i32)) -> [String; 2] {
+    [x, y].map(|number| number.to_string())
 }
 
 /// The middle of something on a window's map, if it is there: lines of left, top, right, bottom and name.

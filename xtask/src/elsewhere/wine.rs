@@ -1,5 +1,7 @@
 //! Windows, through Wine: the packaged command line, and both bundles in our own host and in a window.
 
+mod window;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -15,9 +17,32 @@ use crate::tally::Tally;
 
 /// Source of the library that Wine lacks.
 const STAND_IN: &str = "xtask/wine/bcryptprimitives.c";
-/// Our own host, and the program that opens windows with it.
-const PLAYERS: [&str; 8] =
-    ["--package", "xtask", "--package", "pyrophone-host", "--bin", "xtask-sound", "--example", "window"];
+/// Environment variable with the folder of a Windows.
+const PREFIX: &str = "WINEPREFIX";
+/// Our own host, the program that opens windows with it, and the one that drags files to them.
+const PLAYERS: [&str; 10] = [
+    "--package",
+    "xtask",
+    "--package",
+    "pyrophone-host",
+    "--bin",
+    "xtask-sound",
+    "--example",
+    "window",
+    "--example",
+    "drag",
+];
+/// The tests that need a screen.
+const ON_SCREEN: [(&str, OnScreen); 5] = [
+    ("bounces under Wine", |wine, _, folder| wine.bounces(folder)),
+    ("window under Wine", Wine::windows),
+    ("window under Wine, files from the system's dialog", Wine::dialog),
+    ("window under Wine, files dropped on it", Wine::drops),
+    ("window under Wine on a dense screen", Wine::dense_windows),
+];
+
+/// A test on a screen, with files in a folder.
+type OnScreen = fn(&Wine, &Screen, &Path) -> Result<()>;
 
 /// Wine, and a separate folder for its Windows installation.
 struct Wine {
@@ -37,16 +62,16 @@ pub(super) fn soak(tally: &mut Tally) -> Result<()> {
     wine.digests(tally, &built.program)?;
     let folder = project::target_dir().join("wine-bounces");
     if tally.step("our host for Windows", || build_players(&built, &folder)) {
-        let tests = ["bounces under Wine", "window under Wine"];
         if let Some(why) = screen::obstacle() {
-            tests.iter().for_each(|test| tally.skip(test, why));
+            ON_SCREEN.iter().for_each(|(test, _)| tally.skip(test, why));
             return Ok(());
         }
         // Plug-ins need one even for a bounce: a VST3's messages go through a hidden window.
         let screen = Screen::start()?;
-        let wine = wine.with_screen(&screen)?;
-        tally.step(tests[0], || wine.bounces(&built.program, &folder));
-        tally.step(tests[1], || wine.windows(&screen, &folder));
+        let wine = wine.on_screen(&screen, "wine-with-screen")?;
+        for (name, test) in ON_SCREEN {
+            tally.step(name, || test(&wine, &screen, &folder));
+        }
     }
     Ok(())
 }
@@ -96,8 +121,8 @@ impl Wine {
     }
 
     /// The same on a screen. A Windows that has begun without a screen does not find one later, so it is another one.
-    fn with_screen(&self, screen: &Screen) -> Result<Self> {
-        let mut environment = environment("wine-with-screen")?;
+    fn on_screen(&self, screen: &Screen, installation: &str) -> Result<Self> {
+        let mut environment = environment(installation)?;
         environment.push(("DISPLAY", screen.display().to_owned()));
         Ok(Self { program: self.program, environment })
     }
@@ -131,7 +156,8 @@ impl Wine {
     }
 
     /// Plays both bundles in our own host, all built for Windows: each output must equal the command line's.
-    fn bounces(&self, program: &Path, folder: &Path) -> Result<()> {
+    fn bounces(&self, folder: &Path) -> Result<()> {
+        let program = &self.command_line();
         let player = release().join("xtask-sound.exe");
         self.run(program, folder, "simulate torch --seconds 1 --resolution 32 --output drive.wav")?;
         for preset in ["extend", "campfire"] {
@@ -147,24 +173,15 @@ impl Wine {
         Ok(())
     }
 
-    /// Opens both bundles' windows on a virtual screen, and turns a page of each.
-    fn windows(&self, screen: &Screen, folder: &Path) -> Result<()> {
-        for bundle in ["Pyrophone.clap", "Pyrophone.vst3"] {
-            let map = folder.join(format!("{bundle}.map"));
-            let _ = std::fs::remove_file(&map);
-            let mut command = self.command(&release().join("examples/window.exe"), folder);
-            command.arg(shown(&folder.join("bundled").join(bundle))).arg("600");
-            command.env("PYROPHONE_EDITOR_MAP", shown(&map));
-            let mut window = command.spawn().context("calling wine")?;
-            let turned = screen.turn_page(&map);
-            let kept = screen.photograph(&map, &folder.join(format!("{bundle}.png")));
-            // It would run for the whole time requested.
-            let _ = window.kill();
-            window.wait().context("waiting for wine")?;
-            turned.with_context(|| format!("the window of {bundle}"))?;
-            kept?;
-        }
-        Ok(())
+    /// The packaged command line.
+    fn command_line(&self) -> PathBuf {
+        release().join(System::Windows.program())
+    }
+
+    /// Folder of this Windows.
+    fn installation(&self) -> Result<PathBuf> {
+        let found = self.environment.iter().find(|(name, _)| *name == PREFIX);
+        Ok(PathBuf::from(&found.context("Wine has no folder")?.1))
     }
 }
 
@@ -172,7 +189,7 @@ impl Wine {
 fn environment(folder: &str) -> Result<Vec<(&'static str, String)>> {
     let prefix = project::target_dir().join(folder);
     std::fs::create_dir_all(&prefix).context("a folder for Wine")?;
-    Ok(vec![("WINEPREFIX", prefix.to_string_lossy().into_owned()), ("WINEDEBUG", "-all".to_owned())])
+    Ok(vec![(PREFIX, prefix.to_string_lossy().into_owned()), ("WINEDEBUG", "-all".to_owned())])
 }
 
 /// A path as programs under Wine know it: the root is drive Z.
