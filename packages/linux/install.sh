@@ -36,6 +36,7 @@ for page in "$here"/man/*.1; do
 done
 
 echo "Done. Have your host look for new plug-ins (rescan)."
+echo "To hear fire without a host: $programs/pyrophone render --preset campfire --seconds 10 --output campfire.wav"
 case ":$PATH:" in
 *":$programs:"*) ;;
 *) echo "For the command line, add $programs to PATH." ;;

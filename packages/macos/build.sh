@@ -36,7 +36,8 @@ sed "s/VERSION/$version/" xtask/moduleinfo.json >"$stage/Pyrophone.vst3/Contents
 unite pyrophone "$stage/pyrophone"
 cargo run --quiet --release --package pyrophone-settings --example vst3_presets -- "$stage/presets/Pyrophone/Pyrophone/Factory"
 cargo xtask package --macos-licences "$stage"
-cp README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT packages/macos/install.sh "$stage/"
+cp -R README.md docs CHANGELOG.md CONTRIBUTING.md SECURITY.md LICENSE-APACHE LICENSE-MIT packages/macos/install.sh \
+    "$stage/"
 
 for item in "$stage/Pyrophone.clap" "$stage/Pyrophone.vst3" "$stage/pyrophone"; do
     if [ "$identity" = - ]; then

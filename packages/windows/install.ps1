@@ -28,4 +28,4 @@ Put "pyrophone.exe" $programs
 # Of the presets only the factory's are replaced: what hosts have saved beside them is the user's.
 Put "presets\Pyrophone\Pyrophone\Factory" $presets
 Write-Output "Done. Have your host look for new plug-ins (rescan)."
-Write-Output "The command line is in $programs."
+Write-Output "To hear fire without a host: & '$programs\pyrophone.exe' render --preset campfire --seconds 10 --output campfire.wav"

@@ -72,7 +72,7 @@ fn list(folder: &Path, shown: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
 }
 
 /// Paths of a package's files in Debian's layout: from, to.
-const DEBIAN: [(&str, &str); 13] = [
+const DEBIAN: [(&str, &str); 16] = [
     ("Pyrophone.clap", "usr/lib/clap/Pyrophone.clap"),
     ("Pyrophone.vst3", "usr/lib/vst3/Pyrophone.vst3"),
     ("pyrophone", "usr/bin/pyrophone"),
@@ -82,7 +82,10 @@ const DEBIAN: [(&str, &str); 13] = [
     ("completions/_pyrophone", "usr/share/zsh/vendor-completions/_pyrophone"),
     ("completions/pyrophone.fish", "usr/share/fish/vendor_completions.d/pyrophone.fish"),
     ("README.md", "usr/share/doc/pyrophone/README.md"),
+    ("docs", "usr/share/doc/pyrophone/docs"),
     ("CHANGELOG.md", "usr/share/doc/pyrophone/CHANGELOG.md"),
+    ("CONTRIBUTING.md", "usr/share/doc/pyrophone/CONTRIBUTING.md"),
+    ("SECURITY.md", "usr/share/doc/pyrophone/SECURITY.md"),
     ("LICENSE-MIT", "usr/share/doc/pyrophone/copyright"),
     ("THIRD-PARTY.md", "usr/share/doc/pyrophone/THIRD-PARTY.md"),
     ("sbom.cdx.json", "usr/share/doc/pyrophone/sbom.cdx.json"),

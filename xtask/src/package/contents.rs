@@ -11,8 +11,9 @@ use super::system::System;
 use super::{bill, licences};
 use crate::{bundle, cargo, install, project};
 
-/// Files from the workspace that every package has.
-const DOCUMENTS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"];
+/// Files and folders from the workspace that every package has: the README, and everything that it links to.
+const DOCUMENTS: [&str; 7] =
+    ["README.md", "docs", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "LICENSE-APACHE", "LICENSE-MIT"];
 
 /// Lays out a package in a folder, which is recreated.
 pub fn stage(system: System, built: &Built, stage: &Path) -> Result<()> {
@@ -87,4 +88,21 @@ fn write_manual(program: &Path, stage: &Path) -> Result<()> {
         fs::write(folder.join(name), output.stdout)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_of_the_readme_lead_to_documents_in_the_package() {
+        let readme = fs::read_to_string(project::root().join("README.md")).unwrap();
+        let links = readme.split("](").skip(1).filter_map(|link| link.split([')', '#']).next());
+        let files: Vec<&str> = links.filter(|link| !link.is_empty() && !link.contains("://")).collect();
+        assert!(files.len() >= 20, "{files:?}");
+        for file in files {
+            let item = file.split('/').next().unwrap();
+            assert!(DOCUMENTS.contains(&item) && project::root().join(file).exists(), "{file}");
+        }
+    }
 }
