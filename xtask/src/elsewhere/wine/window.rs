@@ -90,7 +90,8 @@ impl Wine {
         for bundle in BUNDLES {
             let window = self.open(bundle, folder)?;
             let loaded = screen.click(&window.map, button).and_then(|()| {
-                screen.enter(title, &shown(&recording))?;
+                // The dialog accepts Windows' own slashes only.
+                screen.enter(title, &shown(&recording).replace('/', "\\"))?;
                 screen.wait_for(&window.map, &format!("recording.fire.wav{FACTS}"))
             });
             loaded.with_context(|| format!("the window of {bundle}"))?;
