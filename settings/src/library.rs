@@ -175,7 +175,8 @@ impl Library {
         (presets, errors)
     }
 
-    /// Writes a preset, completely or not at all, and returns its file. The folder is created if needed.
+    /// Writes a preset, completely or not at all, and returns its file. The folder is created if needed. A recording inside
+    /// the folder is named relative to it.
     ///
     /// Fails if the name is empty, longer than 80 characters or has control characters; if another preset has it,
     /// unless `replaces` is true; and if the file cannot be written.
@@ -184,7 +185,8 @@ impl Library {
         if !replaces && path.exists() {
             return Err(Error::PresetExists { name: preset.name.trim().to_owned(), path });
         }
-        let preset = Preset { name: preset.name.trim().to_owned(), ..preset.clone() };
+        let recording = preset.recording.clone().map(|recording| recording.relative_to(&self.folder));
+        let preset = Preset { name: preset.name.trim().to_owned(), recording, ..preset.clone() };
         let part = path.with_extension(format!("{EXTENSION}.part"));
         let write = || {
             fs::create_dir_all(&self.folder)?;
@@ -383,6 +385,29 @@ mod tests {
         // A name that is spelt differently may be the same file.
         assert_eq!(library.rename(&three, "three ").expect("renamed"), three);
         assert!(three.exists());
+    }
+
+    #[test]
+    fn recordings_beside_presets_move_with_them() {
+        let (folder, library) = library();
+        let cut = crate::session::Cut { region_s: Some([0.5, 2.25]), gain_db: -3.0, normalise: true };
+        let beside = library.folder().join("Glut/Öl, nah — 火.wav");
+        let outside = folder.path().join("campfire.wav");
+        for (name, file, written) in [("beside", &beside, "Glut/Öl, nah — 火.wav"), ("outside", &outside, "")] {
+            let recording = Some(crate::PresetRecording { file: file.clone(), cut });
+            let preset = Preset { recording, ..preset(name, 2.0) };
+            let path = library.save(&preset, false).expect("saved");
+            assert_eq!(Preset::load(&path).expect("read"), preset, "the file need not exist");
+            let written = if written.is_empty() { file.display().to_string() } else { written.to_owned() };
+            let text = fs::read_to_string(&path).expect("text");
+            assert!(text.contains(&format!("\nfile = {}\n", toml::Value::String(written))), "{text}");
+        }
+        let renamed = library.rename(&library.folder().join("beside.toml"), "other").expect("renamed");
+        assert_eq!(Preset::load(&renamed).expect("read").recording.expect("kept").file, beside);
+        let moved = Library::new(folder.path().join("moved"));
+        fs::rename(library.folder(), moved.folder()).expect("moved");
+        let found = moved.find("other").expect("a file").expect("a preset").recording.expect("kept");
+        assert_eq!((found.file, found.cut), (moved.folder().join("Glut/Öl, nah — 火.wav"), cut));
     }
 
     #[test]
