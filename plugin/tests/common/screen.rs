@@ -106,6 +106,8 @@ impl Screen {
     #[allow(dead_code, reason = "not every test looks at them")]
     pub fn controls(&mut self) -> Vec<Control> {
         let nodes: HashMap<NodeId, Node> = self.tree().nodes.into_iter().collect();
+        // The toolkit's scroll bars have no name, and float over what they scroll.
+        let bar = self.context.global_style().spacing.scroll.bar_width;
         self.context.viewport(|viewport| {
             let lowest = viewport.prev_pass.widgets.layers().filter(|(layer, _)| layer.order == Order::Background);
             let all = lowest.flat_map(|(_, widgets)| widgets);
@@ -114,12 +116,14 @@ impl Screen {
                 let node = nodes.get(&widget.id.accesskit_id())?;
                 Some(node.label().or_else(|| node.value())?.to_owned())
             };
-            let control = |widget: &WidgetRect| Control {
-                name: name(widget).unwrap_or_else(|| format!("{:?}", widget.id)),
-                place: widget.rect,
-                seen: widget.interact_rect,
+            let is_bar = |rect: Rect| (rect.width() - bar).abs() < 0.5 && rect.height() > 2.0 * bar;
+            let control = |widget: &WidgetRect| {
+                let (place, seen, name) = (widget.rect, widget.interact_rect, name(widget));
+                let is_none = name.is_none() && is_bar(place);
+                let name = name.unwrap_or_else(|| format!("{:?}", widget.id));
+                (!is_none).then_some(Control { name, place, seen })
             };
-            controls.map(control).collect()
+            controls.filter_map(control).collect()
         })
     }
 

@@ -67,6 +67,8 @@ impl List {
     pub fn toggle(&mut self) -> bool {
         self.is_open = !self.is_open;
         self.has_opened = self.is_open;
+        // What was searched for last time would come before what is typed now.
+        self.search.clear();
         self.forget_questions();
         self.is_open
     }
