@@ -1,6 +1,7 @@
 //! `pyrophone render`: the plug-in's whole signal chain.
 
 mod play;
+mod recordings;
 mod source;
 mod training;
 
@@ -8,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use pyrophone_flame::live::{Inline, LiveFlow};
-use pyrophone_recording::{Cut, MAX_CHANNELS, Recording};
+use pyrophone_recording::{MAX_CHANNELS, Recording};
 use pyrophone_settings::automation::Event;
 use pyrophone_settings::table::{DRIVE_MODES, DYNAMIC_RANGES, VORTEX_FLOWS};
 use pyrophone_settings::{Automation, Id, Preset, Values};
@@ -17,9 +18,9 @@ use pyrophone_synthesis::controls::Fuel;
 use pyrophone_synthesis::structure::MatchingMode;
 use pyrophone_synthesis::texture::Distribution;
 use pyrophone_synthesis::vortex::{Simulator, SpeedField};
-use pyrophone_training::IMPULSIVE;
 
 use self::play::{BLOCK_SAMPLES, Score, play};
+use self::recordings::Recordings;
 use self::source::Source;
 use crate::args::RenderArgs;
 use crate::error::Error;
@@ -29,7 +30,9 @@ use crate::{input, output};
 
 /// Writes the plug-in's output for `input`, played from position 0, with the latency cut off.
 pub fn run(args: &RenderArgs, work: &Work) -> Result<Outcome, Error> {
-    let values = values(args)?;
+    let preset = Preset::find(&args.preset)?;
+    let values = values(args, &preset)?;
+    let recordings = Recordings::new(args, &preset, &values);
     let automation = match &args.automation {
         Some(path) => Automation::load(path)?,
         None => Automation::default(),
@@ -38,7 +41,7 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Outcome, Error> {
         let message = "--learn contradicts --dynamic-range off and --dynamic-range running; leave one of them out";
         return Err(Error::Conflict(message.into()));
     }
-    check_output(args)?;
+    check_output(args, &recordings)?;
 
     let source = Source::load(args, &values, &automation, work)?;
     let main = &source.recording;
@@ -47,14 +50,14 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Outcome, Error> {
     output::check_format(&args.output, outputs, main.sample_rate_hz)?;
     let events = automation.events(rate_hz);
     let field = args.speed_field.as_deref().map(speed_field).transpose()?;
-    check_sound(args, &values, &events)?;
+    check_sound(args, &recordings, &values, &events)?;
 
     let sidechain = sidechain(args, main, work)?;
     note_unused_options(args, &values, &events);
     let structure = values.structure();
     let channels = Channels { input: main.channels.len(), sidechain: sidechain.len(), output: outputs };
     let mut chain = Chain::new(rate_hz, channels, &structure).map_err(Error::of_file(&source.name))?;
-    load_recordings(&mut chain, args, &values, work)?;
+    recordings.load(&mut chain, &values, work)?;
     simulate_gas(&mut chain)?;
     if let Some(field) = field {
         drop(chain.swap_field(Some(Arc::new(field))));
@@ -75,50 +78,12 @@ pub fn run(args: &RenderArgs, work: &Work) -> Result<Outcome, Error> {
     Ok(Outcome { latency_samples: Some(chain.latency_samples()), ..Outcome::with_sound(&args.output, sound) })
 }
 
-/// Loads the recordings into the engines, the second one into the slot after the first.
-fn load_recordings(chain: &mut Chain, args: &RenderArgs, values: &Values, work: &Work) -> Result<(), Error> {
-    let cut =
-        Cut { region_s: args.training.region, gain_db: args.training.gain_db, normalise: args.training.normalise };
-    let (rate_hz, structure) = (chain.sample_rate_hz(), values.structure());
-    for (slot, path, cut) in [(0, &args.training.file, cut), (1, &args.recording_b, Cut::default())] {
-        let Some(path) = path else { continue };
-        let recording = input::load(path, work)?;
-        check_region(cut.region_s, &recording, path)?;
-        let dictionary = training::dictionary(&recording, path, &cut, rate_hz, &structure, work)?;
-        if dictionary.is_impulsive() && !values.controls().texture.scaling_auto {
-            note(&format!("{}: {IMPULSIVE}", path.display()));
-        }
-        drop(chain.swap_slot(slot, Some(dictionary)));
-    }
-    Ok(())
-}
-
 /// Rejects an output that cannot be written or would overwrite one of its sources.
-fn check_output(args: &RenderArgs) -> Result<(), Error> {
-    let sources = [
-        &args.input,
-        &args.sidechain,
-        &args.training.file,
-        &args.recording_b,
-        &args.learn,
-        &args.speed_field,
-        &args.automation,
-    ];
-    let sources = sources.into_iter().flatten().map(|path| path.as_path());
+fn check_output(args: &RenderArgs, recordings: &Recordings) -> Result<(), Error> {
+    let sources = [&args.input, &args.sidechain, &args.learn, &args.speed_field, &args.automation];
+    let sources = sources.into_iter().flatten().map(|path| path.as_path()).chain(recordings.paths());
     let sources: Vec<&Path> = sources.chain([Path::new(&args.preset)]).collect();
     output::check(&args.output, &sources)
-}
-
-/// Rejects a region outside the recording; notes one that extends beyond it.
-fn check_region(region_s: Option<[f64; 2]>, recording: &Recording, path: &Path) -> Result<(), Error> {
-    let duration_s = recording.len_samples() as f64 / f64::from(recording.sample_rate_hz);
-    let Some([start_s, end_s]) = region_s.filter(|[_, end_s]| *end_s > duration_s) else { return Ok(()) };
-    let found = format!("--training-region is {start_s}-{end_s} s, but {} has {duration_s:.3} s", path.display());
-    if start_s >= duration_s {
-        return Err(Error::Conflict(format!("{found}; choose a part inside it")));
-    }
-    note(&format!("{found}; only the part that exists is used"));
-    Ok(())
 }
 
 fn speed_field(path: &Path) -> Result<SpeedField, Error> {
@@ -135,8 +100,8 @@ fn simulate_gas(chain: &mut Chain) -> Result<(), Error> {
 }
 
 /// The preset's values, then `--dynamic-range` (or `--learn`, which implies `learned`), then `--set`.
-fn values(args: &RenderArgs) -> Result<Values, Error> {
-    let mut values = Preset::find(&args.preset)?.values;
+fn values(args: &RenderArgs, preset: &Preset) -> Result<Values, Error> {
+    let mut values = preset.values;
     let learn = args.learn.as_ref().map(|_| crate::args::DynamicRange::Learned);
     if let Some(choice) = args.dynamic_range.or(learn) {
         let (id, text) = choice.as_setting();
@@ -168,7 +133,7 @@ fn output_channels(args: &RenderArgs, main: &Recording) -> Result<usize, Error> 
 
 /// Checks that something will sound. Texture without a recording is silent: an error if nothing else sounds, otherwise
 /// a note.
-fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(), Error> {
+fn check_sound(args: &RenderArgs, recordings: &Recordings, values: &Values, events: &[Event]) -> Result<(), Error> {
     let may_sound = |id: Id| {
         let off = |plain: f64| id.parameter().is_off(plain);
         !off(values.get(id)) || events.iter().any(|event| event.parameter == id as usize && !off(event.value))
@@ -186,7 +151,7 @@ fn check_sound(args: &RenderArgs, values: &Values, events: &[Event]) -> Result<(
     if args.recording_b.is_some() && !uses_second {
         note("the second recording is not used; set a recording_blend, or recording_slot=2");
     }
-    if args.training.file.is_some() || args.recording_b.is_some() && uses_second || !may_sound(Id::TextureLevel) {
+    if recordings.has_first() || args.recording_b.is_some() && uses_second || !may_sound(Id::TextureLevel) {
         return Ok(());
     }
     if values.structure().dynamics == MatchingMode::Companded {

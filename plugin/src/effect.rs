@@ -68,7 +68,8 @@ impl Default for Pyrophone {
         }
         let (probe_in, probe) = probe::pair();
         let meters = Arc::<Meters>::default();
-        instance::announce(Instance { params: params.clone(), meters: meters.clone() });
+        let announced = Instance { params: params.clone(), meters: meters.clone(), loader: loader.handle() };
+        instance::announce(announced);
         Self {
             params,
             loader,

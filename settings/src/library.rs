@@ -175,7 +175,8 @@ impl Library {
         (presets, errors)
     }
 
-    /// Writes a preset, completely or not at all, and returns its file. The folder is created if needed.
+    /// Writes a preset, completely or not at all, and returns its file. The folder is created if needed. A recording inside
+    /// the folder is named relative to it.
     ///
     /// Fails if the name is empty, longer than 80 characters or has control characters; if another preset has it,
     /// unless `replaces` is true; and if the file cannot be written.
@@ -184,7 +185,8 @@ impl Library {
         if !replaces && path.exists() {
             return Err(Error::PresetExists { name: preset.name.trim().to_owned(), path });
         }
-        let preset = Preset { name: preset.name.trim().to_owned(), ..preset.clone() };
+        let recording = preset.recording.clone().map(|recording| recording.relative_to(&self.folder));
+        let preset = Preset { name: preset.name.trim().to_owned(), recording, ..preset.clone() };
         let part = path.with_extension(format!("{EXTENSION}.part"));
         let write = || {
             fs::create_dir_all(&self.folder)?;

@@ -8,6 +8,9 @@
 //! description = "Spectral extension alone."
 //! tags = ["extension"]
 //!
+//! [recording]
+//! file = "campfire.wav"
+//!
 //! [parameters]
 //! texture_level = "off"
 //! alpha = 2.5
@@ -15,7 +18,7 @@
 //! gate = true
 //! ```
 //!
-//! Parameters that are not listed have their defaults.
+//! Parameters that are not listed have their defaults. A preset without a recording leaves the present one.
 
 use std::path::Path;
 
@@ -23,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
 use crate::names::{folded, nearest};
+use crate::preset_recording::{Packed, PresetRecording};
 use crate::{Error, Library, PARAMETERS, Parameter, ParameterKind, Values, index_of};
 
 /// The version that [`Preset::to_toml`] writes.
@@ -77,6 +81,8 @@ pub struct Preset {
     pub tags: Vec<String>,
     /// Its values.
     pub values: Values,
+    /// The recording that it brings, if any.
+    pub recording: Option<PresetRecording>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -92,6 +98,8 @@ struct File {
     description: String,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     tags: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    recording: Option<Packed>,
     #[serde(default)]
     parameters: Table,
 }
@@ -140,14 +148,16 @@ impl Preset {
         all.find(|preset| folded(preset.title()) == title).map(Ok)
     }
 
-    /// Reads a preset's file.
+    /// Reads a preset's file. A recording is looked for from the file's folder.
     ///
     /// # Errors
     /// If it cannot be read, is larger than [`LARGEST_BYTES`], or does not contain a valid preset.
     pub fn load(path: &Path) -> Result<Self, Error> {
         check_file(path)?;
         let text = std::fs::read_to_string(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
-        Self::from_toml(&text, &path.display().to_string())
+        let preset = Self::from_toml(&text, &path.display().to_string())?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        Ok(Self { recording: preset.recording.map(|recording| recording.resolved(folder)), ..preset })
     }
 
     /// Reads a preset's text; `origin` names it in errors.
@@ -168,8 +178,10 @@ impl Preset {
             let plain = plain_value(&PARAMETERS[index], value).map_err(in_preset)?;
             values.set(index, plain).map_err(in_preset)?;
         }
+        let syntax = |message| Error::PresetSyntax { origin: origin.to_owned(), message };
+        let recording = file.recording.map(Packed::unpack).transpose().map_err(syntax)?;
         let File { name, title, author, description, tags, .. } = file;
-        Ok(Self { name, title, author, description, tags, values })
+        Ok(Self { name, title, author, description, tags, values, recording })
     }
 
     /// The preset as text, every parameter stated.
@@ -179,8 +191,9 @@ impl Preset {
             .zip(self.values.as_slice())
             .map(|(parameter, plain)| (parameter.id.to_owned(), toml_value(parameter, *plain)))
             .collect();
-        let Self { name, title, author, description, tags, .. } = self.clone();
-        let file = File { version: VERSION, name, title, author, description, tags, parameters };
+        let Self { name, title, author, description, tags, recording, .. } = self.clone();
+        let recording = recording.map(|recording| recording.pack());
+        let file = File { version: VERSION, name, title, author, description, tags, recording, parameters };
         // Strings, numbers and booleans in a table always have a TOML form.
         toml::to_string(&file).unwrap_or_default()
     }

@@ -100,7 +100,7 @@ impl Cut {
         *self == Self::default()
     }
 
-    fn check(self) -> Result<Self, String> {
+    pub(crate) fn check(self) -> Result<Self, String> {
         let region = self.region_s.is_none_or(|[start_s, end_s]| start_s < end_s && end_s.is_finite());
         if !(region && (-MAX_CUT_GAIN_DB..=MAX_CUT_GAIN_DB).contains(&self.gain_db)) {
             return Err(

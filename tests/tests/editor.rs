@@ -63,6 +63,7 @@ fn try_format(desk: &TestDisplay, format: Format) {
     }
     if format == Format::ALL[0] {
         try_saving(&mut hand, desk);
+        try_recording_with_preset(&mut hand, desk);
     }
     try_preset(&mut hand, format);
     try_files(&mut hand, desk, format);
@@ -268,6 +269,36 @@ fn try_saving(hand: &mut UiDriver<'_>, desk: &TestDisplay) {
     hand.press(ESCAPE);
     assert_eq!(files(), ["mine.toml"]);
     assert_eq!(written(), before, "nothing is replaced unasked");
+}
+
+/// A preset saved with its recording brings it back, as one step with its values.
+fn try_recording_with_preset(hand: &mut UiDriver<'_>, desk: &TestDisplay) {
+    let file = desk.presets().join("with fire.toml");
+    hand.click_into("button.Presets");
+    hand.click_into("field.Preset name");
+    hand.with_control(b'a');
+    hand.write("with fire");
+    hand.click("toggle.With recording");
+    hand.click("button.Save");
+    hand.wait_until("a file", |_| file.exists());
+    hand.settle();
+    hand.screenshot("preset-with-recording");
+    hand.press(ESCAPE);
+    let saved = Preset::load(&file).expect("a preset").recording.expect("its recording");
+    assert!(saved.file.ends_with("campfire.wav"), "{}", saved.file.display());
+
+    let other = recording(desk.folder(), "other.wav", 1, 70_000);
+    hand.drop_file(&other, "handle.cutoff");
+    hand.wait_until("another recording", |hand| session_recording(hand).contains("other.wav"));
+    hand.click_into("button.Presets");
+    hand.write("with fire");
+    hand.press(RETURN);
+    hand.wait_until("the preset's recording", |hand| session_recording(hand).contains("campfire.wav"));
+    hand.press(ESCAPE);
+    hand.click("button.Undo");
+    hand.wait_until("the other recording", |hand| session_recording(hand).contains("other.wav"));
+    hand.click("button.Redo");
+    hand.wait_until("the preset's recording again", |hand| session_recording(hand).contains("campfire.wav"));
 }
 
 /// The path of the recording in the session that the host would save.

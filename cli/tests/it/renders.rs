@@ -51,6 +51,37 @@ fn a_part_of_the_recording_is_learnt_from_at_its_level() {
     succeeds(folder.path(), &format!("{run} 0.25-400"));
 }
 
+#[test]
+fn a_presets_recording_is_that_of_training() {
+    let folder = folder();
+    let at = folder.path();
+    std::fs::create_dir(at.join("Öfen")).unwrap();
+    std::fs::rename(at.join("fire.wav"), at.join("Öfen/fire 火.wav")).unwrap();
+    let preset = |name: &str, recording: &str| {
+        let text = format!("version = 3\nname = \"{name}\"\n[recording]\n{recording}\n");
+        std::fs::write(at.join("Öfen").join(format!("{name}.toml")), text).unwrap();
+    };
+    preset("part", "file = \"fire 火.wav\"\nregion_s = [0.25, 0.75]\ngain_db = -3.0");
+    let render = |name: &str, preset: &str| {
+        read(&made(&folder, name, &format!("render --input mono.wav --preset {preset}"))).channels
+    };
+    let named = render("a.wav", "Öfen/part.toml");
+    let given = |part: &str| format!("default --training Öfen/copy-火.wav {part}");
+    std::fs::copy(at.join("Öfen/fire 火.wav"), at.join("Öfen/copy-火.wav")).unwrap();
+    assert_eq!(render("b.wav", &given("--training-region 0.25-0.75 --training-gain -3")), named);
+    let whole = render("c.wav", &given(""));
+    assert_ne!(whole, named);
+    let instead = "--training Öfen/copy-火.wav";
+    assert_eq!(render("d.wav", &format!("Öfen/part.toml {instead}")), whole, "--training wins");
+    preset("gone", "file = \"gone.wav\"");
+    let run = "render --input mono.wav --output e.wav --preset Öfen/gone.toml";
+    refuses(at, run, 1, &["gone.wav: there is no such file", "--training"]);
+    preset("itself", "file = \"../mono.wav\"");
+    refuses(at, "render --input stereo.wav --output mono.wav --preset Öfen/itself.toml", 1, &["mono.wav"]);
+    preset("beyond", "file = \"fire 火.wav\"\nregion_s = [20.0, 30.0]");
+    refuses(at, "render --input mono.wav --output f.wav --preset Öfen/beyond.toml", 1, &["region_s", "inside"]);
+}
+
 /// Settings that leave vortex sound alone.
 const WHOOSH: &str = "--set texture_level=off --set vortex_level=0 --set threshold=off";
 

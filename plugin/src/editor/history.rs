@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use pyrophone_settings::{COUNT, Preset, Values};
+use pyrophone_settings::session::Slot;
+use pyrophone_settings::{COUNT, Preset, PresetRecording, Values};
 
 use std::path::PathBuf;
 
@@ -33,6 +34,17 @@ pub struct Change {
     pub after: f64,
 }
 
+/// A recording that a preset brought.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exchanged {
+    /// The slot that it was loaded into.
+    pub slot: usize,
+    /// Content of the slot before.
+    pub before: Slot,
+    /// The preset's recording.
+    pub after: PresetRecording,
+}
+
 /// One of the two settings to compare, while the other one sounds.
 pub type Beside = Option<(Values, Chosen)>;
 
@@ -45,6 +57,8 @@ pub enum Step {
         changes: Vec<Change>,
         /// The chosen preset before and after.
         chosen: [Chosen; 2],
+        /// The recording that the preset brought, and the one before it.
+        recording: Option<Box<Exchanged>>,
     },
     /// A and B were exchanged.
     Exchange,

@@ -232,7 +232,8 @@ impl Window {
             loaded: std::array::from_fn(|slot| view.slots[slot].is_some()),
         };
         let inert = reasons(&self.params.values(), circumstances);
-        let mut edit = ParamEditor { params: &self.params, setter, history: &mut self.history, inert: &inert };
+        let (params, loader, history) = (&self.params, &self.loader, &mut self.history);
+        let mut edit = ParamEditor { params, setter, loader, history, inert: &inert };
         part(ui, head, "head", |ui| self.header.show(ui, &mut edit, &self.meters, load));
 
         let overview = view.overview.as_deref();

@@ -1,12 +1,15 @@
 //! The user's changes to parameters: each goes through the host as a gesture, and can be undone.
 
 use nice_plug::prelude::ParamSetter;
-use pyrophone_settings::{Id, Values};
+use pyrophone_settings::session::Slot;
+use pyrophone_settings::{Id, PresetRecording, Values};
 
-use super::history::{Change, Chosen, Step, UndoHistory, changes};
+use super::history::{Change, Chosen, Exchanged, Step, UndoHistory, changes};
 use super::inert::Reasons;
 use crate::entry::indication::Automation;
+use crate::loader::LoaderHandle;
 use crate::parameters::EffectParams;
+use crate::persist;
 
 /// Access of the widgets to the parameters.
 pub struct ParamEditor<'a> {
@@ -14,6 +17,8 @@ pub struct ParamEditor<'a> {
     pub params: &'a EffectParams,
     /// Connection to the host.
     pub setter: &'a ParamSetter<'a>,
+    /// The loader of recordings.
+    pub loader: &'a LoaderHandle,
     /// Undo history.
     pub history: &'a mut UndoHistory,
     /// Parameters without effect, and the reasons.
@@ -88,26 +93,50 @@ impl ParamEditor<'_> {
         self.record(made);
     }
 
-    /// Sets all parameters to those of a preset, as one step; undoing it restores the previous preset's name too.
+    /// Sets all parameters to those of a preset and loads its recording if it names one, as one step; undoing it restores
+    /// the previous preset's name too.
     pub fn choose(&mut self, chosen: Chosen) {
         let Some(entry) = chosen.clone() else { return };
         let now = self.params.values();
         let made = changes(&now, &entry.preset.values.chosen_over(&now));
         self.send(&made, |change| change.after);
+        let recording = entry.preset.recording.as_ref().and_then(|recording| self.load(recording)).map(Box::new);
         let before = std::mem::replace(&mut self.history.chosen, chosen.clone());
-        if !made.is_empty() || before != chosen {
-            self.history.record(Step::Changes { changes: made, chosen: [before, chosen] });
+        if !made.is_empty() || before != chosen || recording.is_some() {
+            self.history.record(Step::Changes { changes: made, chosen: [before, chosen], recording });
         }
+    }
+
+    /// The active slot, and its recording as the session names it.
+    pub fn slot(&self) -> (usize, Slot) {
+        let slot = self.get(Id::RecordingSlot) as usize;
+        // A session that cannot be read is reported by the loader, and has no recordings.
+        let session = persist::decode(&self.params.session.field()).unwrap_or_default();
+        (slot, Slot { recording: session.recording_in(slot).cloned(), cut: session.cut_in(slot) })
+    }
+
+    /// Loads a preset's recording into the active slot; none if it is there already.
+    fn load(&self, recording: &PresetRecording) -> Option<Exchanged> {
+        let (slot, before) = self.slot();
+        let is_at = |path: &str| recording.file.as_os_str() == path;
+        if before.cut == recording.cut && before.recording.as_ref().is_some_and(|known| is_at(&known.path)) {
+            return None;
+        }
+        self.loader.load_preset(slot, recording.clone());
+        Some(Exchanged { slot, before, after: recording.clone() })
     }
 
     /// Undoes the last step.
     pub fn undo(&mut self) {
         let Some(step) = self.history.take_past() else { return };
         let undone = match step {
-            Step::Changes { changes, chosen } => {
+            Step::Changes { changes, chosen, recording } => {
                 self.send(&changes, |change| change.before);
                 self.history.chosen.clone_from(&chosen[0]);
-                Step::Changes { changes, chosen }
+                if let Some(exchanged) = &recording {
+                    self.loader.restore(exchanged.slot, exchanged.before.clone());
+                }
+                Step::Changes { changes, chosen, recording }
             }
             step => self.turn_over(step),
         };
@@ -118,10 +147,13 @@ impl ParamEditor<'_> {
     pub fn redo(&mut self) {
         let Some(step) = self.history.take_future() else { return };
         let redone = match step {
-            Step::Changes { changes, chosen } => {
+            Step::Changes { changes, chosen, recording } => {
                 self.send(&changes, |change| change.after);
                 self.history.chosen.clone_from(&chosen[1]);
-                Step::Changes { changes, chosen }
+                if let Some(exchanged) = &recording {
+                    self.loader.load_preset(exchanged.slot, exchanged.after.clone());
+                }
+                Step::Changes { changes, chosen, recording }
             }
             step => self.turn_over(step),
         };
@@ -167,7 +199,8 @@ impl ParamEditor<'_> {
     fn record(&mut self, made: Vec<Change>) {
         if !made.is_empty() {
             let chosen = self.history.chosen.clone();
-            self.history.record(Step::Changes { changes: made, chosen: [chosen.clone(), chosen] });
+            let chosen = [chosen.clone(), chosen];
+            self.history.record(Step::Changes { changes: made, chosen, recording: None });
         }
     }
 

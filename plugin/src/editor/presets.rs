@@ -8,7 +8,7 @@ use std::sync::Arc;
 use egui::{Button, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
 use pyrophone_settings::library::Stored;
-use pyrophone_settings::{Error, Library, Preset, Values};
+use pyrophone_settings::{Error, Library, Preset, PresetRecording, Values};
 
 use super::history::Entry;
 use super::map;
@@ -181,15 +181,22 @@ impl Presets {
         self.task = Task::start("pyrophone-presets", task, move || notifier.request_repaint());
     }
 
-    /// Saves the current settings as a user preset.
-    fn save(&mut self, name: &str, values: Values, replaces: bool, from: Option<&Arc<Entry>>) {
+    /// Saves the current settings as a user preset, with this recording.
+    fn save(
+        &mut self,
+        name: &str,
+        values: Values,
+        recording: Option<PresetRecording>,
+        replaces: bool,
+        from: Option<&Arc<Entry>>,
+    ) {
         // Description and tags of the original preset probably fit its variant too.
         let mut preset = from.map(|entry| entry.preset.clone()).unwrap_or_default();
         if from.is_some_and(|entry| entry.path.is_none()) {
             preset.description = format!("From {}", preset.title());
             preset.author.clear();
         }
-        preset = Preset { name: name.trim().to_owned(), title: String::new(), values, ..preset };
+        preset = Preset { name: name.trim().to_owned(), title: String::new(), values, recording, ..preset };
         self.run(move |library| library.save(&preset, replaces).map(Done::Kept));
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use pyrophone_settings::{COUNT, PARAMETERS};
 
+use crate::loader::LoaderHandle;
 use crate::meters::Meters;
 use crate::parameters::EffectParams;
 
@@ -15,6 +16,8 @@ pub struct Instance {
     pub params: Arc<EffectParams>,
     /// Levels, sample rate and latency.
     pub meters: Arc<Meters>,
+    /// The loader of recordings.
+    pub loader: LoaderHandle,
 }
 
 thread_local! {

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use pyrophone_settings::session::Cut;
+use pyrophone_settings::PresetRecording;
+use pyrophone_settings::session::{Cut, Slot};
 
 use super::engine::Engine;
 
@@ -16,6 +17,10 @@ use super::engine::Engine;
 pub enum Order {
     /// Load this file.
     Load(PathBuf),
+    /// Load a preset's recording into this slot.
+    LoadPreset(usize, PresetRecording),
+    /// Put this recording, or none, back into this slot.
+    Restore(usize, Slot),
     /// Do without a recording.
     Unload,
     /// Cancel the current work.
@@ -87,7 +92,13 @@ impl Mailbox {
     pub fn post_ticketed(&self, order: Order) -> Ticket {
         let mut inner = self.lock();
         let calls_off = match &order {
-            Order::Load(_) | Order::Unload | Order::ReadSession | Order::Cut(_) | Order::Cancel => true,
+            Order::Load(_)
+            | Order::LoadPreset(..)
+            | Order::Restore(..)
+            | Order::Unload
+            | Order::ReadSession
+            | Order::Cut(_)
+            | Order::Cancel => true,
             // Hosts activate repeatedly with the same settings; work for these must not start again.
             Order::Engine(engine) => inner.engine.replace(*engine) != Some(*engine),
             Order::Embed(_)

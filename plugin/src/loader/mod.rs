@@ -35,8 +35,8 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use nice_plug_egui::RepaintNotifier;
-use pyrophone_settings::Recent;
-use pyrophone_settings::session::Cut;
+use pyrophone_settings::session::{self, Cut};
+use pyrophone_settings::{PresetRecording, Recent};
 
 use crate::parameters::EffectParams;
 use crate::persist::SessionStore;
@@ -114,6 +114,16 @@ impl LoaderHandle {
     /// Loads a recording; the latest call wins, and the old sound plays on until it is ready.
     pub fn load(&self, path: PathBuf) {
         self.mailbox.post(Order::Load(path));
+    }
+
+    /// Loads a preset's recording into a slot; if it cannot be loaded, the old one stays.
+    pub fn load_preset(&self, slot: usize, recording: PresetRecording) {
+        self.mailbox.post(Order::LoadPreset(slot, recording));
+    }
+
+    /// Puts the recording back into a slot that was there before, or empties the slot.
+    pub fn restore(&self, slot: usize, before: session::Slot) {
+        self.mailbox.post(Order::Restore(slot, before));
     }
 
     /// Removes the recording.

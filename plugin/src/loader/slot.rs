@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyrophone_recording::Recording;
+use pyrophone_settings::PresetRecording;
 use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_training::DictionaryKey;
 
@@ -14,6 +15,8 @@ use pyrophone_analysis::RecordingOverview;
 pub enum Pending {
     /// The user's choice; on failure, the old one stays.
     File(PathBuf),
+    /// A preset's; on failure, the old one stays.
+    Preset(PresetRecording),
     /// The session's; on failure, there is none.
     Session,
 }

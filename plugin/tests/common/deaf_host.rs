@@ -1,18 +1,25 @@
-//! A host for windows that takes no notice of what they say.
+//! Hosts for windows: one that takes no notice of what they say, and one that does at once what they ask.
 
 use std::sync::Arc;
 
 use nice_plug::prelude::*;
 use nice_plug_core::context::gui::{GuiContext, GuiContextInner};
 
-struct DeafHost;
+struct Host {
+    obeys: bool,
+}
 
-impl GuiContextInner for DeafHost {
+impl GuiContextInner for Host {
     fn plugin_api(&self) -> PluginApi {
         PluginApi::Clap
     }
     unsafe fn raw_begin_set_parameter(&self, _: ParamPtr) {}
-    unsafe fn raw_set_parameter_normalized(&self, _: ParamPtr, _: f32) {}
+    unsafe fn raw_set_parameter_normalized(&self, parameter: ParamPtr, normalised: f32) {
+        if self.obeys {
+            // SAFETY: the parameters outlive the window.
+            unsafe { parameter._internal_set_normalized_value(normalised) };
+        }
+    }
     unsafe fn raw_end_set_parameter(&self, _: ParamPtr) {}
     fn get_state(&self) -> PluginState {
         PluginState { version: String::new(), params: Default::default(), fields: Default::default() }
@@ -21,7 +28,14 @@ impl GuiContextInner for DeafHost {
     fn request_restart(&self) {}
 }
 
-/// What a window is given to speak to such a host.
+/// Connection to a host that takes no notice.
+#[allow(dead_code, reason = "not every test has a deaf host")]
 pub fn context() -> GuiContext {
-    GuiContext::new(Arc::new(DeafHost))
+    GuiContext::new(Arc::new(Host { obeys: false }))
+}
+
+/// Connection to a host that does at once what the window asks.
+#[allow(dead_code, reason = "not every test has an obedient host")]
+pub fn obedient_context() -> GuiContext {
+    GuiContext::new(Arc::new(Host { obeys: true }))
 }

@@ -3,16 +3,28 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use egui::accesskit::TreeUpdate;
+use egui::accesskit::{Node, NodeId, TreeUpdate};
 use egui::epaint::{ClippedShape, ImageData, Mesh, Primitive, TextureId, Vertex};
-use egui::{Color32, ColorImage, Context, Event, Key, Modifiers, Pos2, RawInput, Rect, Vec2};
+use egui::{Color32, ColorImage, Context, Event, Key, Modifiers, Order, Pos2, RawInput, Rect, Vec2, WidgetRect};
+use nice_plug_core::context::gui::GuiContext;
 use pyrophone::editor::Window;
 use pyrophone::editor::controls::Page;
 
 #[path = "deaf_host.rs"]
-mod deaf_host;
+pub mod deaf_host;
 
 const FRAMES_HZ: f64 = 60.0;
+
+/// A control: something that can be clicked or dragged.
+#[derive(Debug)]
+pub struct Control {
+    /// What assistive technology is told that it is, or its id.
+    pub name: String,
+    /// All of it, and the part that can be seen, in points.
+    pub place: Rect,
+    /// See `place`.
+    pub seen: Rect,
+}
 
 /// The window, what it was drawn with, and what it drew last.
 pub struct Screen {
@@ -27,12 +39,22 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// An open window.
+    /// An open window, whose host takes no notice of it.
     pub fn new(window: Window) -> Self {
+        Self::with_host(window, deaf_host::context())
+    }
+
+    /// An open window, whose host does at once what it asks.
+    #[allow(dead_code, reason = "not every test changes parameters")]
+    pub fn obeyed(window: Window) -> Self {
+        Self::with_host(window, deaf_host::obedient_context())
+    }
+
+    fn with_host(window: Window, host: GuiContext) -> Self {
         let (context, textures) = (Context::default(), HashMap::new());
         let (shapes, events) = (vec![], vec![]);
         let mut screen = Self { window, context, textures, shapes, tree: None, events, size: Vec2::ZERO, frame: 0 };
-        screen.window.open(&screen.context, deaf_host::context());
+        screen.window.open(&screen.context, host);
         screen
     }
 
@@ -77,6 +99,32 @@ impl Screen {
             self.events.push(Event::Key { key, physical_key, pressed, repeat, modifiers });
             self.draw();
         }
+    }
+
+    /// The controls of a frame that is drawn now, in its lowest layer, where no list is open, that can be seen at least in
+    /// part.
+    #[allow(dead_code, reason = "not every test looks at them")]
+    pub fn controls(&mut self) -> Vec<Control> {
+        let nodes: HashMap<NodeId, Node> = self.tree().nodes.into_iter().collect();
+        // The toolkit's scroll bars have no name, and float over what they scroll.
+        let bar = self.context.global_style().spacing.scroll.bar_width;
+        self.context.viewport(|viewport| {
+            let lowest = viewport.prev_pass.widgets.layers().filter(|(layer, _)| layer.order == Order::Background);
+            let all = lowest.flat_map(|(_, widgets)| widgets);
+            let controls = all.filter(|widget| widget.sense.interactive() && widget.interact_rect.is_positive());
+            let name = |widget: &WidgetRect| {
+                let node = nodes.get(&widget.id.accesskit_id())?;
+                Some(node.label().or_else(|| node.value())?.to_owned())
+            };
+            let is_bar = |rect: Rect| (rect.width() - bar).abs() < 0.5 && rect.height() > 2.0 * bar;
+            let control = |widget: &WidgetRect| {
+                let (place, seen, name) = (widget.rect, widget.interact_rect, name(widget));
+                let is_none = name.is_none() && is_bar(place);
+                let name = name.unwrap_or_else(|| format!("{:?}", widget.id));
+                (!is_none).then_some(Control { name, place, seen })
+            };
+            controls.filter_map(control).collect()
+        })
     }
 
     /// What assistive technology would be told of a frame that is drawn now.

@@ -12,6 +12,7 @@ mod audio;
 mod exchange;
 mod gas;
 mod loader;
+mod page_controls;
 mod pages;
 mod parameters;
 mod slots;

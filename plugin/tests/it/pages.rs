@@ -11,7 +11,8 @@ use pyrophone::editor::controls::Page;
 use pyrophone_settings::table::DRIVE_MODES;
 use pyrophone_settings::{Preset, index_of};
 
-const SIZES: [(f32, f32); 6] =
+/// Sizes of the window, in points.
+pub const SIZES: [(f32, f32); 6] =
     [(700.0, 450.0), (800.0, 500.0), (1000.0, 700.0), (1100.0, 790.0), (1600.0, 1000.0), (3840.0, 2160.0)];
 /// Points by which glyphs may reach beyond their line.
 const SLACK: f32 = 1.5;
@@ -49,7 +50,7 @@ fn words_of(screen: &mut Screen, page: Page, size: Vec2, scale: f32) -> Vec<Word
 }
 
 /// Pages that scroll may show a part of a line at their edges.
-fn scrolls(page: Page) -> bool {
+pub fn scrolls(page: Page) -> bool {
     page != Page::Play
 }
 
@@ -106,8 +107,7 @@ fn overlaps(words: &[Word]) -> impl Iterator<Item = String> {
 #[ignore = "writes pictures into the target folder, for people"]
 fn pictures() {
     let folder = tempfile::tempdir().expect("a folder");
-    let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pages");
-    std::fs::create_dir_all(&out).expect("a folder");
+    let out = pictures_folder();
     for (case, preset) in [("track", "drums-to-fire"), ("built-in", "bonfire")] {
         let mut playing = Playing::new(folder.path());
         let values = Preset::find(preset).expect("a factory preset").values;
@@ -129,11 +129,29 @@ fn pictures() {
             }
         }
     }
-    let mut empty = Screen::new(Pyrophone::default().window());
-    for page in [Page::Play, Page::Engines] {
-        empty.turn_to(page, Vec2::new(1000.0, 700.0), 1.0);
-        (0..4).for_each(|_| drop(empty.draw()));
-        empty.save(&out.join(format!("empty-{page:?}.png")));
+    println!("{}", out.display());
+}
+
+/// Pictures of all pages before anything plays.
+#[test]
+#[ignore = "writes pictures into the target folder, for people"]
+fn pictures_at_first() {
+    let out = pictures_folder();
+    let mut screen = Screen::new(Pyrophone::default().window());
+    for (width, height, scale) in
+        [(1000.0, 700.0, 1.0), (700.0, 450.0, 1.0), (1600.0, 1000.0, 1.0), (700.0, 450.0, 2.0)]
+    {
+        for page in Page::ALL {
+            screen.turn_to(page, Vec2::new(width, height), scale);
+            (0..4).for_each(|_| drop(screen.draw()));
+            screen.save(&out.join(format!("empty-{page:?}-{width}x{height}@{scale}.png")));
+        }
     }
     println!("{}", out.display());
+}
+
+fn pictures_folder() -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pages");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
 }

@@ -120,6 +120,29 @@ fn renaming_moves_the_file_and_keeps_the_rest() {
 }
 
 #[test]
+fn recordings_beside_presets_move_with_them() {
+    let (folder, library) = library();
+    let cut = crate::session::Cut { region_s: Some([0.5, 2.25]), gain_db: -3.0, normalise: true };
+    let beside = library.folder().join("Glut/Öl, nah — 火.wav");
+    let outside = folder.path().join("campfire.wav");
+    for (name, file, written) in [("beside", &beside, "Glut/Öl, nah — 火.wav"), ("outside", &outside, "")] {
+        let recording = Some(crate::PresetRecording { file: file.clone(), cut });
+        let preset = Preset { recording, ..preset(name, 2.0) };
+        let path = library.save(&preset, false).expect("saved");
+        assert_eq!(Preset::load(&path).expect("read"), preset, "the file need not exist");
+        let written = if written.is_empty() { file.display().to_string() } else { written.to_owned() };
+        let text = fs::read_to_string(&path).expect("text");
+        assert!(text.contains(&format!("\nfile = {}\n", toml::Value::String(written))), "{text}");
+    }
+    let renamed = library.rename(&library.folder().join("beside.toml"), "other").expect("renamed");
+    assert_eq!(Preset::load(&renamed).expect("read").recording.expect("kept").file, beside);
+    let moved = Library::new(folder.path().join("moved"));
+    fs::rename(library.folder(), moved.folder()).expect("moved");
+    let found = moved.find("other").expect("a file").expect("a preset").recording.expect("kept");
+    assert_eq!((found.file, found.cut), (moved.folder().join("Glut/Öl, nah — 火.wav"), cut));
+}
+
+#[test]
 fn broken_presets_are_reported_and_the_rest_listed() {
     let (_folder, library) = library();
     library.save(&preset("good", 2.0), false).expect("saved");

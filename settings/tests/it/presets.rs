@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use proptest::prelude::*;
+use pyrophone_settings::session::Cut;
 use pyrophone_settings::{COUNT, Error, Id, PARAMETERS, Preset, Values, preset};
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::controls::{DynamicRange, Quality};
@@ -135,6 +136,29 @@ fn a_preset_of_version_2_follows_by_attack_and_release() {
 }
 
 #[test]
+fn a_preset_may_name_a_recording() {
+    let read = |recording: &str| Preset::from_toml(&format!("version = 3\nname = \"x\"\n{recording}"), "x.toml");
+    assert_eq!(read("").unwrap().recording, None);
+    let whole = read("[recording]\nfile = \"fire.wav\"").unwrap().recording.unwrap();
+    assert_eq!((whole.file.to_str(), whole.cut), (Some("fire.wav"), Cut::default()));
+    let part = read("[recording]\nfile = \"/a.wav\"\nregion_s = [1.5, 4.0]\ngain_db = -6.0\nnormalise = true").unwrap();
+    let cut = Cut { region_s: Some([1.5, 4.0]), gain_db: -6.0, normalise: true };
+    assert_eq!(part.recording.as_ref().unwrap().cut, cut);
+    assert_eq!(Preset::from_toml(&part.to_toml(), "memory").unwrap(), part);
+    for wrong in [
+        "",
+        "file = \" \"",
+        "file = 3",
+        "file = \"a\"\npart = 1",
+        "file = \"a\"\nregion_s = [2.0, 1.0]",
+        "file = \"a\"\ngain_db = 61.0",
+    ] {
+        let error = read(&format!("[recording]\n{wrong}")).unwrap_err();
+        assert!(matches!(error, Error::PresetSyntax { .. }), "{wrong}: {error}");
+    }
+}
+
+#[test]
 fn large_files_are_refused_in_few_words() {
     let folder = tempfile::tempdir().unwrap();
     let load = |text: &str| {
@@ -159,7 +183,8 @@ proptest! {
         let tags = vec!["loud".to_owned(), "a \"quoted\" one".to_owned()];
         let title = format!("{name}, in words");
         let description = "a \"quoted\" one".to_owned();
-        let preset = Preset { name, title, author: "Somebody".to_owned(), description, tags, values };
+        let recording = None;
+        let preset = Preset { name, title, author: "Somebody".to_owned(), description, tags, values, recording };
         prop_assert_eq!(Preset::from_toml(&preset.to_toml(), "memory").unwrap(), preset);
     }
 }

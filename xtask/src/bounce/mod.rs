@@ -1,6 +1,7 @@
 //! `cargo xtask bounce`: a file through the built plugin, in a headless host.
 //!
-//! For any preset the output equals that of `pyrophone render`, bit for bit.
+//! For any preset the output equals that of `pyrophone render`, bit for bit. A recording that a preset names is not loaded:
+//! give it by `--training`.
 
 mod play;
 

@@ -5,12 +5,13 @@
 //! |---|---|
 //! | `raw` | an instance over the C interface, and its host |
 //! | `events` | lists of events, and buses |
-//! | `discovery`, `extensions`, `ports` | checks that need more than that |
+//! | `discovery`, `preset_recording`, `extensions`, `ports` | checks that need more than that |
 
 mod discovery;
 mod events;
 mod extensions;
 mod ports;
+mod preset_recording;
 mod raw;
 
 use std::collections::BTreeSet;
@@ -33,6 +34,7 @@ use discovery::presets;
 use events::{bus, event, null_channels};
 use extensions::extensions;
 use ports::ports;
+use preset_recording::preset_recording;
 use raw::{BLOCK, Raw};
 
 /// All checks.
@@ -44,6 +46,7 @@ pub(crate) const CHECKS: &[Check] = &[
     Check { name: "names_and_flags_of_parameters_are_sound", run: parameters_are_sound },
     Check { name: "whole_numbers_have_their_plain_values", run: plain_whole_numbers },
     Check { name: "presets_are_discovered_and_loaded", run: presets },
+    Check { name: "presets_bring_their_recordings", run: preset_recording },
     Check { name: "extensions_that_hosts_ask_for_answer", run: extensions },
     Check { name: "ports_are_configured_as_asked", run: ports },
 ];

@@ -1,15 +1,19 @@
-//! A pad that moves two macros at once.
+//! A pad that moves two macros at once, by pointer or arrow keys.
 
 use std::collections::VecDeque;
 
 use egui::{
-    Align2, ComboBox, CursorIcon, Id as Place, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
+    Align2, ComboBox, CursorIcon, Id as Place, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, StrokeKind,
+    Ui, Vec2, WidgetInfo,
 };
+use pyrophone_settings::PARAMETERS;
 use pyrophone_settings::macros::MACROS;
 
 use super::super::param_editor::ParamEditor;
 use super::super::widgets::baked::{baked, bits};
+use super::super::widgets::keys::{arrows, fine, is_reset};
 use super::super::widgets::section::{columns, within};
+use super::super::widgets::turn::NOTCH;
 use super::super::{map, theme};
 
 /// Height of the row of choices, in points, and lines of the grid.
@@ -25,12 +29,13 @@ pub struct Pad {
     axes: [usize; 2],
     trail: VecDeque<[f64; 2]>,
     is_held: bool,
+    has_focus: bool,
 }
 
 impl Default for Pad {
     /// Fury across, Crackle up.
     fn default() -> Self {
-        Self { axes: [1, 2], trail: VecDeque::new(), is_held: false }
+        Self { axes: [1, 2], trail: VecDeque::new(), is_held: false, has_focus: false }
     }
 }
 
@@ -88,13 +93,46 @@ impl Pad {
         } else if self.is_held {
             self.let_go(edit);
         }
-        if response.double_clicked() {
+        if response.double_clicked() || is_reset(ui, &response) {
             self.indices().into_iter().for_each(|index| edit.set_once(index, 0.0));
+        } else if pressed {
+            response.request_focus();
         }
+        self.step(ui, &response, edit);
+        self.describe(&response, edit);
+        self.has_focus = response.has_focus();
         if !response.dragged() {
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
-            response.on_hover_text("Drag to move two macros at once. Double-click to set both to 0 %.");
+            response.on_hover_text(
+                "Drag to move two macros at once, or use the arrow keys. Double-click to set both to 0 %.",
+            );
         }
+    }
+
+    /// Moves the macros by the arrow keys, each press in one gesture.
+    fn step(&self, ui: &Ui, response: &Response, edit: &mut ParamEditor<'_>) {
+        if self.is_held {
+            return;
+        }
+        for (index, steps) in self.indices().into_iter().zip(arrows(ui, response)) {
+            let (parameter, plain) = (&PARAMETERS[index], edit.value(index));
+            let (low, high) = (parameter.low(), parameter.high());
+            let next = (plain + steps * NOTCH * fine(ui) * (high - low)).clamp(low, high);
+            if next != plain {
+                edit.set_once(index, next);
+            }
+        }
+    }
+
+    /// Describes the pad to assistive technology.
+    fn describe(&self, response: &Response, edit: &ParamEditor<'_>) {
+        let texts = self.indices().map(|index| PARAMETERS[index].to_text(edit.value(index)));
+        let names = self.axes.map(|axis| MACROS[axis].name);
+        response.widget_info(|| {
+            let mut info = WidgetInfo::labeled(Role::Slider, true, format!("{} and {}", names[0], names[1]));
+            info.current_text_value = Some(texts.join(", "));
+            info
+        });
     }
 
     fn let_go(&mut self, edit: &mut ParamEditor<'_>) {
@@ -110,6 +148,9 @@ impl Pad {
     fn draw(&mut self, ui: &Ui, pad: Rect, edit: &ParamEditor<'_>) {
         let painter = ui.painter().with_clip_rect(pad);
         baked(&painter, Place::unique("pad grid"), bits(pad), || grid(pad));
+        if self.has_focus {
+            painter.rect_stroke(pad, 4.0, Stroke::new(1.0, theme::EMBER), StrokeKind::Inside);
+        }
         let names = self.axes.map(|axis| MACROS[axis].name);
         let weak = theme::WEAK.gamma_multiply(0.7);
         painter.text(pad.right_bottom() - Vec2::splat(5.0), Align2::RIGHT_BOTTOM, names[0], theme::small(), weak);

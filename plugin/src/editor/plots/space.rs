@@ -10,6 +10,8 @@ use super::spectrogram::label;
 
 /// Rings about the listener, in m; the largest that is needed is the view's edge.
 const RINGS_M: [f32; 12] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0];
+/// Least distance of two rings, in points, for the outer one's name.
+const ROOM_FOR_NAME: f32 = 15.0;
 /// Level in dB below the loudest at which a source no longer glows.
 const GLOW_DB: f32 = 30.0;
 /// Radius of the listener's head and of a silent source, and the increase for a loud one, in points.
@@ -175,10 +177,16 @@ fn mix(from: Color32, to: Color32, part: f32) -> Color32 {
 }
 
 fn rings(painter: &egui::Painter, view: &View, radius_m: f32) {
+    let mut inner = HEAD + 4.0;
     for ring in RINGS_M.into_iter().filter(|ring| *ring <= 1.001 * radius_m && *ring >= 0.04 * radius_m) {
-        painter.circle_stroke(view.centre, view.scale * ring, Stroke::new(1.0, theme::LINE));
-        let at = view.centre + Vec2::new(0.0, -view.scale * ring);
-        painter.text(at + Vec2::new(3.0, 1.0), Align2::LEFT_TOP, format!("{ring} m"), theme::small(), theme::WEAK);
+        let radius = view.scale * ring;
+        painter.circle_stroke(view.centre, radius, Stroke::new(1.0, theme::LINE));
+        // A name within its ring would cover the next smaller one's, or the head.
+        if radius - inner >= ROOM_FOR_NAME {
+            let at = view.centre + Vec2::new(3.0, 1.0 - radius);
+            painter.text(at, Align2::LEFT_TOP, format!("{ring} m"), theme::small(), theme::WEAK);
+        }
+        inner = radius;
     }
 }
 

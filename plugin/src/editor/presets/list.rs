@@ -3,9 +3,12 @@
 use std::sync::Arc;
 
 use egui::{
-    Align, Align2, Button, Key, Label, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Shape, Stroke, TextEdit, Ui,
-    Vec2,
+    Align, Align2, Button, Checkbox, Key, Label, Layout, Pos2, Rect, RichText, ScrollArea, Sense, Shape, Stroke,
+    TextEdit, Ui, Vec2,
 };
+
+use pyrophone_settings::PresetRecording;
+use pyrophone_settings::session::Slot;
 
 use super::super::history::{Chosen, Entry};
 use super::super::param_editor::ParamEditor;
@@ -44,6 +47,8 @@ pub(super) struct List {
     marked: usize,
     /// Name typed in for saving.
     name: String,
+    /// True if the next save includes the recording.
+    takes_recording: bool,
     /// True if the next save replaces, and true if the next press deletes.
     replaces: bool,
     deletes: bool,
@@ -62,6 +67,8 @@ impl List {
     pub fn toggle(&mut self) -> bool {
         self.is_open = !self.is_open;
         self.has_opened = self.is_open;
+        // What was searched for last time would come before what is typed now.
+        self.search.clear();
         self.forget_questions();
         self.is_open
     }
@@ -122,6 +129,7 @@ impl Presets {
         let chosen = self.lines(ui, &found, up || down, edit.history.chosen.as_ref());
         if let Some(entry) = chosen.or_else(|| found.get(self.list.marked).filter(|_| enter && !is_naming).cloned()) {
             self.list.name = entry.preset.name.clone();
+            self.list.takes_recording = entry.preset.recording.is_some();
             edit.choose(Some(entry));
             self.message = None;
             self.list.forget_questions();
@@ -228,6 +236,9 @@ impl Presets {
         if !preset.author.is_empty() {
             say(&format!("   by {}", preset.author), theme::small(), theme::WEAK);
         }
+        if let Some(file) = preset.recording.as_ref().and_then(|recording| recording.file.file_name()) {
+            say(&format!("   with {}", file.to_string_lossy()), theme::small(), theme::BLUE);
+        }
         say(&format!("\n{}", preset.description), theme::small(), theme::WEAK);
         ui.horizontal_top(|ui| {
             let is_favourite = self.favourites.contains(&preset.name);
@@ -266,6 +277,12 @@ impl Presets {
                 let words = if self.list.replaces { "Replace" } else { "Save" };
                 save = action(words, "Save", can_save, "Saves the current settings as a preset of your own")
                     || entered && can_save;
+                let has_recording = edit.loader.status.view().path.is_some();
+                let tick = Checkbox::new(&mut self.list.takes_recording, "With recording");
+                let tick = ui.add_enabled(has_recording, tick);
+                map::note(ui, "toggle.With recording", tick.rect);
+                tick.on_hover_text("Saves where the active slot's recording is, its selected part and its level, so that choosing the preset loads it")
+                    .on_disabled_hover_text("No recording is loaded");
                 let field = TextEdit::singleline(&mut self.list.name).id(egui::Id::unique(NAME));
                 let field = ui.add(field.hint_text("Preset name").desired_width(f32::INFINITY));
                 map::note(ui, "field.Preset name", field.rect);
@@ -277,7 +294,10 @@ impl Presets {
         });
         let name = self.list.name.clone();
         match own {
-            _ if save => self.save(&name, edit.values(), self.list.replaces, chosen.as_ref()),
+            _ if save => {
+                let recording = self.list.takes_recording.then(|| recording(edit)).flatten();
+                self.save(&name, edit.values(), recording, self.list.replaces, chosen.as_ref());
+            }
             Some((path, _)) if rename => self.run(move |library| library.rename(&path, &name).map(Done::Kept)),
             Some(_) if delete && !self.list.deletes => {
                 self.list.deletes = true;
@@ -316,6 +336,12 @@ impl Presets {
             }
         });
     }
+}
+
+/// The active slot's recording, for a preset.
+fn recording(edit: &ParamEditor<'_>) -> Option<PresetRecording> {
+    let (_, Slot { recording, cut }) = edit.slot();
+    Some(PresetRecording { file: recording?.path.into(), cut })
 }
 
 /// A star with five points, drawn because the fonts have none.

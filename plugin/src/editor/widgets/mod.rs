@@ -7,12 +7,13 @@
 //! | [`value`](mod@value) | the value as text, and typing it |
 //! | [`menu`](mod@menu) | the context menu |
 //! | [`pick`] | choices and switches |
+//! | [`keys`] | keys of the focused widget |
 //! | [`section`](mod@section) | panels, and areas in them |
 //! | [`baked`](mod@baked) | shapes that rarely change |
 
 pub mod baked;
 pub mod fader;
-mod keys;
+pub mod keys;
 pub mod knob;
 pub mod menu;
 pub mod pick;

@@ -10,6 +10,8 @@ use super::notches;
 
 /// Width of a choice, in points.
 pub const WIDTH: f32 = 112.0;
+/// Width in points of a list's arrow, with the space around it.
+const ARROW: f32 = 30.0;
 /// Opacity of a parameter without effect.
 const DIMMED: f32 = 0.45;
 
@@ -34,7 +36,10 @@ pub fn list(ui: &mut Ui, index: usize, names: &[&str], width: f32, edit: &mut Pa
     let before = chosen;
     let reason = edit.inert(index);
     let name = names[chosen.min(names.len() - 1)];
+    // A long name in small letters is better than one that is cut.
+    let fits = ui.painter().layout_no_wrap(name.to_owned(), theme::strong(), theme::TEXT).size().x <= width - ARROW;
     let shown = RichText::new(name);
+    let shown = if fits { shown } else { shown.font(theme::small()) };
     let shown = if reason.is_some() { shown.color(theme::TEXT.gamma_multiply(DIMMED)) } else { shown };
     let list = ComboBox::from_id_salt(parameter.id).width(width).truncate().selected_text(shown).show_ui(ui, |ui| {
         for (index, name) in names.iter().enumerate() {

@@ -1,17 +1,16 @@
 //! Turning a parameter: drag (finer with Shift), wheel, arrow keys, double click for the default, a menu on the right button.
 
-use egui::{Key, Response, Ui, WidgetInfo};
+use egui::{Response, Ui, WidgetInfo};
 use pyrophone_settings::{PARAMETERS, ParameterKind};
 
 use super::super::param_editor::ParamEditor;
+use super::keys::{fine, is_reset};
 use super::menu::menu;
 
 /// Points of pointer travel for a full turn.
 const TRAVEL: f32 = 180.0;
-/// Factor of Shift on the speed.
-const FINE: f64 = 0.1;
 /// Share of the range for a notch of the wheel or an arrow key.
-const NOTCH: f64 = 0.02;
+pub const NOTCH: f64 = 0.02;
 
 /// Direction of the pointer that moves a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +36,7 @@ pub fn turn(ui: &Ui, response: &Response, index: usize, travel: Travel, edit: &m
     } else if response.clicked() {
         response.request_focus();
     }
-    if response.has_focus() && ui.input(|input| input.key_pressed(Key::Delete) || input.key_pressed(Key::Backspace)) {
+    if is_reset(ui, response) {
         edit.set_once(index, parameter.default_value());
     }
     menu(response, index, true, edit);
@@ -103,10 +102,6 @@ fn notches(ui: &Ui, response: &Response, index: usize, edit: &mut ParamEditor<'_
     if next != plain {
         edit.set_once(index, next);
     }
-}
-
-fn fine(ui: &Ui) -> f64 {
-    if ui.input(|input| input.modifiers.shift) { FINE } else { 1.0 }
 }
 
 /// Notches of the wheel since the last frame.

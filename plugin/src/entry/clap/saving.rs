@@ -14,7 +14,7 @@ use clap_sys::factory::preset_discovery::{
 };
 use clap_sys::plugin::clap_plugin;
 use clap_sys::stream::{clap_istream, clap_ostream};
-use pyrophone_settings::Preset;
+use pyrophone_settings::{Id, Preset};
 
 use super::guard::Guard;
 use crate::entry::state;
@@ -145,7 +145,8 @@ unsafe fn preset_at(
     }
 }
 
-/// Sets the parameters to a preset's values; recording and window stay.
+/// Sets the parameters to a preset's values, and loads its recording if it names one; otherwise the recording stays, as
+/// the window does.
 fn apply(guard: &Guard, preset: &Preset) -> Option<()> {
     let present: serde_json::Value = serde_json::from_slice(&saved(guard)?).ok()?;
     let session = pyrophone_settings::Session::default();
@@ -153,7 +154,13 @@ fn apply(guard: &Guard, preset: &Preset) -> Option<()> {
     let text = pyrophone_settings::session::plugin_state(&values, &session);
     let mut wanted: serde_json::Value = serde_json::from_str(&text).ok()?;
     wanted["fields"] = present["fields"].clone();
-    load_json(guard, &serde_json::to_vec(&wanted).ok()?).then_some(())
+    let is_loaded = load_json(guard, &serde_json::to_vec(&wanted).ok()?);
+    if let (true, Some(recording)) = (is_loaded, &preset.recording) {
+        // Posted after the state, which names the present recording once more.
+        let slot = values.get(Id::RecordingSlot) as usize;
+        guard.instance.loader.load_preset(slot, recording.clone());
+    }
+    is_loaded.then_some(())
 }
 
 unsafe extern "C" fn from_location(

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use pyrophone_recording::{Cut, Recording};
+use pyrophone_settings::{PresetRecording, session};
 
 use super::Worker;
 use crate::loader::job::Job;
@@ -59,18 +60,24 @@ impl Worker {
                 // The old part means nothing in another recording; the same recording at a new path keeps it.
                 let known = self.session.recording_in(slot);
                 let is_known = known.is_some_and(|known| known.content_hash == found.reference.content_hash);
-                let cut = if is_known { self.cut(slot) } else { Cut { region_s: None, ..self.cut(slot) } };
-                // The old recording stays until the new one has its index.
-                let dictionary = self.build(slot, &found.recording, &cut, job)?;
-                *self.session.recording_in_mut(slot) = Some(found.reference.clone());
-                self.session.cut_in_mut(slot).region_s = cut.region_s;
-                self.params.session.store(&self.session);
-                self.slots[slot].dictionary = dictionary;
+                let old = self.session.cut_in(slot);
+                let cut = if is_known { old } else { session::Cut { region_s: None, ..old } };
+                self.exchange(slot, &found, cut, job)?;
                 if let Some(recent) = &self.recent {
                     let known = recent.add(&found.reference.path);
                     self.status.update(|view| view.recent = known);
                 }
                 Ok(Some(found))
+            }
+            Pending::Preset(PresetRecording { file, cut }) => {
+                let found = source::open(file, self.session.embed, job);
+                let exchanged = found.and_then(|found| self.exchange(slot, &found, *cut, job).map(|()| found));
+                exchanged.map(Some).map_err(|failure| match failure {
+                    Failure::Message(message) => Failure::Message(format!(
+                        "The preset's recording cannot be loaded, so the present one stays. {message}"
+                    )),
+                    Failure::Cancelled => Failure::Cancelled,
+                })
             }
             Pending::Session => match self.session.recording_in(slot).cloned() {
                 None => Ok(None),
@@ -83,6 +90,21 @@ impl Worker {
                 }
             },
         }
+    }
+
+    /// Exchanges a slot's recording for another, or for another part of it. The old one stays until the new one has its
+    /// index.
+    fn exchange(&mut self, slot: usize, found: &Found, cut: session::Cut, job: &Job) -> Result<(), Failure> {
+        let session::Cut { region_s, gain_db, normalise } = cut;
+        let part = Cut { region_s, gain_db, normalise };
+        let dictionary = self.build(slot, &found.recording, &part, job)?;
+        *self.session.recording_in_mut(slot) = Some(found.reference.clone());
+        *self.session.cut_in_mut(slot) = cut;
+        self.params.session.store(&self.session);
+        self.slots[slot].dictionary = dictionary;
+        // The engines still have the old one's, if any.
+        self.slots[slot].is_sent = false;
+        Ok(())
     }
 
     pub(super) fn set_recording(&mut self, slot: usize, recording: Option<Arc<Recording>>) {

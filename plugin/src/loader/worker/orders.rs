@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use pyrophone_recording::{check_not_among, write_wav_f32};
+use pyrophone_settings::{PresetRecording, session};
 use pyrophone_synthesis::controls::SLOTS;
 
 use super::Worker;
@@ -16,6 +17,10 @@ impl Worker {
         let shown = self.shown;
         match order {
             Order::Load(path) => self.slots[shown].pending = Some(Pending::File(path)),
+            Order::LoadPreset(slot, recording) => {
+                self.slots[slot.min(SLOTS - 1)].pending = Some(Pending::Preset(recording));
+            }
+            Order::Restore(slot, before) => self.restore(slot.min(SLOTS - 1), before),
             Order::Unload => {
                 self.slots[shown].pending = None;
                 *self.session.recording_in_mut(shown) = None;
@@ -80,7 +85,9 @@ impl Worker {
     fn cancel_fetching(&mut self) -> Option<String> {
         let slot = self.order().find(|slot| self.slots[*slot].pending.is_some())?;
         match self.slots[slot].pending.take()? {
-            Pending::File(path) => Some(path.display().to_string()),
+            Pending::File(path) | Pending::Preset(PresetRecording { file: path, .. }) => {
+                Some(path.display().to_string())
+            }
             Pending::Session => {
                 self.set_recording(slot, None);
                 Some("the session's recording".to_owned())
@@ -122,6 +129,15 @@ impl Worker {
             Ok(()) => self.status.update(|view| view.notice = Some(format!("Saved: {}", path.display()))),
             Err(error) => self.status.fail(error.to_string()),
         }
+    }
+
+    /// Puts back the recording that a slot had before, from its file or from the session itself.
+    fn restore(&mut self, slot: usize, before: session::Slot) {
+        *self.session.recording_in_mut(slot) = before.recording;
+        *self.session.cut_in_mut(slot) = before.cut;
+        self.slots[slot].pending = Some(Pending::Session);
+        self.show_recording(slot);
+        self.params.session.store(&self.session);
     }
 
     /// Takes over the session that the host has loaded. An unreadable one changes nothing; a later version's is kept

@@ -1,7 +1,8 @@
-//! The loader: latest wins, the old sound stays, sharing, sessions, learning. Without a host.
+//! The loader: latest wins, the old sound stays, sharing, sessions, presets' recordings, learning. Without a host.
 
 mod dictionaries;
 mod learning;
+mod presets;
 mod requests;
 mod sessions;
 
