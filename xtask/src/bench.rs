@@ -46,7 +46,7 @@ enum Bench {
     Search,
     /// The solver and the flame front
     Flame,
-    /// Accuracy of the steps between a simulation's frames (PYROPHONE_REFERENCE names the folder of the reference cache)
+    /// Accuracy of the steps between a simulation's frames, and of the final sound (PYROPHONE_REFERENCE names the folder of the reference data)
     Upsample,
     /// The editor's window: time per frame, and processor time of the whole process on a screen (Xvfb)
     Window,
@@ -92,6 +92,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
             let status = cargo::command().args(["bench", "--quiet", "--package", package, "--bench", name]).status()?;
             ensure!(status.success(), "the bench `{name}` failed; see above");
         }
+    }
+    if args.bench == Some(Bench::Upsample) {
+        bundle::bundle(bundle::Profile::Release)?;
+        return cargo::sound("upsampled", &[]);
     }
     if is_wanted(Bench::Search) {
         let mut figures =

@@ -24,10 +24,10 @@ const LOOP_S: f64 = 10.0;
 const FADE_S: f64 = 1.0;
 
 /// Change of a variant against the scene as designed.
-type Way = fn(Options) -> Options;
+pub type Way = fn(Options) -> Options;
 
 /// Variants in which every scene is simulated, in the order that the synthesis crate expects: as designed, windy.
-const WAYS: [(&str, Way); 2] =
+pub const WAYS: [(&str, Way); 2] =
     [("plain", |designed| designed), ("windy", |designed| Options { wind: 2.0, turbulence: 2.0, ..designed })];
 
 /// Options of `cargo xtask drives`.

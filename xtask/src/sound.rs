@@ -9,6 +9,7 @@ mod project;
 mod scenes;
 mod score;
 mod simulated;
+mod upsampled;
 mod vortex;
 
 use std::process::ExitCode;
@@ -38,6 +39,8 @@ enum Command {
     Scenes(scenes::Args),
     /// Score results against their recordings
     Score(score::Args),
+    /// Compare the sound of few frames a second with that of all steps
+    Upsampled(upsampled::Args),
     /// Record the vortex-sound textures that are shipped
     Vortex(vortex::Args),
 }
@@ -51,6 +54,7 @@ fn main() -> ExitCode {
         Command::Peers(args) => peers::run(&args),
         Command::Scenes(args) => scenes::run(&args),
         Command::Score(args) => score::run(&args),
+        Command::Upsampled(args) => upsampled::run(&args),
         Command::Vortex(args) => vortex::run(&args),
     };
     match result {

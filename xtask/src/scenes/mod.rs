@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use pyrophone_flame::pressure::derivative;
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene};
 
-use crate::simulated;
+use crate::{drives, project, simulated};
 use character::{BANDS_HZ, Character};
 
 /// Sampling rate of the pressure, in Hz: four times the steps', so that the kernel's images are far outside the band.
@@ -29,6 +29,9 @@ pub struct Args {
     /// Random seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Measure the plugin's loops, as designed and windy, without simulating anything
+    #[arg(long, conflicts_with_all = ["cells", "seconds", "seed"])]
+    loops: bool,
     /// WAV files of other flames' pressure, which come first in the table
     #[arg(long, value_name = "FILE", num_args = 1.., value_delimiter = ',')]
     reference: Vec<PathBuf>,
@@ -45,6 +48,10 @@ pub fn run(args: &Args) -> Result<()> {
         println!("{}", row(&name, "", Character::of_signal(&signal, rate_hz).as_ref(), ""));
     }
     for scene in if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes } {
+        if args.loops {
+            print_loops(scene)?;
+            continue;
+        }
         let mut coarser: Option<Character> = None;
         for cells in &args.cells {
             let began = Instant::now();
@@ -65,6 +72,19 @@ pub fn run(args: &Args) -> Result<()> {
 pub fn of_scene(scene: Scene, options: Options, seconds: f64) -> Result<Option<Character>> {
     let flux = simulated::flux(scene, options, scene.default_pre_roll_s(), seconds, scene.name())?;
     Ok(Character::of_signal(&derivative(&flux, STEP_RATE_HZ, RATE_HZ), RATE_HZ))
+}
+
+/// Prints the character of a scene's loops in the plugin, one for each way in which it was simulated.
+fn print_loops(scene: Scene) -> Result<()> {
+    let path = project::root().join(format!("presets/drives/{}.wav", scene.name()));
+    let mut reader = hound::WavReader::open(&path).with_context(|| path.display().to_string())?;
+    let flux: Vec<f64> = reader.samples::<i16>().map(|x| x.map(f64::from)).collect::<Result<_, _>>()?;
+    for (way, (name, _)) in drives::WAYS.iter().enumerate() {
+        let flux: Vec<f64> = flux.iter().copied().skip(way).step_by(drives::WAYS.len()).collect();
+        let found = Character::of_signal(&derivative(&flux, STEP_RATE_HZ, RATE_HZ), RATE_HZ);
+        println!("{}", row(&format!("{}, {name}", scene.name()), "loop", found.as_ref(), ""));
+    }
+    Ok(())
 }
 
 /// A WAV file's first channel, and its sample rate in Hz.

@@ -13,7 +13,7 @@
 //! | `table` | the table of the pairs |
 
 mod drives;
-mod python;
+pub mod python;
 mod real;
 mod table;
 
