@@ -18,8 +18,8 @@
 //! [`midi`] handles MIDI controllers. [`suggestion`] offers a one-click remedy for a fault, [`inert`] lists parameters
 //! without effect and the reasons. [`monitor`] and [`levels`] follow the sound, [`param_editor`] moves parameters and
 //! [`history`] records the changes, [`theme`] is the look, [`dialog`] the system's file dialog, [`mod@drop`] accepts
-//! dropped files, [`drag`] passes sounds to other programs, [`task`] works with files, [`map`] shows tests the items'
-//! positions.
+//! dropped files, [`drag`] passes sounds to other programs (by `xdnd` under X11), [`task`] works with files, [`map`]
+//! shows tests the items' positions.
 
 pub mod controls;
 pub mod dialog;
@@ -48,6 +48,7 @@ pub mod take;
 pub mod task;
 pub mod theme;
 pub mod widgets;
+mod xdnd;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -281,12 +281,15 @@ impl RecordingPanel {
             }
         }
         let centre = above.center();
-        let word = |text: &str, color| {
+        let word = |text: &str, colour| {
             let width = above.width() - 20.0;
-            let galley = painter.layout(text.to_owned(), egui::FontId::proportional(12.5), color, width);
+            let mut galley = painter.layout(text.to_owned(), theme::strong(), colour, width);
+            if galley.size().y > above.height() {
+                galley = painter.layout(text.replace('\n', " "), theme::small(), colour, width);
+            }
             let place = Rect::from_center_size(centre, galley.size());
             painter.rect_filled(place.expand(5.0), 3.0, theme::text_background());
-            painter.galley(place.min, galley, color);
+            painter.galley(place.min, galley, colour);
         };
         if let Some((what, done)) = &view.progress {
             let bar = Rect::from_min_max(above.left_bottom() - Vec2::new(0.0, 4.0), above.right_bottom());

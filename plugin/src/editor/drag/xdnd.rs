@@ -16,26 +16,8 @@ use x11rb::protocol::xproto::{
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-x11rb::atom_manager! {
-    /// Atoms of the protocol between source and target.
-    Atoms: AtomsCookie {
-        XdndAware,
-        XdndProxy,
-        XdndEnter,
-        XdndPosition,
-        XdndStatus,
-        XdndLeave,
-        XdndDrop,
-        XdndFinished,
-        XdndSelection,
-        XdndActionCopy,
-        TARGETS,
-        UriList: b"text/uri-list",
-    }
-}
+use crate::editor::xdnd::{Atoms, VERSION};
 
-/// Version of XDND.
-const VERSION: u32 = 5;
 /// Interval at which pointer and target are polled.
 const PERIOD: Duration = Duration::from_millis(10);
 /// Time allowed to a target for reading the dropped file.

@@ -19,26 +19,8 @@ use x11rb::protocol::xproto::{
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-x11rb::atom_manager! {
-    /// Atoms of the protocol between source and target.
-    Words: WordsCookie {
-        XdndAware,
-        XdndProxy,
-        XdndEnter,
-        XdndPosition,
-        XdndStatus,
-        XdndLeave,
-        XdndDrop,
-        XdndFinished,
-        XdndSelection,
-        XdndTypeList,
-        XdndActionCopy,
-        UriList: b"text/uri-list",
-    }
-}
+use crate::editor::xdnd::{Atoms, VERSION};
 
-/// Version of XDND.
-const VERSION: u32 = 5;
 /// Longest list of files that is read, in units of four bytes.
 const LONGEST: u32 = 1 << 18;
 
@@ -51,7 +33,7 @@ pub struct DropTarget {
 
 struct Shared {
     connection: RustConnection,
-    words: Words,
+    atoms: Atoms,
     /// The proxy window.
     own: Window,
     is_hovered: AtomicBool,
@@ -90,7 +72,7 @@ impl Drop for DropTarget {
         self.shared.has_ended.store(true, Ordering::Relaxed);
         // Any event wakes the thread. Without a display it has ended already.
         let own = self.shared.own;
-        let _ = self.shared.send(own, self.shared.words.XdndLeave, [0; 5], own);
+        let _ = self.shared.send(own, self.shared.atoms.XdndLeave, [0; 5], own);
         if let Some(thread) = self.thread.take() {
             // A panic on that thread only means that files are no longer accepted.
             let _ = thread.join();
@@ -101,18 +83,18 @@ impl Drop for DropTarget {
 impl Shared {
     fn proxy_for(editor: Window) -> Result<Self, ReplyOrIdError> {
         let (connection, screen) = x11rb::connect(None).map_err(|_| ReplyOrIdError::IdsExhausted)?;
-        let words = Words::new(&connection)?.reply()?;
+        let atoms = Atoms::new(&connection)?.reply()?;
         let own = connection.generate_id()?;
         let root = connection.setup().roots[screen].root;
         let looks = CreateWindowAux::new();
         connection.create_window(0, own, root, -1, -1, 1, 1, 0, WindowClass::INPUT_ONLY, 0, &looks)?;
         let (window, atom) = (AtomEnum::WINDOW, AtomEnum::ATOM);
-        connection.change_property32(PropMode::REPLACE, own, words.XdndAware, atom, &[VERSION])?;
+        connection.change_property32(PropMode::REPLACE, own, atoms.XdndAware, atom, &[VERSION])?;
         // By the protocol, a proxy must carry the property itself too.
-        connection.change_property32(PropMode::REPLACE, own, words.XdndProxy, window, &[own])?;
-        connection.change_property32(PropMode::REPLACE, editor, words.XdndProxy, window, &[own])?.check()?;
+        connection.change_property32(PropMode::REPLACE, own, atoms.XdndProxy, window, &[own])?;
+        connection.change_property32(PropMode::REPLACE, editor, atoms.XdndProxy, window, &[own])?.check()?;
         let (is_hovered, has_ended) = (AtomicBool::new(false), AtomicBool::new(false));
-        Ok(Self { connection, words, own, is_hovered, has_ended })
+        Ok(Self { connection, atoms, own, is_hovered, has_ended })
     }
 
     fn run(&self, dropped: &Sender<PathBuf>, notifier: &RepaintNotifier) {
@@ -133,27 +115,27 @@ impl Shared {
 
     /// Continues a drag, and returns the dropped files.
     fn follow(&self, event: &Event, drag: &mut Option<Drag>) -> Result<Vec<PathBuf>, ReplyOrIdError> {
-        let words = &self.words;
+        let atoms = &self.atoms;
         match event {
             Event::ClientMessage(message) if message.format == 32 => {
                 let data = message.data.as_data32();
                 let (source, kind) = (data[0], message.type_);
-                if kind == words.XdndEnter {
-                    let has_files = self.kinds(source, &data)?.contains(&words.UriList);
+                if kind == atoms.XdndEnter {
+                    let has_files = self.kinds(source, &data)?.contains(&atoms.UriList);
                     *drag = Some(Drag { source, target: message.window, has_files });
                 } else if let Some(known) = drag.as_ref().filter(|drag| drag.source == source) {
                     let (target, accepts) = (known.target, u32::from(known.has_files));
-                    if kind == words.XdndPosition {
-                        let action = if known.has_files { words.XdndActionCopy } else { 0 };
-                        self.send(source, words.XdndStatus, [target, accepts, 0, 0, action], source)?;
-                    } else if kind == words.XdndLeave {
+                    if kind == atoms.XdndPosition {
+                        let action = if known.has_files { atoms.XdndActionCopy } else { 0 };
+                        self.send(source, atoms.XdndStatus, [target, accepts, 0, 0, action], source)?;
+                    } else if kind == atoms.XdndLeave {
                         *drag = None;
-                    } else if kind == words.XdndDrop && known.has_files {
-                        let property = words.XdndSelection;
-                        self.connection.convert_selection(self.own, property, words.UriList, property, data[2])?;
+                    } else if kind == atoms.XdndDrop && known.has_files {
+                        let property = atoms.XdndSelection;
+                        self.connection.convert_selection(self.own, property, atoms.UriList, property, data[2])?;
                         self.connection.flush()?;
-                    } else if kind == words.XdndDrop {
-                        self.send(source, words.XdndFinished, [target, 0, 0, 0, 0], source)?;
+                    } else if kind == atoms.XdndDrop {
+                        self.send(source, atoms.XdndFinished, [target, 0, 0, 0, 0], source)?;
                         *drag = None;
                     }
                 }
@@ -167,8 +149,8 @@ impl Shared {
                         self.connection.get_property(true, self.own, notice.property, any, 0, LONGEST)?.reply()?;
                     files = files_in(&list.value);
                 }
-                let (is_taken, action) = if files.is_empty() { (0, 0) } else { (1, words.XdndActionCopy) };
-                self.send(source, words.XdndFinished, [target, is_taken, action, 0, 0], source)?;
+                let (is_taken, action) = if files.is_empty() { (0, 0) } else { (1, atoms.XdndActionCopy) };
+                self.send(source, atoms.XdndFinished, [target, is_taken, action, 0, 0], source)?;
                 return Ok(files);
             }
             _ => {}
@@ -181,7 +163,7 @@ impl Shared {
         if data[1] & 1 == 0 {
             return Ok(data[2..].to_vec());
         }
-        let list = self.connection.get_property(false, source, self.words.XdndTypeList, AtomEnum::ATOM, 0, 1024)?;
+        let list = self.connection.get_property(false, source, self.atoms.XdndTypeList, AtomEnum::ATOM, 0, 1024)?;
         Ok(list.reply()?.value32().map(Iterator::collect).unwrap_or_default())
     }
 
