@@ -58,7 +58,7 @@ pub struct RenderArgs {
 /// Options for the recording.
 #[derive(Debug, Args)]
 pub struct TrainingArgs {
-    /// Fire recording for texture to learn from
+    /// Fire recording for texture to learn from [default: the one that the preset names, if any]
     #[arg(id = "training", long = "training", visible_alias = "recording", value_name = "T.wav")]
     pub file: Option<PathBuf>,
     /// Part of the recording to learn from, in seconds

@@ -12,7 +12,7 @@ pub struct Sources<'a> {
     pub gains: [f64; SLOTS],
     /// Factor on those of fuels.
     pub fuel_gain: f64,
-    /// Crackles of the fuels that burn, in their order (`Fuel::place`); may be empty.
+    /// Crackles of the fuels that burn, in their order (`Fuel::burning_index`); may be empty.
     pub fuels: &'a [Crackles],
 }
 

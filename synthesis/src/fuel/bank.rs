@@ -21,7 +21,7 @@ const VARIATION: Variation = Variation { level_db: 2.0, rate: 0.12, tilt_db: 1.5
 /// Banks by the bits of their rate, as long as they are in use.
 static BANKS: Mutex<Option<HashMap<u64, Weak<[Crackles]>>>> = Mutex::new(None);
 
-/// Crackles of the fuels that burn, in the order of [`Fuel::place`](crate::controls::Fuel::place), for output at
+/// Crackles of the fuels that burn, in the order of [`Fuel::burning_index`](crate::controls::Fuel::burning_index), for output at
 /// `sample_rate_hz` (8,000-384,000). A bank in use is shared. Not for the audio thread.
 pub fn bank(sample_rate_hz: f64) -> Arc<[Crackles]> {
     let mut guard = BANKS.lock().unwrap_or_else(PoisonError::into_inner);

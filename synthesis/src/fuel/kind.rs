@@ -129,7 +129,7 @@ const COAL: Properties = Properties {
     body: Tone { hump_hz: 90.0, level_db: -6.0 },
 };
 
-/// The fuels that burn, in the order of [`Fuel::place`].
+/// The fuels that burn, in the order of [`Fuel::burning_index`].
 pub(super) const BURNING: [&Properties; 5] = [&DRY_WOOD, &WET_WOOD, &GRASS, &PAPER, &COAL];
 
 const _: () = assert!(BURNING.len() + 1 == Fuel::ALL.len(), "each fuel needs its properties");
