@@ -36,7 +36,7 @@ impl Script {
             Scene::BurningBrick => (1.7, 0.18, [0.1, 1.9]),
             // Its bursts are mostly the pulses of its fuel.
             Scene::FlameJet => (2.0, 0.08, [0.65, 1.7]),
-            Scene::Dragon => (1.6, 0.18, [0.08, 1.9]),
+            Scene::Dragon => (1.6, 0.18, [0.2, 1.9]),
             // A pool of this width puffs 1.5 / sqrt(0.56 m) times a second (Cetegen & Ahmed 1993), not all alike.
             Scene::Campfire => (1.6, 0.18, [0.1, 1.9]),
             Scene::Flamethrower => (1.5, 0.18, [0.12, 1.8]),
