@@ -31,7 +31,7 @@ const PEERS_END: &str = "<!-- end of peers -->\n";
 pub struct Args {
     /// Benchmark to run [default: each except all, instructions, peers and scenes]; `all`, `peers`, `search` and `window` also write their tables into docs/performance.md
     bench: Option<Bench>,
-    /// Options of `scenes` and `peers`; see `bench scenes --help` and `bench peers --help`
+    /// Options of `scenes`, of `peers`, and of the final sound of `upsample`; see `bench scenes --help` and so on
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
     arguments: Vec<OsString>,
 }
@@ -68,7 +68,10 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if args.bench == Some(Bench::Peers) {
         return peers(&args.arguments);
     }
-    ensure!(args.arguments.is_empty(), "only the benches `scenes` and `peers` take options");
+    ensure!(
+        args.arguments.is_empty() || args.bench == Some(Bench::Upsample),
+        "only the benches `scenes`, `peers` and `upsample` take options"
+    );
     setup::ensure(&setup::BUILD)?;
     if args.bench == Some(Bench::All) {
         return costs();
@@ -95,7 +98,7 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     }
     if args.bench == Some(Bench::Upsample) {
         bundle::bundle(bundle::Profile::Release)?;
-        return cargo::sound("upsampled", &[]);
+        return cargo::sound("upsampled", &args.arguments);
     }
     if is_wanted(Bench::Search) {
         let mut figures =

@@ -48,14 +48,12 @@ pub struct Args {
 
 /// Simulates and writes.
 pub fn run(args: &Args) -> Result<()> {
-    let named = |name: &String| Scene::from_name(name).with_context(|| format!("there is no scene {name}"));
-    let scenes: Vec<Scene> = args.scenes.iter().map(named).collect::<Result<_>>()?;
     let presets = args.output.clone().unwrap_or_else(|| project::root().join("presets"));
     let (drives, fields) = (presets.join("drives"), presets.join("fields"));
     for folder in [&drives, &fields] {
         std::fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
     }
-    for scene in if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes } {
+    for scene in simulated::scenes(&args.scenes)? {
         let wanted = if args.fields_only { 1 } else { WAYS.len() };
         let ways: Vec<SimulatedFlame> = WAYS[..wanted]
             .iter()

@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use pyrophone_flame::Front;
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
 use pyrophone_flame::speed_field::{Regions, stride};
@@ -19,6 +19,13 @@ pub struct SimulatedFlame {
     pub motion: Vec<Vec<f32>>,
     /// Those sub-volumes.
     pub regions: Regions,
+}
+
+/// The scenes with these names; all if there are none.
+pub fn scenes(names: &[String]) -> Result<Vec<Scene>> {
+    let named = |name: &String| Scene::from_name(name).with_context(|| format!("there is no scene {name}"));
+    let scenes: Vec<Scene> = names.iter().map(named).collect::<Result<_>>()?;
+    Ok(if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes })
 }
 
 /// Sampling rate of motion, per second.

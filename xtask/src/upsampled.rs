@@ -22,6 +22,7 @@ use crate::bounce::{Request, load, play, preset, reference as reference_to};
 use crate::demo::comparisons::reference_folder;
 use crate::project;
 use crate::score::python;
+use crate::simulated;
 
 /// Value at the front.
 const ISO: f64 = 0.5;
@@ -54,8 +55,8 @@ struct Truth {
     sources: Vec<VoxelSources>,
 }
 
-/// Programs and folders.
-struct Place {
+/// What a comparison needs: a recording, a folder for sounds, and the scoring program.
+struct Scoring {
     recording: PathBuf,
     folder: PathBuf,
     python: PathBuf,
@@ -70,25 +71,23 @@ pub fn run(args: &Args) -> Result<()> {
         println!("The final sound is not compared: that needs the reference data (PYROPHONE_REFERENCE).");
         return Ok(());
     };
-    let place = Place {
+    let scoring = Scoring {
         recording: reference.join(RECORDING),
         folder: project::target_dir().join("score"),
         python: python::with_scipy(&project::target_dir())?,
         program: reference.join("../tools/score.py"),
     };
-    ensure!(place.program.is_file(), "{} is missing", place.program.display());
-    std::fs::create_dir_all(&place.folder).with_context(|| place.folder.display().to_string())?;
-    let named = |name: &String| Scene::from_name(name).with_context(|| format!("there is no scene {name}"));
-    let scenes: Vec<Scene> = args.scenes.iter().map(named).collect::<Result<_>>()?;
+    ensure!(scoring.program.is_file(), "{} is missing", scoring.program.display());
+    std::fs::create_dir_all(&scoring.folder).with_context(|| scoring.folder.display().to_string())?;
+    let scenes = simulated::scenes(&args.scenes)?;
     println!(
         "### The final sound\n\nIts dB sync with the true pressure, from all steps and from {} frames a second.\n",
         args.rate
     );
     println!("| flame | all steps | flips | envelope |\n|---|---|---|---|");
     let mut sums = [0.0; 3];
-    let scenes = if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes };
     for scene in &scenes {
-        let found = compare(&place, *scene, args)?;
+        let found = compare(&scoring, *scene, args)?;
         println!("| {} | {:.2} | {:.2} | {:.2} |", scene.name(), found[0], found[1], found[2]);
         sums = std::array::from_fn(|index| sums[index] + found[index]);
     }
@@ -98,7 +97,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// The dB sync of a scene's sound with its true pressure: made of all steps, of frames and flips, of frames' envelope.
-fn compare(place: &Place, scene: Scene, args: &Args) -> Result<[f64; 3]> {
+fn compare(scoring: &Scoring, scene: Scene, args: &Args) -> Result<[f64; 3]> {
     let truth = simulated(scene, args)?;
     let every = STEP_RATE_HZ as usize / args.rate;
     let frames: Vec<f64> = truth.flux.iter().copied().step_by(every).collect();
@@ -106,7 +105,7 @@ fn compare(place: &Place, scene: Scene, args: &Args) -> Result<[f64; 3]> {
     let flips = flipped(&truth, &frames, every)?;
     let at = |rate_hz: f64, kind| PressureOptions { rate_hz, kind, ..PressureOptions::default() };
     let drive = |name: &str, values: &[f64], options: PressureOptions| -> Result<PathBuf> {
-        let path = place.folder.join(format!("frames-{}-{name}.wav", scene.name()));
+        let path = scoring.folder.join(format!("frames-{}-{name}.wav", scene.name()));
         write_wav_f32(&path, &[render(values, &options)?.samples], options.sample_rate_hz)?;
         Ok(path)
     };
@@ -114,9 +113,9 @@ fn compare(place: &Place, scene: Scene, args: &Args) -> Result<[f64; 3]> {
     let few = drive("flips", &flips[..length], at(STEP_RATE_HZ, PressureKind::Pressure))?;
     let envelope = drive("envelope", &frames, at(args.rate as f64, PressureKind::Envelope))?;
     Ok([
-        synchrony(place, &all, &all, &[])?,
-        synchrony(place, &few, &all, &[])?,
-        synchrony(place, &envelope, &all, &[ENVELOPE])?,
+        synchrony(scoring, &all, &all, &[])?,
+        synchrony(scoring, &few, &all, &[])?,
+        synchrony(scoring, &envelope, &all, &[ENVELOPE])?,
     ])
 }
 
@@ -156,7 +155,7 @@ fn flipped(truth: &Truth, frames: &[f64], every: usize) -> Result<Vec<f64>> {
 }
 
 /// Plays a drive through the default preset, and scores the envelope of the sound against the true pressure's.
-fn synchrony(place: &Place, drive: &Path, truth: &Path, settings: &[&str]) -> Result<f64> {
+fn synchrony(scoring: &Scoring, drive: &Path, truth: &Path, settings: &[&str]) -> Result<f64> {
     let main = load(drive, None)?;
     let played = play(&Request {
         format: Format::Clap,
@@ -164,7 +163,7 @@ fn synchrony(place: &Place, drive: &Path, truth: &Path, settings: &[&str]) -> Re
         automation: &Automation::default(),
         main: &main,
         sidechain: &[],
-        training: Some(reference_to(&place.recording)?),
+        training: Some(reference_to(&scoring.recording)?),
         learned: None,
         block: BlockSize::Fixed(BLOCK),
         offline: false,
@@ -173,10 +172,10 @@ fn synchrony(place: &Place, drive: &Path, truth: &Path, settings: &[&str]) -> Re
     })?;
     let output = drive.with_extension("output.wav");
     write_wav_f32(&output, &played.channels, main.sample_rate_hz)?;
-    let paths = [truth.to_owned(), place.recording.clone()];
-    let scores = python::score(&place.python, &place.program, &output, &paths)?;
+    let paths = [truth.to_owned(), scoring.recording.clone()];
+    let scores = python::score(&scoring.python, &scoring.program, &output, &paths)?;
     match scores["follow"]["envelope_sync_log"].as_f64() {
         Some(found) => Ok(found),
-        None => bail!("{} gives no dB sync for {}", place.program.display(), output.display()),
+        None => bail!("{} gives no dB sync for {}", scoring.program.display(), output.display()),
     }
 }

@@ -37,7 +37,8 @@ impl Script {
             // Its bursts are mostly the pulses of its fuel.
             Scene::FlameJet => (2.0, 0.08, [0.65, 1.7]),
             Scene::Dragon => (1.6, 0.18, [0.2, 1.9]),
-            // A pool of this width puffs 1.5 / sqrt(0.56 m) times a second (Cetegen & Ahmed 1993), not all alike.
+            // A pool of this width puffs 1.5 / sqrt(0.56 m) = 2 times a second (Cetegen & Ahmed 1993); at that rate bursts
+            // of this length would leave no pauses.
             Scene::Campfire => (1.6, 0.18, [0.1, 1.9]),
             Scene::Flamethrower => (1.5, 0.18, [0.12, 1.8]),
             // Its bursts are the explosions themselves.

@@ -39,15 +39,13 @@ pub struct Args {
 
 /// Simulates, and prints the table.
 pub fn run(args: &Args) -> Result<()> {
-    let named = |name: &String| Scene::from_name(name).with_context(|| format!("there is no scene {name}"));
-    let scenes: Vec<Scene> = args.scenes.iter().map(named).collect::<Result<_>>()?;
     println!("{}", head());
     for path in &args.reference {
         let (signal, rate_hz) = read(path)?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         println!("{}", row(&name, "", Character::of_signal(&signal, rate_hz).as_ref(), ""));
     }
-    for scene in if scenes.is_empty() { Scene::ALL.to_vec() } else { scenes } {
+    for scene in simulated::scenes(&args.scenes)? {
         if args.loops {
             print_loops(scene)?;
             continue;

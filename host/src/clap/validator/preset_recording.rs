@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap_sys::ext::preset_load::{CLAP_EXT_PRESET_LOAD, clap_plugin_preset_load};
 use clap_sys::factory::preset_discovery::CLAP_PRESET_DISCOVERY_LOCATION_FILE;
+use tempfile::TempDir;
 
 use crate::validator::ensure;
 
@@ -16,18 +17,16 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// Name of the recording: one that not every file system keeps as it is.
 const NAME: &str = "Öl, nah 火.wav";
 
-/// A folder that is removed when dropped.
-struct Folder(PathBuf);
+/// A folder for presets and a recording, removed when dropped.
+struct Folder(TempDir);
 
 impl Folder {
     fn new() -> Result<Self, String> {
-        let path = std::env::temp_dir().join(format!("pyrophone-preset-{}", std::process::id()));
-        std::fs::create_dir_all(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(Self(path))
+        tempfile::tempdir().map(Self).map_err(|error| format!("no temporary folder: {error}"))
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> Result<PathBuf, String> {
-        let path = self.0.join(name);
+        let path = self.0.path().join(name);
         std::fs::write(&path, bytes).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(path)
     }
@@ -37,13 +36,6 @@ impl Folder {
         let text =
             format!("version = 3\nname = \"{name}\"\n[recording]\nfile = \"{recording}\"\n[parameters]\nalpha = 3.5\n");
         self.write(&format!("{name}.toml"), text.as_bytes())
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // The system clears its temporary files anyway.
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
