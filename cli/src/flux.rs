@@ -22,7 +22,7 @@ pub mod upsampling;
 
 use std::path::{Path, PathBuf};
 
-use pyrophone_flame::flux::{Flux, FluxShard};
+use pyrophone_flame::flux::{Changes, Flux, FluxShard};
 use pyrophone_flame::import::{Series, Timing};
 use pyrophone_recording::{check_not_among, write_file};
 
@@ -97,6 +97,10 @@ fn series(args: &FluxArgs, is_sound: bool, work: &Work) -> Result<Outcome, Error
         let rate_hz = args.timeline.rate.or(series.rate_hz).ok_or_else(|| sound::no_rate(&args.input))?;
         Signal::of_series(series.values, first, rate_hz)
     };
+    let signal = match upsampling::chosen(args, upsampling::Content::Series, Some(signal.rate_hz))? {
+        Some(upsampler) => signal.upsampled(&upsampler, &Changes::new()),
+        None => signal,
+    };
     let facts = vec![("Series".into(), shown.to_string())];
     sound::write(&args.sound, &signal.on_timeline(&args.timeline).retimed()?, None, facts, vec![], work)
 }
@@ -120,7 +124,7 @@ fn simulation(args: &FluxArgs, work: &Work) -> Result<Outcome, Error> {
     }
     sound::known_rate(&args.sound, rate_hz, &args.input)?;
     check_place(args, &plan, rate_hz)?;
-    let plan = plan.with_upsampler(upsampling::chosen(args, rate_hz)?);
+    let plan = plan.with_upsampler(upsampling::chosen(args, upsampling::Content::of_measure(args.measure), rate_hz)?);
     let indices = if holds(args, PartialWith::Report) { plan.whole.as_ref().map(|whole| &whole.indices) } else { None };
     let indices = indices.unwrap_or(&plan.indices);
     let checked = units::check(&plan.sequence, &plan.selection, indices, rate_hz, work)?;

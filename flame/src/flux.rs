@@ -12,7 +12,7 @@ use crate::import::Numbering;
 pub const MAX_FRAMES: u64 = 10_000_000;
 
 /// Start of a partial table's first line; its settings follow.
-const MARK: &str = "# pyrophone flux 2; ";
+const MARK: &str = "# pyrophone flux 3; ";
 
 /// Start of the line that names the cache of a part.
 const CACHE_MARK: &str = "# cache ";

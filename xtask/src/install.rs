@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 
 use crate::bundle::{self, Profile};
-use crate::cargo;
+use crate::{cargo, setup};
 
 /// Options of `cargo xtask install`.
 #[derive(Debug, clap::Args)]
@@ -22,6 +22,7 @@ pub struct Args {
 
 /// Builds the release bundles and installs them.
 pub fn run(args: &Args) -> Result<()> {
+    setup::ensure(&setup::BUILD)?;
     let bundles = bundle::bundle(Profile::Release)?;
     let folders = match &args.to {
         Some(folder) => [folder.clone(), folder.clone()],

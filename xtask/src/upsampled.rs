@@ -148,7 +148,7 @@ fn flipped(truth: &Truth, frames: &[f64], every: usize) -> Result<Vec<f64>> {
     let changes: Changes = (1..sources.len())
         .map(|after| {
             let number = after as i64 - 1;
-            (number, upsampler.change(number, &sources[after - 1], &sources[after], sources.get(after + 1)))
+            (number, upsampler.change(number, &sources[after - 1], &sources[after]))
         })
         .collect();
     Ok(upsampler.series(frames, 0, &changes))

@@ -176,7 +176,7 @@ pub enum Measure {
 /// Values of `--upsample`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Upsample {
-    /// flips below 200 steps per second, otherwise off
+    /// flips below 200 steps per second (noise for a series), otherwise off
     Auto,
     /// No filling in
     Off,
@@ -184,7 +184,7 @@ pub enum Upsample {
     Release,
     /// Parts of the flame switch from one frame to the next at random times
     Flips,
-    /// Noise that falls with frequency and scales with the change between frames
+    /// Noise that falls with frequency, as loud as the flame
     Noise,
     /// A smooth curve through the frames' flux
     Cubic,

@@ -15,15 +15,34 @@ const NEARLY: f64 = 0.98;
 /// Steps per second from which nothing is added unless requested.
 const ENOUGH_HZ: f64 = 200.0;
 
+/// The content of an input from which steps can be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Content {
+    /// The parts of the flame.
+    Fields,
+    /// The change of the whole flame from frame to frame.
+    Changes,
+    /// A value per step.
+    Series,
+}
+
+impl Content {
+    /// What a simulation's frames give.
+    pub fn of_measure(measure: Measure) -> Self {
+        if measure == Measure::Change { Self::Changes } else { Self::Fields }
+    }
+}
+
 /// The upsampler that was requested or that the rate calls for; notes what is estimated.
 ///
-/// Fails if upsampling was requested and the rate is unknown.
-pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>, Error> {
+/// Fails if upsampling was requested and the rate is unknown, or if the method needs fields that there are not.
+pub fn chosen(args: &FluxArgs, content: Content, rate_hz: Option<f64>) -> Result<Option<Upsampler>, Error> {
     let is_envelope = args.sound.kind == SoundKind::Envelope;
     let method = match (args.upsample.method, rate_hz) {
         (Upsample::Off, _) => return Ok(None),
         (Upsample::Auto, Some(rate_hz)) if rate_hz >= ENOUGH_HZ || is_envelope => return Ok(None),
         (Upsample::Auto, None) => return Ok(None),
+        (Upsample::Auto, _) if content != Content::Fields => Method::Noise,
         (Upsample::Flips | Upsample::Auto, _) => Method::Flips,
         (Upsample::Release, _) => Method::Release,
         (Upsample::Noise, _) => Method::Noise,
@@ -36,10 +55,14 @@ pub fn chosen(args: &FluxArgs, rate_hz: Option<f64>) -> Result<Option<Upsampler>
         );
         return Err(Error::Conflict(message));
     };
-    if args.measure == Measure::Change && matches!(method, Method::Flips | Method::Release) {
+    if content != Content::Fields && matches!(method, Method::Flips | Method::Release) {
+        let what = match content {
+            Content::Changes => "--measure change".to_owned(),
+            _ => format!("{}: a series", args.input.display()),
+        };
         let message =
-            "--measure change does not distinguish parts of the flame; use it with --upsample noise, cubic or off";
-        return Err(Error::Conflict(message.into()));
+            format!("{what} does not distinguish parts of the flame; use it with --upsample noise, cubic or off");
+        return Err(Error::Conflict(message));
     }
     let substeps = (NEARLY * TARGET_HZ / rate_hz).ceil().max(1.0) as usize;
     if substeps == 1 {

@@ -1,4 +1,4 @@
-//! Zero-phase high-pass.
+//! Zero-phase filters.
 
 /// A biquad's coefficients (Bristow-Johnson's cookbook).
 struct HighPass {
@@ -31,16 +31,35 @@ impl HighPass {
 /// surrounds the samples.
 pub fn high_passed(samples: &[f64], corner: f64) -> Vec<f64> {
     let filter = HighPass::new(corner.clamp(1e-6, 0.49));
-    // Long enough for the ringing after the end.
-    let tail = (4.0 / corner.max(1e-4)) as usize;
     let mut passed = samples.to_vec();
-    passed.resize(samples.len() + tail, 0.0);
+    passed.resize(samples.len() + ringing_steps(corner), 0.0);
     filter.pass(&mut passed);
     passed.reverse();
     filter.pass(&mut passed);
     passed.reverse();
     passed.truncate(samples.len());
     passed
+}
+
+/// Samples over which the high-pass at `corner` rings.
+pub fn ringing_steps(corner: f64) -> usize {
+    (4.0 / corner.max(1e-4)) as usize
+}
+
+/// The samples smoothed by a two-sided exponential that falls by 1/e over `steps`, whose sum is 1. Silence surrounds the
+/// samples.
+pub fn smoothed(samples: &[f64], steps: f64) -> Vec<f64> {
+    let decay = maths::exp(-1.0 / steps);
+    let mut smooth = samples.to_vec();
+    for _ in 0..2 {
+        let mut last = 0.0;
+        for sample in &mut smooth {
+            last = *sample + decay * (last - *sample);
+            *sample = last;
+        }
+        smooth.reverse();
+    }
+    smooth
 }
 
 #[cfg(test)]
@@ -59,5 +78,15 @@ mod tests {
         // Half the power in each direction.
         let corner = high_passed(&wave(0.02), 0.02);
         assert!((corner[500..1500].iter().fold(0.0f64, |peak, x| peak.max(x.abs())) - 0.5).abs() < 0.01);
+    }
+
+    #[test]
+    fn smoothing_keeps_the_sum_and_the_moment() {
+        let mut click = vec![0.0; 201];
+        click[100] = 1.0;
+        let smooth = smoothed(&click, 3.0);
+        assert!((smooth.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        assert!((0..100).all(|n| (smooth[n] - smooth[200 - n]).abs() < 1e-12), "it is not symmetric");
+        assert!((smooth[103] / smooth[106] - std::f64::consts::E).abs() < 1e-2);
     }
 }

@@ -1,16 +1,19 @@
 //! Steps between the frames of a simulation that has too few for sound.
 //!
 //! ```text
-//! frames ─ flux ─────────────────── natural cubic spline ─┬─ steps
-//!   └─ source ─ change of a pair ─ flips or noise ─ gain ─┘
+//! frames ─ flux ─┬────────── natural cubic spline ─┬─ steps
+//!   │            └─ loudness ─┐                     │
+//!   └─ sources ─ flips ───────┴─────────────────────┘
+//!             (or noise)
 //! ```
 //!
-//! Frames at 24 per second contain nothing certain above 12 Hz, but the amount of the flame that changed between two of
-//! them, and in how many parts, indicates the loudness there. A pair's change is a function of its two frames, their
-//! number and a seed, so the shards of a farm give the same result as a single run.
+//! Frames at 24 per second contain nothing certain above 12 Hz. The timbre there is taken from what changes between two
+//! of them, and in how many parts; the loudness from the flux at the frames. A pair's change is a function of its two
+//! frames, their number and a seed, so the shards of a farm give the same result as a single run.
 
 mod filter;
 mod flips;
+mod loudness;
 mod noise;
 mod source;
 mod spline;
@@ -30,7 +33,7 @@ pub enum Method {
     Flips,
     /// As flips, but from the burning field alone.
     Release,
-    /// Noise whose power falls with frequency, with the loudness of the changes between frames.
+    /// Noise whose power falls with frequency.
     Noise,
     /// Only a smooth curve through the frames.
     Cubic,
@@ -91,7 +94,7 @@ impl Upsampler {
 
     /// True if it needs the change from each frame to the next.
     pub fn needs_changes(&self) -> bool {
-        self.method != Method::Cubic
+        matches!(self.method, Method::Flips | Method::Release)
     }
 
     /// True if it uses the burning field alone, without the flow.
@@ -99,16 +102,9 @@ impl Upsampler {
         self.method == Method::Release
     }
 
-    /// The data about the change from step `number` to the next that [`series`](Self::series) needs; `beyond` is the
-    /// step after that, if there is one.
-    pub fn change(
-        &self,
-        number: i64,
-        before: &VoxelSources,
-        after: &VoxelSources,
-        beyond: Option<&VoxelSources>,
-    ) -> Vec<f64> {
-        flips::change(number, [before, after], beyond, self.substeps, self.seed)
+    /// The data about the change from step `number` to the next that [`series`](Self::series) needs.
+    pub fn change(&self, number: i64, before: &VoxelSources, after: &VoxelSources) -> Vec<f64> {
+        flips::change(number, [before, after], self.substeps, self.seed)
     }
 
     /// A series with `substeps` times as many steps as `values`, of which the first is step `first`. If a pair's change
@@ -118,13 +114,20 @@ impl Upsampler {
         if self.substeps == 1 || self.method == Method::Cubic {
             return smooth;
         }
-        let pairs: Vec<Option<&[f64]>> =
-            (0..values.len()).map(|n| changes.get(&first.saturating_add(n as i64)).map(Vec::as_slice)).collect();
-        let added = match self.method {
-            Method::Noise => noise::added(values, &pairs, self),
-            _ => flips::added(values, &pairs, self),
+        let carrier = match self.method {
+            Method::Noise => noise::pressure(smooth.len(), self.seed),
+            _ => self.flips(values.len(), first, changes),
         };
+        let added = loudness::shaped(values, &carrier, self.substeps);
         smooth.iter().zip(added).map(|(smooth, added)| smooth + added).collect()
+    }
+
+    /// The pressure (flux per step) of `count` frames' flips.
+    fn flips(&self, count: usize, first: i64, changes: &Changes) -> Vec<f64> {
+        let known = |frame: usize| changes.get(&first.saturating_add(frame as i64)).map(Vec::as_slice);
+        let flux = flips::deviations(&(0..count).map(known).collect::<Vec<_>>(), self.substeps);
+        let before = std::iter::once(0.0).chain(flux.iter().copied());
+        flux.iter().zip(before).map(|(flux, before)| flux - before).collect()
     }
 }
 

@@ -265,11 +265,11 @@ fn shards_that_do_not_fit_are_refused() {
     // Nothing was measured in the second one, so that nobody knows how it would have been.
     let empty = FluxShard { steps: [(5, None)].into(), ..part("", 0..0) };
     assert_eq!(FluxShard::merge(&[("a".into(), part("x", 1..5)), ("b".into(), empty)]).unwrap().steps.len(), 5);
-    const HEAD: &str = "# pyrophone flux 2; x\n# cache c; rate 24.0; steps 1 1 0\nframe,flux,area,mean_curvature\n";
+    const HEAD: &str = "# pyrophone flux 3; x\n# cache c; rate 24.0; steps 1 1 0\nframe,flux,area,mean_curvature\n";
     for (text, says) in [
         ("frame,flux,area\n1,2,3\n".to_owned(), "line 1"),
         (
-            "# pyrophone flux 2; x\nframe,flux,area,mean_curvature\n".to_owned(),
+            "# pyrophone flux 3; x\nframe,flux,area,mean_curvature\n".to_owned(),
             "line 2: the line with the cache is missing",
         ),
         (format!("{HEAD}1,2,3,4\n1,2,3,4\n"), "line 5: duplicate frame 1"),

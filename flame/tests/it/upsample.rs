@@ -2,6 +2,7 @@
 
 use pyrophone_flame::flux::Changes;
 use pyrophone_flame::grid::{Grid, Transform};
+use pyrophone_flame::scenes::{Options, Scene, Simulation};
 use pyrophone_flame::upsample::{Method, Upsampler, VoxelSources};
 use pyrophone_flame::velocity::{Placement, Velocity};
 use pyrophone_flame::{Frame, Front};
@@ -82,7 +83,7 @@ fn changing(frames: usize) -> Vec<VoxelSources> {
 fn changes(upsampler: &Upsampler, sources: &[VoxelSources], numbers: std::ops::Range<usize>) -> Changes {
     numbers
         .filter(|n| n + 1 < sources.len())
-        .map(|n| (n as i64, upsampler.change(n as i64, &sources[n], &sources[n + 1], sources.get(n + 2))))
+        .map(|n| (n as i64, upsampler.change(n as i64, &sources[n], &sources[n + 1])))
         .collect()
 }
 
@@ -142,4 +143,41 @@ fn upsampler_is_parsed_from_a_parts_settings() {
         assert_eq!(Upsampler::of_settings(settings), None, "{settings}");
     }
     assert!(Upsampler::new(Method::Flips, 0, 1).is_err());
+}
+
+/// Frames of a burning scene give back the loudness of all its steps, and when it was loud.
+#[test]
+fn frames_of_a_flame_tell_when_and_how_loud_it_was() {
+    const EVERY: usize = 15;
+    let options = Options { resolution: 16, ..Options::default() };
+    let mut simulation = Simulation::new(Scene::Torch, options).unwrap();
+    let (mut flux, mut sources) = (vec![], vec![]);
+    for step in 0..EVERY * 120 + 1 {
+        simulation.step();
+        let frame = simulation.frame().unwrap();
+        flux.push(Front::new(0.5, 2).unwrap().measure(&frame).unwrap().flux);
+        if step % EVERY == 0 {
+            sources.push(source(&frame));
+        }
+    }
+    let values: Vec<f64> = flux.iter().copied().step_by(EVERY).collect();
+    // Loudness at every frame, in dB, of what is faster than the frames.
+    let loudness_db = |series: &[f64]| -> Vec<f64> {
+        let bends: Vec<f64> = series.windows(3).map(|x| (x[0] - 2.0 * x[1] + x[2]).powi(2)).collect();
+        bends.chunks(EVERY).map(|bends| 10.0 * bends.iter().sum::<f64>().log10()).collect()
+    };
+    let truth = loudness_db(&flux);
+    for method in [Method::Flips, Method::Noise] {
+        let upsampler = Upsampler::new(method, EVERY, 1).unwrap();
+        let made = upsampler.series(&values, 0, &changes(&upsampler, &sources, 0..values.len()));
+        let made = loudness_db(&made[..flux.len()]);
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+        let centred = |x: &[f64]| -> Vec<f64> { x.iter().map(|value| value - mean(x)).collect() };
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (a, b) = (centred(&made), centred(&truth));
+        let correlation = product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt();
+        println!("{method:?}: {correlation:.2}, {:.1} dB", mean(&made) - mean(&truth));
+        assert!(correlation > 0.6, "{method:?}: {correlation}");
+        assert!((mean(&made) - mean(&truth)).abs() < 4.0, "{method:?}: {} dB", mean(&made) - mean(&truth));
+    }
 }

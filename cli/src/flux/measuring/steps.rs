@@ -92,8 +92,8 @@ impl Plan {
         Ok(())
     }
 
-    /// The sources of a portion's frames and of the two frames after each, requested or not: a shard looks beyond its
-    /// own frames. Unreadable frames are left out; the error is reported when the frame itself is measured.
+    /// The sources of a portion's frames and of the frame after each, requested or not: a shard looks beyond its own
+    /// frames. Unreadable frames are left out; the error is reported when the frame itself is measured.
     fn sources(
         &self,
         portion: &[usize],
@@ -103,8 +103,7 @@ impl Plan {
         if !self.upsampler.as_ref().is_some_and(Upsampler::needs_changes) {
             return Ok(BTreeMap::new());
         }
-        let ahead =
-            |index: &usize| [Some(*index), self.next(*index), self.next(*index).and_then(|next| self.next(next))];
+        let ahead = |index: &usize| [Some(*index), self.next(*index)];
         let needed: BTreeSet<usize> = portion.iter().flat_map(ahead).flatten().collect();
         let mut sources: BTreeMap<usize, VoxelSources> =
             known.into_iter().filter(|(index, _)| needed.contains(index)).collect();
@@ -118,9 +117,8 @@ impl Plan {
     /// Change from a frame to the next, if it is needed and both can be read.
     fn change(&self, index: usize, sources: &BTreeMap<usize, VoxelSources>) -> Option<Vec<f64>> {
         let next = self.next(index)?;
-        let beyond = self.next(next).and_then(|beyond| sources.get(&beyond));
         let (before, after) = (sources.get(&index)?, sources.get(&next)?);
-        Some(self.upsampler.as_ref()?.change(self.sequence.numbers().nth(index)?, before, after, beyond))
+        Some(self.upsampler.as_ref()?.change(self.sequence.numbers().nth(index)?, before, after))
     }
 
     /// The frame of the following step, requested or not: a shard looks one frame beyond its own.

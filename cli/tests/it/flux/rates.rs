@@ -29,6 +29,8 @@ fn frames_of_film_are_upsampled() {
         assert_eq!(read(&at.join("again.wav")).len_samples(), read(&at.join("one.wav")).len_samples());
     }
     refuses(at, "flux --input flame --measure change --upsample flips --output x.wav", 1, &["--measure change"]);
+    let said = notes(at, "flux --input flame --measure change --rate 24 --output change.wav");
+    assert!(said.contains("--upsample noise"), "{said}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{bytes, folder, table};
+use super::{bytes, folder, notes, table};
 use crate::common::{read, refuses, succeeds, write};
 
 #[test]
@@ -43,6 +43,34 @@ fn a_series_goes_straight_to_pressure() {
     std::fs::write(at.join("still.csv"), "1.5\n".repeat(100)).unwrap();
     succeeds(at, "flux --input still.csv --output still.wav --rate 360");
     assert!(read(&at.join("still.wav")).channels[0].iter().all(|sample| *sample == 0.0));
+}
+
+/// A series of few steps is as good as a cache of few frames, but for its parts.
+#[test]
+fn a_series_at_the_rate_of_film_is_upsampled() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let burst = |frame: i32| if frame % 12 < 3 { 5.0 } else { 1.0 };
+    let rows: String = (0..96).map(|n| format!("{:?}\n", burst(n) + 0.1 * f64::from(n * n % 7))).collect();
+    std::fs::write(at.join("film.csv"), rows).unwrap();
+    let said = notes(at, "flux --input film.csv --rate 24 --output auto.wav");
+    assert!(
+        said.contains("upsampled to 360 steps (--upsample noise)") && said.contains("plausible, not true"),
+        "{said}"
+    );
+    // The bursts are a quarter of the time, and louder.
+    let sound = read(&at.join("auto.wav")).channels[0].clone();
+    let power = |is_wanted: &dyn Fn(usize) -> bool| -> f64 {
+        let samples = sound.iter().enumerate().filter(|(n, _)| is_wanted(n * 24 / 44_100 % 12));
+        samples.map(|(_, x)| f64::from(x * x)).sum::<f64>()
+    };
+    let [burst, pause] = [power(&|frame| frame == 1), power(&|frame| (5..10).contains(&frame)) / 5.0];
+    assert!(burst > 10.0 * pause && pause > 0.0, "{burst} {pause}");
+    assert!(!notes(at, "flux --input film.csv --rate 24 --as envelope --output x.wav").contains("plausible"));
+    for method in ["flips", "release"] {
+        let command = format!("flux --input film.csv --rate 24 --upsample {method} --output x.wav");
+        refuses(at, &command, 1, &["film.csv", "a series", "--upsample noise"]);
+    }
 }
 
 /// Two flames of a shot keep their balance.
