@@ -48,6 +48,7 @@ pub mod take;
 pub mod task;
 pub mod theme;
 pub mod widgets;
+#[cfg(target_os = "linux")]
 mod xdnd;
 
 use std::sync::Arc;

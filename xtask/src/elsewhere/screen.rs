@@ -13,8 +13,10 @@ use crate::setup::is_program;
 const PATIENCE: Duration = Duration::from_secs(300);
 const GLANCE: Duration = Duration::from_secs(2);
 
-/// Name of the window that our host gives an editor.
-const WINDOW: &str = "^Pyrophone$";
+/// Title of the window that our host gives an editor.
+pub(super) const WINDOW: &str = "Pyrophone";
+/// Place in a window at which something is dropped, in pixels from its corner: within any window.
+const DROPPED_AT: (i32, i32) = (300, 300);
 
 /// Reason why a screen or a mouse is impossible here, if any.
 pub(super) fn obstacle() -> Option<&'static str> {
@@ -72,14 +74,31 @@ impl Screen {
         self.until(map, item, |_| Ok(()))
     }
 
+    /// Waits until an item is there whose name begins like this.
+    pub fn wait_for_any(&self, map: &Path, start: &str) -> Result<()> {
+        let is_wanted = |items: &str| names(items).any(|name| name.starts_with(start));
+        self.while_not(map, start, is_wanted, |_| Ok(()))
+    }
+
     /// Waits until an item is there, and does something every so often until then.
     fn until(&self, map: &Path, wanted: &str, step: impl Fn(&str) -> Result<()>) -> Result<()> {
+        self.while_not(map, wanted, |items| middle(items, wanted).is_some(), step)
+    }
+
+    /// Waits for a map on which something is there, and does something every so often until then.
+    fn while_not(
+        &self,
+        map: &Path,
+        wanted: &str,
+        is_there: impl Fn(&str) -> bool,
+        step: impl Fn(&str) -> Result<()>,
+    ) -> Result<()> {
         let began = Instant::now();
         while began.elapsed() < PATIENCE {
             std::thread::sleep(GLANCE);
             // There is none before the first frame.
             let items = std::fs::read_to_string(map).unwrap_or_default();
-            if middle(&items, wanted).is_some() {
+            if is_there(&items) {
                 return Ok(());
             }
             step(&items)?;
@@ -127,11 +146,44 @@ impl Screen {
         Ok(())
     }
 
+    /// Drags an item of the plug-in's window to the window with this title.
+    pub fn drag_out(&self, map: &Path, item: &str, title: &str) -> Result<()> {
+        self.wait_for(map, item)?;
+        let (x, y) = self.place(map, item)?;
+        self.mouse(&at((x, y)), &["mousedown", "1"])?;
+        // The window notices a drag by the mouse's first steps.
+        for step in [4, 12, 24] {
+            std::thread::sleep(GLANCE);
+            self.mouse(&at((x + step, y)), &[])?;
+        }
+        let (x, y) = DROPPED_AT;
+        for step in [30, 10, 0] {
+            std::thread::sleep(GLANCE);
+            self.mouse_in(title, &at((x + step, y)), &[])?;
+        }
+        std::thread::sleep(GLANCE);
+        ensure!(self.xdotool(&["mouseup", "1"])?, "the mouse cannot be released");
+        Ok(())
+    }
+
+    /// Moves the window with this title to a place on the screen.
+    pub fn move_window(&self, title: &str, place: (i32, i32)) -> Result<()> {
+        let ([x, y], title) = (at(place), format!("^{title}$"));
+        let moved = self.xdotool(&["search", "--onlyvisible", "--name", &title, "windowmove", "%1", &x, &y])?;
+        ensure!(moved, "there is no window {title} to move");
+        Ok(())
+    }
+
     /// Moves the mouse to a place in the plug-in's window, and does something more.
     fn mouse(&self, place: &[String; 2], more: &[&str]) -> Result<()> {
-        let [x, y] = place;
-        let moved = ["search", "--onlyvisible", "--name", WINDOW, "mousemove", "--window", "%1", x, y];
-        ensure!(self.xdotool(&[&moved, more].concat())?, "there is no window to point at");
+        self.mouse_in(WINDOW, place, more)
+    }
+
+    /// Moves the mouse to a place in the window with this title, and does something more.
+    fn mouse_in(&self, title: &str, place: &[String; 2], more: &[&str]) -> Result<()> {
+        let ([x, y], title) = (place, format!("^{title}$"));
+        let moved = ["search", "--onlyvisible", "--name", &title, "mousemove", "--window", "%1", x, y];
+        ensure!(self.xdotool(&[&moved, more].concat())?, "there is no window {title} to point at");
         Ok(())
     }
 
@@ -185,6 +237,11 @@ fn at((x, y): (i32, i32)) -> [String; 2] {
     [x, y].map(|number| number.to_string())
 }
 
+/// The names on a window's map.
+fn names(map: &str) -> impl Iterator<Item = &str> {
+    map.lines().filter_map(|line| line.splitn(5, ' ').nth(4))
+}
+
 /// The middle of something on a window's map, if it is there: lines of left, top, right, bottom and name.
 fn middle(map: &str, name: &str) -> Option<(i32, i32)> {
     let line = map.lines().find(|line| line.splitn(5, ' ').nth(4) == Some(name))?;
@@ -216,6 +273,7 @@ mod tests {
         assert_eq!(middle(map, "a b"), Some((2, 2)));
         assert_eq!(middle(map, "b"), None);
         assert_eq!(middle("", "a"), None);
+        assert_eq!(names(map).collect::<Vec<_>>(), ["button.Engines", "a b"]);
     }
 
     #[test]

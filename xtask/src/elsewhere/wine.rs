@@ -33,11 +33,12 @@ const PLAYERS: [&str; 10] = [
     "drag",
 ];
 /// The tests that need a screen.
-const ON_SCREEN: [(&str, OnScreen); 5] = [
+const ON_SCREEN: [(&str, OnScreen); 6] = [
     ("bounces under Wine", |wine, _, folder| wine.bounces(folder)),
     ("window under Wine", Wine::windows),
     ("window under Wine, files from the system's dialog", Wine::dialog),
     ("window under Wine, files dropped on it", Wine::drops),
+    ("window under Wine, a take dragged out of it", Wine::takes),
     ("window under Wine on a dense screen", Wine::dense_windows),
 ];
 

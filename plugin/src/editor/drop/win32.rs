@@ -21,6 +21,8 @@ use windows::Win32::System::SystemServices::MODIFIERKEYS_FLAGS;
 use windows::core::{Ref, Result, implement};
 use windows_sys::Win32::UI::Shell::DragQueryFileW;
 
+use crate::editor::drag::is_dragged_from;
+
 /// Receiver of files dropped on a window. The window library removes the target together with the window.
 pub struct DropTarget {
     dropped: Mutex<Receiver<PathBuf>>,
@@ -34,7 +36,7 @@ impl DropTarget {
         let window = HWND(handle.hwnd.get() as *mut _);
         let (sender, dropped) = channel();
         let is_hovered = Arc::new(AtomicBool::new(false));
-        let target: IDropTarget = Target { dropped: sender, is_hovered: is_hovered.clone(), notifier }.into();
+        let target: IDropTarget = Target { window, dropped: sender, is_hovered: is_hovered.clone(), notifier }.into();
         // SAFETY: a window of this thread, which has initialised OLE, since the library has registered a target.
         unsafe {
             // Fails if there is none, and then there is room for ours.
@@ -58,6 +60,7 @@ impl DropTarget {
 /// The object that Windows calls.
 #[implement(IDropTarget)]
 struct Target {
+    window: HWND,
     dropped: Sender<PathBuf>,
     is_hovered: Arc<AtomicBool>,
     notifier: RepaintNotifier,
@@ -86,7 +89,7 @@ impl IDropTarget_Impl for Target_Impl {
         _at: &POINTL,
         effect: *mut DROPEFFECT,
     ) -> Result<()> {
-        self.hover(data.as_ref().is_some_and(has_files));
+        self.hover(data.as_ref().is_some_and(has_files) && !is_dragged_from(self.window));
         self.answer(effect, self.is_hovered.load(Ordering::Relaxed));
         Ok(())
     }
@@ -108,7 +111,8 @@ impl IDropTarget_Impl for Target_Impl {
         _at: &POINTL,
         effect: *mut DROPEFFECT,
     ) -> Result<()> {
-        let files = data.as_ref().map(files_in).unwrap_or_default();
+        let is_welcome = self.is_hovered.load(Ordering::Relaxed);
+        let files = data.as_ref().filter(|_| is_welcome).map(files_in).unwrap_or_default();
         self.answer(effect, !files.is_empty());
         // Fails only if the window is closing, and then nobody needs them.
         files.into_iter().for_each(|file| drop(self.dropped.send(file)));

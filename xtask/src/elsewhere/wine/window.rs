@@ -6,7 +6,7 @@ use std::process::{Child, Command};
 
 use anyhow::{Context, Result, bail, ensure};
 
-use super::super::screen::Screen;
+use super::super::screen::{Screen, WINDOW};
 use super::{Wine, release, shown};
 
 /// The bundles with a window.
@@ -21,6 +21,12 @@ const DENSE: u32 = 192;
 
 /// Where the window begins from which a file is dragged: beside the plug-in's.
 const DRAGGED_FROM: (i32, i32) = (1300, 100);
+/// Title and place of the window onto which a take is dragged, beside the other one.
+const RECEIVER: (&str, (i32, i32)) = ("Receiver", (1300, 100));
+/// Buttons that record a take and drag it out, and what a window says of it that has loaded it.
+const RECORD: &str = "button.Record";
+const DRAG_OUT: &str = "button.Drag out";
+const TAKE: &str = "recording.take ";
 /// A folder and a file whose path has more characters than Windows used to allow, some of which are in no code page.
 const FAR: &str = "recordings of fires, each in a folder with a long name";
 const NAME: &str = "Höllenfeuer 火の音 огонь.wav";
@@ -46,10 +52,15 @@ impl Drop for Opened {
 impl Wine {
     /// Opens a bundle's window.
     fn open(&self, bundle: &str, folder: &Path) -> Result<Opened> {
-        let map = folder.join(format!("{bundle}.map"));
+        self.open_as(WINDOW, bundle, folder)
+    }
+
+    /// Opens a bundle's window under a title.
+    fn open_as(&self, title: &str, bundle: &str, folder: &Path) -> Result<Opened> {
+        let map = folder.join(format!("{title}.{bundle}.map"));
         let _ = fs::remove_file(&map);
         let mut command = self.command(&release().join("examples/window.exe"), folder);
-        command.arg(shown(&folder.join("bundled").join(bundle))).arg("600");
+        command.arg(shown(&folder.join("bundled").join(bundle))).args(["600", title]);
         command.env("PYROPHONE_EDITOR_MAP", shown(&map));
         Ok(Opened { program: command.spawn().context("calling wine")?, map })
     }
@@ -113,6 +124,25 @@ impl Wine {
                 .drag("drag from here", &window.map, PAGE.1)
                 .and_then(|()| screen.wait_for(&window.map, &format!("recording.{NAME}{FACTS}")));
             dropped.with_context(|| format!("the window of {bundle}"))?;
+        }
+        Ok(())
+    }
+
+    /// Drags what was recorded out of a window onto another one, which loads it.
+    pub fn takes(&self, screen: &Screen, folder: &Path) -> Result<()> {
+        let (title, place) = RECEIVER;
+        for bundle in BUNDLES {
+            let receiver = self.open_as(title, bundle, folder)?;
+            screen.wait_for(&receiver.map, PAGE.0)?;
+            screen.move_window(title, place)?;
+            let source = self.open(bundle, folder)?;
+            // Once to record, and once to end that.
+            let dragged = screen
+                .click(&source.map, RECORD)
+                .and_then(|()| screen.click(&source.map, RECORD))
+                .and_then(|()| screen.drag_out(&source.map, DRAG_OUT, title))
+                .and_then(|()| screen.wait_for_any(&receiver.map, TAKE));
+            dragged.with_context(|| format!("the window of {bundle}"))?;
         }
         Ok(())
     }

@@ -1,11 +1,5 @@
-//! Dragging a sound out of the window, onto another program's timeline or into a folder.
-//!
-//! Under X11 this is a source of XDND 5 on a separate connection and thread: the window itself holds the pointer grab,
-//! so pointer and buttons are polled instead. Windows (`DoDragDrop`) and macOS (`NSDraggingSource`) need their source
-//! in the window's own event loop, to which baseview 0.4.2 gives no access; there sounds are saved and dragged from the
-//! system's file browser.
-
-mod xdnd;
+//! Dragging a sound out of the window under X11: a source of XDND 5 on a separate connection and thread. The window
+//! itself holds the pointer grab, so pointer and buttons are polled instead.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,19 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use x11rb::protocol::xproto::Window;
 
-use super::task::Task;
-use xdnd::Drag;
-
-/// Outcome of a drag.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
-    /// The target accepted the file.
-    Taken(PathBuf),
-    /// It was dropped where no target accepts it, or cancelled.
-    Dropped,
-    /// An error, in words.
-    Failed(String),
-}
+use super::Outcome;
+use super::xdnd::Drag;
+use crate::editor::task::Task;
 
 /// Source of sounds dragged out of a window.
 pub struct DragSource {
@@ -64,7 +48,7 @@ impl DragSource {
         let work = move || match write(&path) {
             Ok(()) => Drag::begin(editor, &path)
                 .and_then(|mut drag| drag.run(&is_called_off))
-                .map_or_else(|error| Outcome::Failed(error.to_string()), |taken| outcome(taken, path)),
+                .map_or_else(|error| Outcome::Failed(error.to_string()), |is_taken| Outcome::of(is_taken, path)),
             Err(message) => Outcome::Failed(message),
         };
         self.task = Task::start("pyrophone-drag", work, end);
@@ -83,8 +67,4 @@ impl Drop for DragSource {
         // The task is waited for.
         self.is_called_off.store(true, Ordering::Relaxed);
     }
-}
-
-fn outcome(is_taken: bool, path: PathBuf) -> Outcome {
-    if is_taken { Outcome::Taken(path) } else { Outcome::Dropped }
 }
