@@ -23,8 +23,8 @@ enum Found {
     Program(&'static str),
     /// A library in one of the system's folders.
     Library(&'static str),
-    /// A file or a folder.
-    Path(&'static str),
+    /// A file or a folder of Debian's Rust, which must be new enough for this project.
+    Toolchain(&'static str),
     /// A module that Python imports.
     Module(&'static str),
     /// A driver that Mesa opens by its path, in the first of these folders that exists.
@@ -56,10 +56,12 @@ pub const TEST: [Need; 11] = [
 pub const LINUX_PACKAGE: [Need; 5] =
     [LINKER, C_LIBRARY, PYTHON_ENVIRONMENTS, program("objdump", "binutils"), program("dpkg-deb", "dpkg")];
 
-/// Debian's compiler, with the source of its standard library.
-const DEBIAN_RUSTC: Need = path("/usr/bin/rustc", "rustc-web");
-const DEBIAN_CARGO: Need = path("/usr/bin/cargo", "cargo-web");
-const DEBIAN_SOURCE: Need = path("/usr/lib/rustlib/src/rust/library/std", "rust-web-src");
+/// Debian's compiler, with the source of its standard library. Security updates bring new versions, so that an outdated
+/// list of packages leads to one that is too old.
+const DEBIAN_COMPILER: &str = "/usr/bin/rustc";
+const DEBIAN_RUSTC: Need = toolchain(DEBIAN_COMPILER, "rustc-web");
+const DEBIAN_CARGO: Need = toolchain("/usr/bin/cargo", "cargo-web");
+const DEBIAN_SOURCE: Need = toolchain("/usr/lib/rustlib/src/rust/library/std", "rust-web-src");
 
 /// Debian separates the part that creates environments from Python itself.
 const PYTHON_ENVIRONMENTS: Need =
@@ -85,8 +87,8 @@ pub const ARM_BUILD: [Need; 4] =
 
 const PACKAGES: &str = "making packages";
 
-const fn path(path: &'static str, package: &'static str) -> Need {
-    Need { found: Found::Path(path), package, purpose: PACKAGES }
+const fn toolchain(path: &'static str, package: &'static str) -> Need {
+    Need { found: Found::Toolchain(path), package, purpose: PACKAGES }
 }
 
 const fn program(name: &'static str, package: &'static str) -> Need {
@@ -107,7 +109,7 @@ pub fn ensure(needs: &[Need]) -> Result<()> {
         return Ok(());
     }
     for need in &missing {
-        eprintln!("missing: {} ({})", need.package, need.purpose);
+        eprintln!("missing or outdated: {} ({})", need.package, need.purpose);
     }
     let packages: Vec<&str> = missing.iter().map(|need| need.package).collect();
     let by_hand = format!("apt-get update && apt-get install -y --no-install-recommends {}", packages.join(" "));
@@ -126,7 +128,7 @@ pub fn ensure(needs: &[Need]) -> Result<()> {
     install.extend(&packages);
     ensure!(apt_get(&install)?, "apt-get failed; see above. Run this yourself, then try again:\n  {by_hand}");
     if let Some(need) = missing.iter().find(|need| !need.is_met()) {
-        bail!("{} is installed, but {:?} is still not found", need.package, need.found);
+        bail!("{} is installed, but {:?} is still not found, or too old", need.package, need.found);
     }
     Ok(())
 }
@@ -135,7 +137,7 @@ impl Need {
     fn is_met(&self) -> bool {
         match self.found {
             Found::Program(name) => is_program(name),
-            Found::Path(path) => Path::new(path).exists(),
+            Found::Toolchain(path) => Path::new(path).exists() && has_new_rust(),
             Found::Module(name) => imports(name),
             Found::Library(name) => library_folders().any(|folder| Path::new(&folder).join(name).exists()),
             Found::Driver(name) => library_folders().any(|folder| {
@@ -148,6 +150,18 @@ impl Need {
             }),
         }
     }
+}
+
+/// True if Debian's compiler is new enough for this project.
+fn has_new_rust() -> bool {
+    let found = Command::new(DEBIAN_COMPILER).arg("--version").output();
+    found.is_ok_and(|found| is_new_enough(&String::from_utf8_lossy(&found.stdout), env!("CARGO_PKG_RUST_VERSION")))
+}
+
+/// True if what a compiler says of itself, such as `rustc 1.95.0 (…)`, is at least this version.
+fn is_new_enough(said: &str, needed: &str) -> bool {
+    let numbers = |version: &str| version.split('.').map_while(|part| part.parse().ok()).collect::<Vec<u32>>();
+    said.split(' ').nth(1).is_some_and(|version| numbers(version) >= numbers(needed))
 }
 
 /// Folders of shared libraries, on Debian and elsewhere.
@@ -193,4 +207,17 @@ fn apt_get(arguments: &[&str]) -> Result<bool> {
     }
     let status = command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "-qq"]).args(arguments).status()?;
     Ok(status.success())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_compiler_of_an_old_release_is_outdated() {
+        assert!(is_new_enough("rustc 1.96.0 (ac68faa20 2026-05-25) (built from a source tarball)", "1.95"));
+        assert!(is_new_enough("rustc 1.95.0", "1.95"));
+        assert!(!is_new_enough("rustc 1.85.0 (4d91de4e4 2025-02-17)", "1.95"));
+        assert!(!is_new_enough("", "1.95"));
+    }
 }
