@@ -26,7 +26,6 @@ pub use native::is_dragged_from;
 
 /// Outcome of a drag.
 #[derive(Debug, Clone, PartialEq, Eq)]
-#[cfg_attr(not(any(target_os = "linux", target_os = "windows")), expect(dead_code, reason = "nothing is dragged"))]
 pub enum Outcome {
     /// The target accepted the file.
     Taken(PathBuf),
