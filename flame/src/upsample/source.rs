@@ -27,8 +27,6 @@ pub struct VoxelSources {
     edges: [f64; 3],
     /// Positions in ascending order, with their sources.
     voxels: Vec<(u64, f32)>,
-    /// Volume that burns, in world units.
-    pub burning: f64,
 }
 
 impl VoxelSources {
@@ -49,7 +47,6 @@ impl VoxelSources {
         let mut source = Self { edges: transform.voxel_edges(), ..Self::default() };
         let mut add = |index, value: f32| {
             if value != 0.0 {
-                source.burning += volume;
                 source.voxels.push((packed(index, shift), (f64::from(value) * volume) as f32));
             }
         };
@@ -94,7 +91,6 @@ impl VoxelSources {
             for (place, (fill, divergence)) in fill.iter().zip(&divergence).enumerate() {
                 let within = [place >> 6, (place >> 3) & 7, place & 7];
                 let index = std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32);
-                source.burning += fill * volume;
                 let given = fill * divergence * volume;
                 if given != 0.0 {
                     source.voxels.push((packed(index, shift), given as f32));
