@@ -18,11 +18,67 @@ mod native;
 #[cfg(target_os = "linux")]
 mod xdnd;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-pub use native::DragSource;
+use native::Native;
+use raw_window_handle::HasWindowHandle;
+
+use super::task::Task;
+
 #[cfg(target_os = "windows")]
 pub use native::is_dragged_from;
+
+/// Source of sounds dragged out of a window.
+pub struct DragSource {
+    native: Native,
+    is_called_off: Arc<AtomicBool>,
+    task: Option<Task<Outcome>>,
+}
+
+impl DragSource {
+    /// A source for this window; none where dragging is not possible. To be called on the window's thread.
+    pub fn of(window: &impl HasWindowHandle) -> Option<Self> {
+        Some(Self { native: Native::of(window)?, is_called_off: Arc::default(), task: None })
+    }
+
+    /// True if a drag is under way.
+    pub fn is_busy(&self) -> bool {
+        self.task.is_some()
+    }
+
+    /// Drags the file that `write` creates, as long as the primary button is held; `end` is called when the drag is
+    /// over.
+    pub fn start(
+        &mut self,
+        path: PathBuf,
+        write: impl FnOnce(&Path) -> Result<(), String> + Send + 'static,
+        end: impl FnOnce() + Send + 'static,
+    ) {
+        self.is_called_off = Arc::default();
+        let drag = self.native.drag(path.clone(), self.is_called_off.clone());
+        let work = move || match write(&path) {
+            Ok(()) => drag(),
+            Err(message) => Outcome::Failed(message),
+        };
+        self.task = Task::start("pyrophone-drag", work, end);
+    }
+
+    /// The outcome of the last drag, once.
+    pub fn poll(&mut self) -> Option<Outcome> {
+        let outcome = self.task.as_mut()?.poll()?;
+        self.task = None;
+        Some(outcome)
+    }
+}
+
+impl Drop for DragSource {
+    fn drop(&mut self) {
+        // The task is waited for.
+        self.is_called_off.store(true, Ordering::Relaxed);
+    }
+}
 
 /// Outcome of a drag.
 #[derive(Debug, Clone, PartialEq, Eq)]

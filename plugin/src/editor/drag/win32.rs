@@ -5,7 +5,7 @@
 //! ends with it.
 
 use std::os::windows::ffi::OsStrExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -29,7 +29,6 @@ use windows::Win32::UI::WindowsAndMessaging::{
 use windows::core::{BOOL, HRESULT, PCWSTR, Result, implement, w};
 
 use super::Outcome;
-use crate::editor::task::Task;
 
 /// The message that starts a drag.
 const WM_DRAG: u32 = WM_APP;
@@ -54,43 +53,25 @@ struct Request {
 /// The drag that the window's thread has to start next.
 type Next = Mutex<Option<Request>>;
 
-/// Source of sounds dragged out of a window.
-pub struct DragSource {
-    /// The window within the editor's that starts drags.
+/// The window within the editor's that starts drags, and what it has to start.
+pub struct Native {
     starter: isize,
     next: Arc<Next>,
-    is_called_off: Arc<AtomicBool>,
-    task: Option<Task<Outcome>>,
 }
 
-impl DragSource {
-    /// A source for this window; none where dragging is not possible. To be called on the window's thread.
+impl Native {
+    /// A starter within this window; none if the system refuses it. To be called on the window's thread.
     pub fn of(window: &impl HasWindowHandle) -> Option<Self> {
         let RawWindowHandle::Win32(handle) = window.window_handle().ok()?.as_raw() else { return None };
         let next = Arc::new(Next::default());
         let starter = starter(handle_of(handle.hwnd.get()), next.clone()).ok()?;
-        Some(Self { starter: starter.0 as isize, next, is_called_off: Arc::default(), task: None })
+        Some(Self { starter: starter.0 as isize, next })
     }
 
-    /// True if a drag is under way.
-    pub fn is_busy(&self) -> bool {
-        self.task.is_some()
-    }
-
-    /// Drags the file that `write` creates, as long as the primary button is held; `end` is called when the drag is
-    /// over.
-    pub fn start(
-        &mut self,
-        path: PathBuf,
-        write: impl FnOnce(&Path) -> std::result::Result<(), String> + Send + 'static,
-        end: impl FnOnce() + Send + 'static,
-    ) {
-        let (starter, next, is_called_off) = (self.starter, self.next.clone(), Arc::new(AtomicBool::new(false)));
-        self.is_called_off = is_called_off.clone();
-        let work = move || {
-            if let Err(message) = write(&path) {
-                return Outcome::Failed(message);
-            }
+    /// What drags an existing file, on any thread, until the button is released.
+    pub fn drag(&self, path: PathBuf, is_called_off: Arc<AtomicBool>) -> impl FnOnce() -> Outcome + Send + use<> {
+        let (starter, next) = (self.starter, self.next.clone());
+        move || {
             let (sender, outcome) = channel();
             let request = Request { path, is_called_off: is_called_off.clone(), outcome: sender };
             *next.lock().unwrap_or_else(PoisonError::into_inner) = Some(request);
@@ -107,22 +88,7 @@ impl DragSource {
                     Err(RecvTimeoutError::Timeout) => {}
                 }
             }
-        };
-        self.task = Task::start("pyrophone-drag", work, end);
-    }
-
-    /// The outcome of the last drag, once.
-    pub fn poll(&mut self) -> Option<Outcome> {
-        let outcome = self.task.as_mut()?.poll()?;
-        self.task = None;
-        Some(outcome)
-    }
-}
-
-impl Drop for DragSource {
-    fn drop(&mut self) {
-        // The task is waited for.
-        self.is_called_off.store(true, Ordering::Relaxed);
+        }
     }
 }
 
