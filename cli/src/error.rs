@@ -83,6 +83,17 @@ impl From<pyrophone_flame::import::Error> for Error {
     }
 }
 
+impl From<pyrophone_fires::Error> for Error {
+    fn from(error: pyrophone_fires::Error) -> Self {
+        match error {
+            pyrophone_fires::Error::Recording(pyrophone_recording::Error::Cancelled) => Self::Cancelled,
+            pyrophone_fires::Error::Recording(error) => error.into(),
+            pyrophone_fires::Error::Settings(error) => error.into(),
+            error @ pyrophone_fires::Error::Engines { .. } => Self::Settings(error.to_string()),
+        }
+    }
+}
+
 impl From<pyrophone_settings::Error> for Error {
     fn from(error: pyrophone_settings::Error) -> Self {
         Self::Settings(error.to_string().replace(['\n', '\r'], " "))

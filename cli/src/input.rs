@@ -5,7 +5,8 @@ mod standard;
 use std::io::Cursor;
 use std::path::Path;
 
-use pyrophone_recording::{Broadcast, Note, Recording, decode, decode_bytes, resample};
+use pyrophone_recording::{Broadcast, Note, Recording, decode, decode_bytes, no_progress, resample};
+use pyrophone_settings::FactoryFire;
 
 use crate::error::Error;
 use crate::output::is_standard;
@@ -14,12 +15,12 @@ use crate::progress::{Work, note};
 /// Share of the channels' mean power below which the power of their mean indicates that they cancel.
 const CANCELLING_SHARE: f64 = 0.01;
 
-/// Reads a sound file at its own rate.
+/// Reads a sound file at its own rate, or plays a factory fire.
 pub fn load(path: &Path, work: &Work) -> Result<Recording, Error> {
     load_with_time_reference(path, work).map(|(recording, _)| recording)
 }
 
-/// Reads a sound file, and the timeline position that it states.
+/// Reads a sound file or a factory fire, and the timeline position that it states.
 pub fn load_with_time_reference(path: &Path, work: &Work) -> Result<(Recording, Option<Broadcast>), Error> {
     if is_standard(path) {
         let bytes = standard::read(work)?;
@@ -29,11 +30,21 @@ pub fn load_with_time_reference(path: &Path, work: &Work) -> Result<(Recording, 
         print_notes(&recording);
         return Ok((recording, Broadcast::read(&mut Cursor::new(&bytes))));
     }
+    if FactoryFire::is_meant_by(path) {
+        return Ok((factory_fire(path, work)?, None));
+    }
     let stage = work.stage("reading");
     let recording = stop(decode(path, &|done| stage.report(done)))?;
     drop(stage);
     print_notes(&recording);
     Ok((recording, Broadcast::of_file(path)))
+}
+
+/// Plays a factory fire.
+fn factory_fire(path: &Path, work: &Work) -> Result<Recording, Error> {
+    let stage = work.stage("kindling");
+    let fire = pyrophone_fires::read(path, &|done| stage.report(done))?;
+    stop(decode_bytes(&fire.bytes, &fire.name, &no_progress))
 }
 
 /// Notes anything odd about a recording. Cancelling channels are left out: they matter for some uses only.

@@ -88,6 +88,16 @@ pub enum Error {
         /// Folder of the user's presets.
         folder: String,
     },
+    /// There is no factory fire of this name.
+    #[error("there is no factory fire `{name}`{}; there are {known}, each after `factory:`", did_you_mean(*.nearest))]
+    UnknownFire {
+        /// The name found.
+        name: String,
+        /// The most similar name, if there is one.
+        nearest: Option<&'static str>,
+        /// All names.
+        known: String,
+    },
     /// A preset cannot have this name.
     #[error("a preset cannot be called \"{found}\"; give it a name of 1 to {longest} characters, on one line")]
     PresetName {

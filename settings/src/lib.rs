@@ -4,6 +4,7 @@
 pub mod automation;
 pub mod controller_file;
 pub mod error;
+mod factory_fire;
 mod group;
 mod id;
 pub mod library;
@@ -23,6 +24,7 @@ pub mod window_scale;
 pub use automation::Automation;
 pub use controller_file::ControllerFile;
 pub use error::Error;
+pub use factory_fire::{FACTORY_FIRES, FactoryFire};
 pub use group::Group;
 pub use id::Id;
 pub use library::Library;

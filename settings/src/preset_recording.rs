@@ -4,12 +4,14 @@ use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::FactoryFire;
 use crate::session::Cut;
 
 /// The recording that a preset names, with the part of it that is learnt from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PresetRecording {
-    /// Its file. In a preset's text, a relative path starts at the folder of the preset's file.
+    /// Its file, or the path of a [`FactoryFire`]. In a preset's text, a relative path starts at the folder of the preset's
+    /// file.
     pub file: PathBuf,
     /// Part and level.
     pub cut: Cut,
@@ -31,6 +33,9 @@ pub(crate) struct Packed {
 impl PresetRecording {
     /// The same recording, its file found from the folder of the preset's file.
     pub fn resolved(self, folder: &Path) -> Self {
+        if FactoryFire::is_meant_by(&self.file) {
+            return self;
+        }
         Self { file: folder.join(&self.file), ..self }
     }
 

@@ -1,14 +1,17 @@
-//! Slots, the blend and the page of space in the editor's window.
+//! The first fire, slots, the blend and the page of space in the editor's window.
 
-use pyrophone_host::Format;
 use pyrophone_host::state::State;
+use pyrophone_host::{Format, Plugin};
 use pyrophone_settings::session::FIELD;
 use pyrophone_tests::desk::{TestDisplay, UiDriver};
 use pyrophone_tests::live::Live;
 use pyrophone_tests::{RATE_HZ, STEREO, await_recording, load_session, open, preset, recording, session};
 
 fn saved(hand: &mut UiDriver<'_>) -> String {
-    let plugin = hand.live.plugin();
+    saved_state(hand.live.plugin())
+}
+
+fn saved_state(plugin: &mut dyn Plugin) -> String {
     let state = State::from_bytes(plugin.format(), &plugin.state().expect("a state")).expect("a state of this plug-in");
     state.fields[FIELD].clone()
 }
@@ -62,5 +65,48 @@ fn slots_are_filled_switched_and_blended_by_hand() {
         hand.screenshot(&format!("{format}-space-dragged"));
         let UiDriver { window, .. } = hand;
         window.close(live.plugin());
+    }
+}
+
+#[test]
+fn first_fire_is_lit_and_another_one_comes_from_the_library() {
+    let Some(desk) = TestDisplay::set_up() else { return };
+    for format in Format::ALL {
+        let mut plugin = open(format);
+        load_session(plugin.as_mut(), &preset("default", &[]), &session(None, None));
+        let mut live = Live::start(plugin, RATE_HZ, STEREO);
+        let window = desk.open_drawn(live.plugin(), || {});
+        let mut hand = UiDriver::new(&desk, window, &mut live, 0);
+        hand.play_silence();
+
+        hand.click("button.Light");
+        hand.wait_until("the preset that needs no recording", |hand| hand.text("fuel") == "dry wood");
+        hand.wait_until("the flame", |hand| hand.text("drive_mode") == "flame");
+        (0..40).for_each(|_| hand.pass());
+        hand.screenshot(&format!("{format}-lit"));
+        hand.click("button.Undo");
+        hand.wait_until("as it was", |hand| hand.text("fuel") == "off");
+        hand.wait_until("the track", |hand| hand.text("drive_mode") == "pressure");
+
+        hand.click("button.Library");
+        hand.go_to("library.Grass fire");
+        hand.screenshot(&format!("{format}-library"));
+        hand.click("library.Grass fire");
+        hand.wait_until("the factory fire", |hand| saved(hand).contains("factory:grass-fire"));
+        hand.place("recording.Grass fire (factory): 24.0 s, 48 kHz, stereo");
+        hand.screenshot(&format!("{format}-factory-fire"));
+        // Now there is something to hear with the flame, so it stays.
+        hand.click("button.Light");
+        hand.wait_until("the flame", |hand| hand.text("drive_mode") == "flame");
+        assert_eq!(hand.text("fuel"), "off", "{format}");
+        let UiDriver { window, .. } = hand;
+        let state = live.plugin().state().expect("a state");
+        window.close(live.plugin());
+
+        // A session that names it finds it, without any file.
+        let mut again = open(format);
+        again.set_state(&state).expect("a session");
+        await_recording(again.as_mut(), RATE_HZ, STEREO);
+        assert!(saved_state(again.as_mut()).contains("factory:grass-fire"), "{format}");
     }
 }

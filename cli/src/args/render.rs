@@ -58,7 +58,8 @@ pub struct RenderArgs {
 /// Options for the recording.
 #[derive(Debug, Args)]
 pub struct TrainingArgs {
-    /// Fire recording for texture to learn from [default: the one that the preset names, if any]
+    /// Fire recording for texture to learn from, or a factory fire such as factory:hearth [default: the one that the preset
+    /// names, if any]
     #[arg(id = "training", long = "training", visible_alias = "recording", value_name = "T.wav")]
     pub file: Option<PathBuf>,
     /// Part of the recording to learn from, in seconds

@@ -82,6 +82,24 @@ fn a_presets_recording_is_that_of_training() {
     refuses(at, "render --input mono.wav --output f.wav --preset Öfen/beyond.toml", 1, &["region_s", "inside"]);
 }
 
+#[test]
+fn factory_fire_is_its_presets_sound_and_is_learnt_from_like_a_file() {
+    let folder = folder();
+    let at = folder.path();
+    let render = |name: &str, options: &str| read(&made(&folder, name, &format!("render {options}"))).channels;
+    let learnt = render("a.wav", "--preset default --input mono.wav --training factory:grass-fire");
+    render("grass.wav", "--preset grass-fire --seconds 24 --sample-rate 48000");
+    assert_eq!(render("b.wav", "--preset default --input mono.wav --training grass.wav"), learnt);
+    assert_ne!(render("c.wav", "--preset default --input mono.wav --training factory:wet-logs"), learnt);
+    // A preset finds it from any folder.
+    std::fs::create_dir(at.join("presets")).unwrap();
+    let text = "version = 3\nname = \"own\"\n[recording]\nfile = \"factory:grass-fire\"\n";
+    std::fs::write(at.join("presets/own.toml"), text).unwrap();
+    assert_eq!(render("d.wav", "--preset presets/own.toml --input mono.wav"), learnt);
+    let run = "render --preset default --input mono.wav --output e.wav --training factory:gras-fire";
+    refuses(at, run, 1, &["did you mean `grass-fire`", "hearth"]);
+}
+
 /// Settings that leave vortex sound alone.
 const WHOOSH: &str = "--set texture_level=off --set vortex_level=0 --set threshold=off";
 

@@ -3,14 +3,14 @@
 
 mod region;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use egui::{Button, DragValue, Label, Rect, RichText, ScrollArea, StrokeKind, TextEdit, Ui, Vec2};
 use nice_plug_egui::RepaintNotifier;
-use pyrophone_settings::Id;
 use pyrophone_settings::session::{Cut, MAX_CUT_GAIN_DB};
 use pyrophone_settings::table::DYNAMIC_RANGES;
+use pyrophone_settings::{FACTORY_FIRES, FactoryFire, Id};
 use raw_window_handle::HasWindowHandle;
 
 use super::dialog::{Answer, Ask, Dialog};
@@ -45,6 +45,8 @@ pub struct RecordingPanel {
     held: Option<Cut>,
     /// Sample rate of the engine in Hz, while one runs.
     rate_hz: Option<f32>,
+    /// The factory fires by their titles.
+    fires: Vec<(String, FactoryFire)>,
     notifier: RepaintNotifier,
 }
 
@@ -61,6 +63,10 @@ impl RecordingPanel {
             region: Region::default(),
             held: None,
             rate_hz: None,
+            fires: FACTORY_FIRES
+                .iter()
+                .filter_map(|fire| Some((fire.preset().ok()?.title().to_owned(), *fire)))
+                .collect(),
             notifier,
         }
     }
@@ -164,18 +170,38 @@ impl RecordingPanel {
         if browse.on_hover_text(hint).clicked() {
             self.ask(Ask::Recording);
         }
-        let recent = ui.add_enabled_ui(!view.recent.is_empty(), |ui| {
-            ui.menu_button("Recent", |ui| {
-                for path in &view.recent {
-                    let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
-                    if ui.button(name).on_hover_text(path).clicked() {
-                        self.take(PathBuf::from(path), loader);
-                        ui.close();
-                    }
+        self.library(ui, loader, view);
+    }
+
+    /// Menu of recordings at hand: the factory fires, and those loaded recently.
+    fn library(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
+        let mut chosen = None;
+        let library = ui.menu_button("Library", |ui| {
+            let mut row = |ui: &mut Ui, name: &str, path: &Path| {
+                let button = ui.button(name);
+                map::note(ui, format_args!("library.{name}"), button.rect);
+                if button.on_hover_text(path.display().to_string()).clicked() {
+                    chosen = Some(path.to_owned());
+                    ui.close();
                 }
-            })
+            };
+            ui.label(RichText::new("Factory fires").font(theme::small()).color(theme::WEAK));
+            for (title, fire) in &self.fires {
+                row(ui, title, &fire.path());
+            }
+            if !view.recent.is_empty() {
+                ui.separator();
+                ui.label(RichText::new("Recent").font(theme::small()).color(theme::WEAK));
+            }
+            for path in &view.recent {
+                row(ui, path.rsplit(['/', '\\']).next().unwrap_or(path), Path::new(path));
+            }
         });
-        map::note(ui, "button.Recent", recent.response.rect);
+        map::note(ui, "button.Library", library.response.rect);
+        library.response.on_hover_text("Fires that Pyrophone plays itself, and recordings loaded recently");
+        if let Some(path) = chosen {
+            self.take(path, loader);
+        }
     }
 
     fn loading(&mut self, ui: &mut Ui, loader: &LoaderHandle, view: &View) {
@@ -298,9 +324,15 @@ impl RecordingPanel {
             painter.rect_filled(bar.with_max_x(done_at), 0.0, theme::EMBER);
             word(&format!("{what} … {:.0} %", 100.0 * done), theme::TEXT);
         } else if let Some(path) = view.path.as_ref().filter(|_| view.recording.is_none()) {
-            word(&format!("Not found: {path}\nLocate the file. Until then, noise replaces it."), theme::ALARM);
+            word(
+                &format!("Not found: {path}\nLocate the file. Until then, synthetic sound replaces it."),
+                theme::ALARM,
+            );
         } else if view.recording.is_none() {
-            word("Drop a recording of a fire here, or load one.\nUntil then, noise replaces it.", theme::WEAK);
+            word(
+                "Drop a recording of a fire here, load one, or choose one from the library.\nUntil then, synthetic sound replaces it.",
+                theme::WEAK,
+            );
         }
         if self.drops.as_ref().is_some_and(DropTarget::is_hovered) {
             painter.rect_stroke(above, 3.0, egui::Stroke::new(2.0, theme::EMBER), StrokeKind::Inside);

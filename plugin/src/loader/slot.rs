@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyrophone_recording::Recording;
-use pyrophone_settings::PresetRecording;
+use pyrophone_settings::{FactoryFire, PresetRecording};
 use pyrophone_synthesis::recording::RecordingDictionary;
 use pyrophone_training::DictionaryKey;
 
@@ -62,7 +62,9 @@ impl Slot {
     /// been read from another path before, under another name.
     pub fn description(&self, path: Option<&str>) -> Option<String> {
         let recording = self.recording.as_ref()?;
-        let name = path.and_then(|path| Path::new(path).file_name()).map(|name| name.to_string_lossy().into_owned());
+        // A factory fire has a title instead.
+        let file = path.map(Path::new).filter(|path| !FactoryFire::is_meant_by(path));
+        let name = file.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         let name = name.as_deref().unwrap_or(&recording.name);
         let (seconds, kilohertz) = (recording.duration_s(), f64::from(recording.sample_rate_hz) / 1000.0);
         let channels = match recording.channels.len() {

@@ -3,7 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pyrophone_recording::{Error, Recording, content_hash, decode_known, embed, read, unembed};
+use pyrophone_fires::{Source, read};
+use pyrophone_recording::{Error, Recording, content_hash, decode_known, embed, unembed};
+use pyrophone_settings::FactoryFire;
 use pyrophone_settings::session::RecordingReference;
 
 use super::cache::RECORDINGS;
@@ -47,6 +49,15 @@ impl From<Error> for Failure {
     }
 }
 
+impl From<pyrophone_fires::Error> for Failure {
+    fn from(error: pyrophone_fires::Error) -> Self {
+        match error {
+            pyrophone_fires::Error::Recording(error) => error.into(),
+            error => Self::Message(error.to_string()),
+        }
+    }
+}
+
 impl From<pyrophone_training::Error> for Failure {
     fn from(error: pyrophone_training::Error) -> Self {
         match error {
@@ -56,15 +67,17 @@ impl From<pyrophone_training::Error> for Failure {
     }
 }
 
-/// Opens the file chosen by the user. With `keep`, the file itself is embedded in the reference where it is small
-/// enough.
+/// Opens the file or factory fire chosen by the user. With `keep`, the file itself is embedded in the reference where it
+/// is small enough.
 pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
-    let bytes = read(path)?;
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let Source { bytes, name } = read(path, &|done| job.report("Kindling", done))?;
     let recording = decode(&bytes, &content_hash(&bytes), &name, job)?;
-    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let is_file = !FactoryFire::is_meant_by(path);
+    let absolute = is_file.then(|| std::path::absolute(path).ok()).flatten();
+    let path = absolute.unwrap_or_else(|| path.to_owned());
     let mut notice = notes(&recording);
-    let embedded = if keep { embed(&bytes).map_err(|error| notice = Some(error.to_string())).ok() } else { None };
+    let embedded =
+        if keep && is_file { embed(&bytes).map_err(|error| notice = Some(error.to_string())).ok() } else { None };
     let reference = RecordingReference {
         path: path.to_string_lossy().into_owned(),
         content_hash: recording.content_hash.clone(),
@@ -75,23 +88,26 @@ pub fn open(path: &Path, keep: bool, job: &Job) -> Result<Found, Failure> {
 
 /// Finds the file named by a session: the identical file at its path, otherwise the embedded one, otherwise whichever
 /// file is now at that path.
-pub fn locate(reference: &RecordingReference) -> Result<Located, Failure> {
+pub fn locate(reference: &RecordingReference, job: &Job) -> Result<Located, Failure> {
     let path = Path::new(&reference.path);
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let hashed =
-        |bytes: Vec<u8>| Located { content_hash: content_hash(&bytes), bytes, name: name.clone(), notice: None };
-    let at_place = read(path).map(hashed);
+    let hashed = |Source { bytes, name }| Located { content_hash: content_hash(&bytes), bytes, name, notice: None };
+    let at_place = read(path, &|done| job.report("Kindling", done)).map(hashed);
     if at_place.as_ref().is_ok_and(|found| found.content_hash == reference.content_hash) {
         return Ok(at_place?);
     }
     if let Some(embedded) = &reference.embedded {
-        let embedded = hashed(unembed(embedded)?);
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let embedded = hashed(Source { bytes: unembed(embedded)?, name });
         if embedded.content_hash == reference.content_hash {
             return Ok(embedded);
         }
     }
-    let notice =
-        format!("{}: the file has changed since the session was saved; load it again to confirm", reference.path);
+    let what = if FactoryFire::is_meant_by(path) {
+        "this version plays the factory fire differently than the one that saved the session"
+    } else {
+        "the file has changed since the session was saved"
+    };
+    let notice = format!("{}: {what}; load it again to confirm", reference.path);
     Ok(Located { notice: Some(notice), ..at_place? })
 }
 
@@ -104,13 +120,18 @@ impl Located {
     }
 }
 
-/// Packs the file of a reference for embedding in the session, if it is still the same file.
-pub fn pack(reference: &RecordingReference) -> Result<String, String> {
-    let bytes = read(Path::new(&reference.path)).map_err(|error| error.to_string())?;
+/// Packs the file of a reference for embedding in the session, if it is still the same file. Factory fires need no
+/// embedding: every Pyrophone has them.
+pub fn pack(reference: &RecordingReference) -> Result<Option<String>, String> {
+    let path = Path::new(&reference.path);
+    if FactoryFire::is_meant_by(path) {
+        return Ok(None);
+    }
+    let bytes = pyrophone_recording::read(path).map_err(|error| error.to_string())?;
     if content_hash(&bytes) != reference.content_hash {
         return Err(format!("{}: the file has changed since it was loaded; load it again", reference.path));
     }
-    embed(&bytes).map_err(|error| error.to_string())
+    embed(&bytes).map(Some).map_err(|error| error.to_string())
 }
 
 /// Notices to the user about a recording.

@@ -55,6 +55,11 @@ impl<'a> UiDriver<'a> {
         Self { connection, keycodes, desk, window, live, position, sound: flame(86, 2, 2205) }
     }
 
+    /// Plays silence from now on.
+    pub fn play_silence(&mut self) {
+        self.sound.iter_mut().for_each(|channel| channel.fill(0.0));
+    }
+
     fn send(&self, kind: u8, detail: u8, (x, y): (i16, i16)) {
         let root = self.connection.setup().roots[0].root;
         self.connection.xtest_fake_input(kind, detail, 0, root, x, y, 0).expect("a request").check().expect("sent");

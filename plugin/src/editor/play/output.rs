@@ -1,10 +1,13 @@
 //! The output: its running spectrogram, and a strip with its match.
 
+use std::sync::Arc;
+
 use egui::{Align2, Button, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
-use pyrophone_settings::Id;
 use pyrophone_settings::table::DRIVE_MODES;
+use pyrophone_settings::{Id, Preset, Values};
 
+use super::super::history::Entry;
 use super::super::levels::{FLOOR_DB, Meter};
 use super::super::param_editor::ParamEditor;
 use super::super::plots::spectrum::Advice;
@@ -19,6 +22,9 @@ use pyrophone_analysis::fidelity::Diagnosis;
 const STRIP: f32 = 22.0;
 /// Height of the button in it.
 const BUTTON: f32 = 17.0;
+
+/// The preset that is chosen when a fire is lit before anything was set or loaded: one that needs no recording.
+const FIRST_FIRE: &str = "hearth";
 
 /// The panel.
 pub fn show(ui: &mut Ui, rect: Rect, parts: &mut Parts<'_>, edit: &mut ParamEditor<'_>) {
@@ -52,8 +58,16 @@ fn light(ui: &mut Ui, rect: Rect, parts: &Parts<'_>, edit: &mut ParamEditor<'_>)
     let place = Rect::from_center_size(rect.center(), Vec2::new(150.0, 26.0));
     let button = filled(ui, place, "Light a built-in fire", "Light", false, true);
     if button.on_hover_text("There is no input: burn a simulated campfire instead of the track").clicked() {
-        let flame = DRIVE_MODES.iter().position(|mode| *mode == "flame").unwrap_or(0);
-        edit.set_once(Id::DriveMode as usize, flame as f64);
+        let values = edit.values();
+        let is_untouched = parts.view.path.is_none() && Values::default().chosen_over(&values) == values;
+        match Preset::find(FIRST_FIRE) {
+            Ok(preset) if is_untouched => edit.choose(Some(Arc::new(Entry { preset, path: None }))),
+            // What the user has set or loaded already sounds with the flame.
+            _ => {
+                let flame = DRIVE_MODES.iter().position(|mode| *mode == "flame").unwrap_or(0);
+                edit.set_once(Id::DriveMode as usize, flame as f64);
+            }
+        }
     }
 }
 

@@ -1,10 +1,12 @@
 //! The recording: its name, its outline with the part used for learning, the positions of recent matches, and its
 //! character; the slots, and the share of a second recording.
 
+use std::path::Path;
+
 use egui::{Align, Label, Layout, Rect, RichText, Ui};
 
-use pyrophone_settings::Id;
 use pyrophone_settings::table::RECORDING_SLOTS;
+use pyrophone_settings::{FactoryFire, Id};
 
 use super::super::param_editor::ParamEditor;
 use super::super::recording::message;
@@ -98,7 +100,15 @@ fn words(ui: &mut Ui, parts: &Parts<'_>) {
     let small = |text: &str| RichText::new(text).font(theme::small()).color(theme::WEAK);
     let mut figures = vec![];
     figures.extend(view.crackles_per_s.map(|rate| format!("{rate:.1} crackles/s")));
-    figures.push(if view.embed { "embedded" } else { "linked" }.to_owned());
+    let is_built_in = view.path.as_ref().is_some_and(|path| FactoryFire::is_meant_by(Path::new(path)));
+    let kept = if is_built_in {
+        "built in"
+    } else if view.embed {
+        "embedded"
+    } else {
+        "linked"
+    };
+    figures.push(kept.to_owned());
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         ui.add(Label::new(small(&figures.join(" · "))));
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

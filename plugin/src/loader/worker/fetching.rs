@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pyrophone_recording::{Cut, Recording};
-use pyrophone_settings::{PresetRecording, session};
+use pyrophone_settings::{FactoryFire, PresetRecording, session};
 
 use super::Worker;
 use crate::loader::job::Job;
@@ -63,7 +63,8 @@ impl Worker {
                 let old = self.session.cut_in(slot);
                 let cut = if is_known { old } else { session::Cut { region_s: None, ..old } };
                 self.exchange(slot, &found, cut, job)?;
-                if let Some(recent) = &self.recent {
+                // Factory fires have a list of their own.
+                if let Some(recent) = self.recent.as_ref().filter(|_| !FactoryFire::is_meant_by(path)) {
                     let known = recent.add(&found.reference.path);
                     self.status.update(|view| view.recent = known);
                 }
@@ -82,7 +83,7 @@ impl Worker {
             Pending::Session => match self.session.recording_in(slot).cloned() {
                 None => Ok(None),
                 Some(reference) => {
-                    let located = source::locate(&reference)?;
+                    let located = source::locate(&reference, job)?;
                     // The dictionary comes first, because the sound depends on it; the display can wait until the
                     // recording is decoded.
                     self.recall(slot, &located.content_hash, job);

@@ -168,7 +168,7 @@ impl Worker {
             let Some(reference) = self.session.recording_in_mut(slot) else { continue };
             match (embed, reference.embedded.is_some()) {
                 (true, false) => match source::pack(reference) {
-                    Ok(packed) => reference.embedded = Some(packed),
+                    Ok(packed) => reference.embedded = packed,
                     Err(message) => self.status.fail(message),
                 },
                 (false, true) => reference.embedded = None,
