@@ -287,8 +287,11 @@ impl Crackle {
         let spread = maths::pow(event.peak / crackles.median_peak(), within(controls.spread, 0.0, 2.0) - 1.0);
         let followed = maths::pow(mean, MEAN_EXPONENT * follow) * maths::pow(loudness, LEVEL_EXPONENT * follow);
         let gain = spread * followed * factor(variation.level_db * level) * source_gain;
-        let gain = gain.min(within(controls.highest_peak, 0.0, f64::MAX) / event.peak);
         let tilt = factor(variation.tilt_db * tilt + SHARP_DB * sharpness);
+        let sides = [factor(variation.balance_db * balance), factor(-variation.balance_db * balance)];
+        // The loudest that tilt and balance make of it.
+        let loudest = event.peak * tilt.max(1.0 / tilt) * sides[0].max(sides[1]);
+        let gain = gain.min(within(controls.highest_peak, 0.0, f64::MAX) / loudest);
         let shortened = sharpness.max(0.0) / (SHARP_DECAY * event.decay_s * self.sample_rate_hz).max(1.0);
         *grain = Grain::start(Play {
             source,
@@ -298,7 +301,7 @@ impl Crackle {
             low: gain / tilt,
             high: gain * tilt,
             decay: maths::exp(-shortened),
-            sides: [factor(variation.balance_db * balance), factor(-variation.balance_db * balance)],
+            sides,
         });
     }
 }

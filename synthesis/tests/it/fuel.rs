@@ -3,7 +3,7 @@
 use crate::effect::{Event, STEREO, channels, dictionary, play};
 use pyrophone_synthesis::EngineConfig;
 use pyrophone_synthesis::chain::{Chain, Channels};
-use pyrophone_synthesis::controls::{Controls, Fuel, FuelControls, MixControls};
+use pyrophone_synthesis::controls::{Controls, CrackleControls, Fuel, FuelControls, MixControls};
 use pyrophone_synthesis::fuel::{FuelNoise, LOUDNESS_LUFS, NoiseLevels};
 use pyrophone_synthesis::structure::MatchingMode;
 
@@ -35,6 +35,22 @@ fn run(chain: &mut Chain, controls: Controls, input: &[Vec<f32>], outputs: usize
 
 fn power(signal: &[f32]) -> f64 {
     signal.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / signal.len().max(1) as f64
+}
+
+#[test]
+fn loud_crackles_stay_below_the_ceiling_on_both_sides_and_at_any_sharpness() {
+    let drive = channels(22, 1, 400_000);
+    for fuel in &Fuel::ALL[1..] {
+        for sharpness in [-1.0, 0.0, 1.0] {
+            let mut loud = controls(*fuel, [30.0, 0.0, 0.0]);
+            // So few that hardly two sound together.
+            loud.mix.ceiling = true;
+            loud.crackle = CrackleControls { density: 0.1, follow: 0.0, sharpness, ..loud.crackle };
+            let out = run(&mut chain(STEREO), loud, &[drive[0].clone(), drive[0].clone()], 2, 0);
+            let peak = out.iter().flatten().fold(0.0f32, |peak, x| peak.max(x.abs()));
+            assert!((0.3..0.95).contains(&peak), "{fuel:?} {sharpness}: {peak}");
+        }
+    }
 }
 
 #[test]
