@@ -4,6 +4,8 @@ mod extend;
 mod flux;
 mod flux_merge;
 mod flux_plan;
+#[cfg(windows)]
+mod install;
 mod render;
 mod shell;
 mod simulate;
@@ -18,6 +20,8 @@ pub use extend::ExtendArgs;
 pub use flux::{FluxArgs, Measure, MeshKind, PartialWith, Placement, UpAxis, Upsample};
 pub use flux_merge::FluxMergeArgs;
 pub use flux_plan::{FarmFormat, FluxPlanArgs};
+#[cfg(windows)]
+pub use install::InstallArgs;
 pub use render::{DynamicRange, RenderArgs};
 pub use shell::{CompletionsArgs, ManArgs};
 pub use simulate::SimulateArgs;
@@ -90,4 +94,10 @@ pub enum Command {
     Completions(CompletionsArgs),
     /// Write manual pages, one for each command
     Man(ManArgs),
+    /// Install plug-in, program and presets from the unpacked package that this program lies in
+    #[cfg(windows)]
+    Install(InstallArgs),
+    /// Remove what `install` has put in place
+    #[cfg(windows)]
+    Uninstall(InstallArgs),
 }

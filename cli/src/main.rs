@@ -13,6 +13,8 @@ mod flux_merge;
 mod flux_plan;
 mod frame_list;
 mod input;
+#[cfg(any(windows, test))]
+mod install;
 mod level;
 mod notes;
 mod output;
@@ -90,6 +92,10 @@ fn run(cli: &Cli, work: &Work) -> Result<Option<Outcome>, Error> {
             Ok(None)
         }
         Command::Man(args) => shell::man(args).map(Some),
+        #[cfg(windows)]
+        Command::Install(args) => install::install(args).map(|()| None),
+        #[cfg(windows)]
+        Command::Uninstall(args) => install::uninstall(args).map(|()| None),
     }
 }
 

@@ -68,7 +68,7 @@ const PYTHON_ENVIRONMENTS: Need =
     Need { found: Found::Module("ensurepip"), package: "python3-venv", purpose: PACKAGES };
 
 /// Enough to build packages for Windows.
-pub const WINDOWS_PACKAGE: [Need; 7] = [
+pub const WINDOWS_PACKAGE: [Need; 8] = [
     LINKER,
     C_LIBRARY,
     DEBIAN_RUSTC,
@@ -76,6 +76,7 @@ pub const WINDOWS_PACKAGE: [Need; 7] = [
     DEBIAN_SOURCE,
     program("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64"),
     program("zip", "zip"),
+    program("unzip", "unzip"),
 ];
 
 /// Requirements for linking for macOS.

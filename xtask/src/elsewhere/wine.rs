@@ -1,5 +1,6 @@
 //! Windows, through Wine: the packaged command line, and both bundles in our own host and in a window.
 
+mod newcomer;
 mod window;
 
 use std::path::{Path, PathBuf};
@@ -33,13 +34,14 @@ const PLAYERS: [&str; 10] = [
     "drag",
 ];
 /// The tests that need a screen.
-const ON_SCREEN: [(&str, OnScreen); 6] = [
+const ON_SCREEN: [(&str, OnScreen); 7] = [
     ("bounces under Wine", |wine, _, folder| wine.bounces(folder)),
     ("window under Wine", Wine::windows),
     ("window under Wine, files from the system's dialog", Wine::dialog),
     ("window under Wine, files dropped on it", Wine::drops),
     ("window under Wine, a take dragged out of it", Wine::takes),
     ("window under Wine on a dense screen", Wine::dense_windows),
+    ("the newcomer's path under Wine", Wine::newcomer),
 ];
 
 /// A test on a screen, with files in a folder.
@@ -80,7 +82,7 @@ pub(super) fn soak(tally: &mut Tally) -> Result<()> {
 /// Compares the digests of the Windows build that is there, if it is up to date.
 pub(super) fn test(tally: &mut Tally) -> Result<()> {
     let Some(wine) = Wine::find(tally)? else { return Ok(()) };
-    let built = release().join(System::Windows.program());
+    let built = built().program;
     if is_current(&built)? {
         wine.digests(tally, &built)
     } else {
@@ -93,6 +95,11 @@ pub(super) fn test(tally: &mut Tally) -> Result<()> {
 /// Folder of the build for Windows.
 fn release() -> PathBuf {
     project::target_dir().join("cross").join(System::Windows.triple()).join("release")
+}
+
+/// What that build has made.
+fn built() -> Built {
+    Built { library: release().join(System::Windows.library()), program: release().join(System::Windows.program()) }
 }
 
 /// Builds our host, and lays out the bundles where it looks for them.
@@ -176,7 +183,7 @@ impl Wine {
 
     /// The packaged command line.
     fn command_line(&self) -> PathBuf {
-        release().join(System::Windows.program())
+        built().program
     }
 
     /// Folder of this Windows.
@@ -220,10 +227,21 @@ fn stand_in(program: &Path) -> Result<()> {
 fn is_current(program: &Path) -> Result<bool> {
     let Ok(about) = std::fs::metadata(program) else { return Ok(false) };
     let built = about.modified()?;
-    let mut folders: Vec<PathBuf> =
-        ["maths", "assets", "synthesis", "flame", "settings", "recording", "training", "analysis", "cli", "presets"]
-            .map(|name| project::root().join(name))
-            .to_vec();
+    let mut folders: Vec<PathBuf> = [
+        "maths",
+        "assets",
+        "synthesis",
+        "flame",
+        "settings",
+        "recording",
+        "training",
+        "fires",
+        "analysis",
+        "cli",
+        "presets",
+    ]
+    .map(|name| project::root().join(name))
+    .to_vec();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
             let entry = entry?;

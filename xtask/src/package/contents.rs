@@ -61,10 +61,15 @@ pub fn bundles(system: System, built: &Built, folder: &Path) -> Result<()> {
 }
 
 /// Scripts that install and remove a package: folder and name.
-fn scripts(system: System) -> [(&'static str, &'static str); 2] {
+fn scripts(system: System) -> &'static [(&'static str, &'static str)] {
     match system {
-        System::Linux => [("linux", "install.sh"), ("linux", "uninstall.sh")],
-        System::Windows => [("windows", "install.ps1"), ("windows", "uninstall.ps1")],
+        System::Linux => &[("linux", "install.sh"), ("linux", "uninstall.sh")],
+        System::Windows => &[
+            ("windows", "install.cmd"),
+            ("windows", "uninstall.cmd"),
+            ("windows", "install.ps1"),
+            ("windows", "uninstall.ps1"),
+        ],
     }
 }
 

@@ -7,7 +7,6 @@ mod contents;
 mod licences;
 mod linkage;
 mod macos;
-mod powershell;
 mod system;
 
 use std::fs;
@@ -80,15 +79,12 @@ pub fn check_macos() -> Result<()> {
 }
 
 /// The packages of one system from what was built for it.
-fn make(system: System, built: &build::Built, folder: &Path) -> Result<Vec<PathBuf>> {
+pub fn make(system: System, built: &build::Built, folder: &Path) -> Result<Vec<PathBuf>> {
     let name = format!("pyrophone-{}-{}", env!("CARGO_PKG_VERSION"), system.name());
     let stage = project::target_dir().join("stage").join(&name);
     contents::stage(system, built, &stage)?;
     match system {
         System::Linux => Ok(vec![archive::tar_gz(&stage, folder)?, archive::deb(&stage, folder)?]),
-        System::Windows => {
-            powershell::check(&stage)?;
-            Ok(vec![archive::zip(&stage, folder)?])
-        }
+        System::Windows => Ok(vec![archive::zip(&stage, folder)?]),
     }
 }

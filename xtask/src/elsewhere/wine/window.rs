@@ -36,9 +36,9 @@ const FACTS: &str = ": 4.0 s, 48 kHz, stereo";
 const OLD_LIMIT: usize = 260;
 
 /// A window with a plug-in's editor, which closes at the end.
-struct Opened {
+pub(super) struct Opened {
     program: Child,
-    map: PathBuf,
+    pub(super) map: PathBuf,
 }
 
 impl Drop for Opened {
@@ -57,10 +57,16 @@ impl Wine {
 
     /// Opens a bundle's window under a title.
     fn open_as(&self, title: &str, bundle: &str, folder: &Path) -> Result<Opened> {
-        let map = folder.join(format!("{title}.{bundle}.map"));
+        self.open_at(title, &folder.join("bundled").join(bundle), folder)
+    }
+
+    /// Opens the window of a bundle at a path.
+    pub(super) fn open_at(&self, title: &str, bundle: &Path, folder: &Path) -> Result<Opened> {
+        let name = bundle.file_name().unwrap_or_default().to_string_lossy();
+        let map = folder.join(format!("{title}.{name}.map"));
         let _ = fs::remove_file(&map);
         let mut command = self.command(&release().join("examples/window.exe"), folder);
-        command.arg(shown(&folder.join("bundled").join(bundle))).args(["600", title]);
+        command.arg(shown(bundle)).args(["600", title]);
         command.env("PYROPHONE_EDITOR_MAP", shown(&map));
         Ok(Opened { program: command.spawn().context("calling wine")?, map })
     }
