@@ -40,7 +40,9 @@ impl Folders {
             variable(name).filter(|path| path.is_absolute()).ok_or_else(unset)
         };
         let presets = documents.map(|documents| documents.join(PRESETS.iter().collect::<PathBuf>()));
-        let presets = presets.ok_or_else(|| Error::Conflict("there is no folder of documents".to_owned()))?;
+        let presets = presets.ok_or_else(|| {
+            Error::Conflict("Windows knows no folder of documents; sign in again and repeat the command".to_owned())
+        })?;
         if is_for_all {
             let common = known("CommonProgramFiles")?;
             let programs = known("ProgramFiles")?.join("Pyrophone");

@@ -4,7 +4,6 @@
 mod play;
 mod source;
 
-pub use play::{SAMPLE_RATE_HZ, SECONDS, play};
 pub use source::{Source, read};
 
 /// Reason why a recording's bytes are not to be had.

@@ -7,9 +7,9 @@ use pyrophone_synthesis::chain::{Chain, Channels, Transport};
 use crate::Error;
 
 /// Sample rate of a factory fire in Hz.
-pub const SAMPLE_RATE_HZ: u32 = 48_000;
+pub(crate) const SAMPLE_RATE_HZ: u32 = 48_000;
 /// Length of a factory fire in seconds: enough for a hundred crackles of most fires.
-pub const SECONDS: u32 = 24;
+const SECONDS: u32 = 24;
 
 /// Samples per call of the effect.
 const BLOCK_SAMPLES: usize = 4096;
@@ -18,7 +18,7 @@ const BLOCK_SAMPLES: usize = 4096;
 ///
 /// # Errors
 /// [`pyrophone_recording::Error::Cancelled`] if `progress` returns false.
-pub fn play(fire: FactoryFire, progress: Progress<'_>) -> Result<Vec<Vec<f32>>, Error> {
+pub(crate) fn play(fire: FactoryFire, progress: Progress<'_>) -> Result<Vec<Vec<f32>>, Error> {
     let values = fire.preset()?.values;
     let channels = Channels { input: 2, sidechain: 0, output: 2 };
     let rejected = |source| Error::Engines { name: fire.name(), source };

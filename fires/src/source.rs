@@ -5,7 +5,8 @@ use std::path::Path;
 use pyrophone_recording::{Progress, write_wav_f32_to};
 use pyrophone_settings::FactoryFire;
 
-use crate::{Error, SAMPLE_RATE_HZ, play};
+use crate::Error;
+use crate::play::{SAMPLE_RATE_HZ, play};
 
 /// A recording's bytes, not decoded yet.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,17 +1,14 @@
 //! The first fire, slots, the blend and the page of space in the editor's window.
 
+use pyrophone_host::Format;
 use pyrophone_host::state::State;
-use pyrophone_host::{Format, Plugin};
 use pyrophone_settings::session::FIELD;
 use pyrophone_tests::desk::{TestDisplay, UiDriver};
 use pyrophone_tests::live::Live;
 use pyrophone_tests::{RATE_HZ, STEREO, await_recording, load_session, open, preset, recording, session};
 
 fn saved(hand: &mut UiDriver<'_>) -> String {
-    saved_state(hand.live.plugin())
-}
-
-fn saved_state(plugin: &mut dyn Plugin) -> String {
+    let plugin = hand.live.plugin();
     let state = State::from_bytes(plugin.format(), &plugin.state().expect("a state")).expect("a state of this plug-in");
     state.fields[FIELD].clone()
 }
@@ -107,6 +104,11 @@ fn first_fire_is_lit_and_another_one_comes_from_the_library() {
         let mut again = open(format);
         again.set_state(&state).expect("a session");
         await_recording(again.as_mut(), RATE_HZ, STEREO);
-        assert!(saved_state(again.as_mut()).contains("factory:grass-fire"), "{format}");
+        let mut live = Live::start(again, RATE_HZ, STEREO);
+        let window = desk.open_drawn(live.plugin(), || {});
+        let mut hand = UiDriver::new(&desk, window, &mut live, 0);
+        hand.place("recording.Grass fire (factory): 24.0 s, 48 kHz, stereo");
+        let UiDriver { window, .. } = hand;
+        window.close(live.plugin());
     }
 }

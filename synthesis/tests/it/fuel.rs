@@ -43,8 +43,8 @@ fn loud_crackles_stay_below_the_ceiling_on_both_sides_and_at_any_sharpness() {
     for fuel in &Fuel::ALL[1..] {
         for sharpness in [-1.0, 0.0, 1.0] {
             let mut loud = controls(*fuel, [30.0, 0.0, 0.0]);
-            // So few that hardly two sound together.
             loud.mix.ceiling = true;
+            // So few that hardly two sound together.
             loud.crackle = CrackleControls { density: 0.1, follow: 0.0, sharpness, ..loud.crackle };
             let out = run(&mut chain(STEREO), loud, &[drive[0].clone(), drive[0].clone()], 2, 0);
             let peak = out.iter().flatten().fold(0.0f32, |peak, x| peak.max(x.abs()));
