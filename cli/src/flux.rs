@@ -56,7 +56,9 @@ pub fn run(args: &FluxArgs, work: &Work) -> Result<Outcome, Error> {
     if is_series && !args.input.is_dir() {
         series(args, SOUNDS.contains(&extension.as_str()), work)
     } else {
-        simulation(args, work)
+        // On a thread of the pool, which measures too: what one thread has freed is of no use to another, and a large
+        // cache's first look would hold its memory until the end.
+        rayon::scope(|_| simulation(args, work))
     }
 }
 

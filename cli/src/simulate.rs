@@ -5,7 +5,7 @@ mod kept;
 use std::path::{Path, PathBuf};
 
 use pyrophone_flame::flux::{Flux, Row, Steps};
-use pyrophone_flame::front::Mesh;
+use pyrophone_flame::front::{Mesh, Refinement};
 use pyrophone_flame::import::npz::{DenseFrame, write_frame};
 use pyrophone_flame::scenes::{Options, STEP_RATE_HZ, Scene, Simulation};
 use pyrophone_flame::speed_field::{Regions, Up, stride};
@@ -72,7 +72,7 @@ struct Plan {
     options: Options,
     scene: Scene,
     front: Front,
-    refine: usize,
+    refinement: Refinement,
     /// Steps before the first recorded step, and recorded steps.
     pre_roll: u64,
     count: u64,
@@ -119,7 +119,7 @@ impl Plan {
             options,
             scene,
             front: Front::new(ISO, args.refine)?,
-            refine: args.refine,
+            refinement: args.refine.into(),
             pre_roll: (pre_roll_s * STEP_RATE_HZ).round() as u64,
             count: ((args.seconds * STEP_RATE_HZ).round() as u64).max(1),
             cache: args.cache.clone(),
@@ -144,7 +144,8 @@ impl Plan {
     fn settings(&self) -> String {
         let cache = self.cache.as_ref().map(|folder| format!(", cache {}", folder.display())).unwrap_or_default();
         let field = if self.regions.is_some() { ", speed field" } else { "" };
-        format!("{}, iso {ISO}, refine {}{cache}{field}", self.options_text(), self.refine).replace(['\n', '\r'], " ")
+        format!("{}, iso {ISO}, refine {}{cache}{field}", self.options_text(), self.refinement)
+            .replace(['\n', '\r'], " ")
     }
 
     fn box_text(&self) -> Result<String, Error> {

@@ -4,10 +4,11 @@
 //! at a factor far from one, then either the frames are not as far apart in time as stated, or the velocity is not in
 //! world units per second. The flame itself does not move with its gas and reveals nothing.
 
-use crate::grid::{BLOCK, Grid};
+use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Region};
 use crate::velocity::{Velocity, trilinear};
 
-/// Largest number of voxels examined.
+/// Largest numbers of blocks and of voxels examined.
+const MOST_BLOCKS: usize = 200;
 const MOST_VOXELS: usize = 20_000;
 
 /// Factors tried: powers of the square root of two, with exponents up to this in either direction.
@@ -35,48 +36,92 @@ impl Fit {
     }
 }
 
-/// Finds the factor for pairs of frames `time_s` apart: a field, the field in the next frame, and the flow of the
-/// first.
-///
-/// None if nothing changes or nothing moves.
-pub fn fit(pairs: &[(Grid<1>, Grid<1>, Velocity)], time_s: f64) -> Option<Fit> {
-    let voxels: Vec<Vec<[i32; 3]>> = pairs.iter().map(|(before, ..)| smoky(before)).collect();
-    let unexplained = |factor: f64| -> f64 {
-        let pairs = pairs.iter().zip(&voxels);
-        pairs.map(|((before, after, flow), voxels)| mismatch(before, after, flow, voxels, factor * time_s)).sum()
-    };
-    let still = unexplained(0.0);
-    if !(still.is_finite() && still > 0.0) {
-        return None;
+/// A comparison of factors over pairs of frames, of which one is in memory at a time.
+#[derive(Debug, Clone)]
+pub struct Fitting {
+    time_s: f64,
+    /// Changes that remain unexplained if nothing moves, and with each factor.
+    still: f64,
+    unexplained: Vec<(f64, f64)>,
+}
+
+impl Fitting {
+    /// A comparison of frames `time_s` seconds apart.
+    pub fn new(time_s: f64) -> Self {
+        let factors = (-MOST_STEPS..=MOST_STEPS).map(|step| maths::pow(2.0, 0.5 * f64::from(step)));
+        Self { time_s, still: 0.0, unexplained: factors.map(|factor| (factor, 0.0)).collect() }
     }
-    let factors = (-MOST_STEPS..=MOST_STEPS).map(|step| maths::pow(2.0, 0.5 * f64::from(step)));
-    let tried: Vec<(f64, f64)> = factors.map(|factor| (factor, unexplained(factor) / still)).collect();
-    let (factor, left) = tried.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let left_at_one = tried.get(MOST_STEPS as usize)?.1;
-    (left < 1.0).then_some(Fit { factor, left, left_at_one })
+
+    /// Adds a pair: a field, the field in the next frame, and the flow of the first in its [`region`].
+    pub fn add(&mut self, before: &Grid<1>, after: &Grid<1>, flow: &Velocity) {
+        let world = |index: [i32; 3]| before.transform().to_world(index.map(f64::from));
+        let samples: Vec<Sample> = smoky(before).into_iter().map(|index| sample(after, flow, world(index))).collect();
+        self.still += mismatch(before, &samples, 0.0);
+        for (factor, sum) in &mut self.unexplained {
+            *sum += mismatch(before, &samples, *factor * self.time_s);
+        }
+    }
+
+    /// The factor that explains most. None if nothing changes or nothing moves.
+    pub fn best(&self) -> Option<Fit> {
+        if !(self.still.is_finite() && self.still > 0.0) {
+            return None;
+        }
+        let left = |(factor, sum): &(f64, f64)| (*factor, sum / self.still);
+        let (factor, left_over) = self.unexplained.iter().map(left).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (_, left_at_one) = self.unexplained.get(MOST_STEPS as usize).map(left)?;
+        (left_over < 1.0).then_some(Fit { factor, left: left_over, left_at_one })
+    }
+}
+
+/// A voxel of smoke: its place, the flow there, and the smoke there in the next frame.
+struct Sample {
+    world: [f64; 3],
+    speed: [f64; 3],
+    found: f64,
+}
+
+fn sample(after: &Grid<1>, flow: &Velocity, world: [f64; 3]) -> Sample {
+    let found = trilinear(after, after.transform().to_index(world))[0];
+    Sample { world, speed: flow.velocity_at(world), found }
 }
 
 /// Squared difference between the field advected for `time_s` and the next field, summed.
-fn mismatch(before: &Grid<1>, after: &Grid<1>, flow: &Velocity, voxels: &[[i32; 3]], time_s: f64) -> f64 {
-    let transform = before.transform();
-    let miss = |index: &[i32; 3]| {
-        let world = transform.to_world(index.map(f64::from));
-        let speed = flow.velocity_at(world);
+fn mismatch(before: &Grid<1>, samples: &[Sample], time_s: f64) -> f64 {
+    let miss = |Sample { world, speed, found }: &Sample| {
         // Back along the path, to where the smoke that is here now came from.
         let from = std::array::from_fn(|axis| world[axis] - time_s * speed[axis]);
-        let expected = trilinear(before, transform.to_index(from))[0];
-        let found = trilinear(after, after.transform().to_index(world))[0];
+        let expected = trilinear(before, before.transform().to_index(from))[0];
         maths::square(found - expected)
     };
-    voxels.iter().map(miss).sum()
+    samples.iter().map(miss).sum()
+}
+
+/// The space in which a pair's flow is needed, given its first field.
+pub fn region(field: &Grid<1>) -> Region {
+    Region::new(smoky_blocks(field).map(|(key, _)| key), *field.transform())
+}
+
+/// The value above which there is smoke.
+fn least_smoke(field: &Grid<1>) -> f32 {
+    LEAST_SHARE * field.blocks().flat_map(|(_, block)| block).fold(0.0f32, |most, [x]| most.max(x.abs()))
+}
+
+/// Evenly spaced blocks with smoke.
+fn smoky_blocks(field: &Grid<1>) -> impl Iterator<Item = ([i32; 3], &[[f32; 1]; BLOCK_VOXELS])> {
+    let least = least_smoke(field);
+    let is_smoky = move |block: &[[f32; 1]; BLOCK_VOXELS]| block.iter().any(|[x]| x.abs() > least);
+    let count = field.blocks().filter(|(_, block)| is_smoky(block)).count();
+    let every = count.div_ceil(MOST_BLOCKS).max(1);
+    field.blocks().filter(move |(_, block)| is_smoky(block)).step_by(every)
 }
 
 /// Evenly spaced voxels of smoke.
 fn smoky(field: &Grid<1>) -> Vec<[i32; 3]> {
-    let largest = field.blocks().flat_map(|(_, block)| block.iter()).fold(0.0f32, |largest, [x]| largest.max(x.abs()));
+    let least = least_smoke(field);
     let mut voxels = vec![];
-    for (key, block) in field.blocks() {
-        for (voxel, _) in block.iter().enumerate().filter(|(_, [x])| x.abs() > LEAST_SHARE * largest) {
+    for (key, block) in smoky_blocks(field) {
+        for (voxel, _) in block.iter().enumerate().filter(|(_, [x])| x.abs() > least) {
             let within = [voxel >> 6, (voxel >> 3) & 7, voxel & 7];
             voxels.push(std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32));
         }
@@ -108,6 +153,12 @@ mod tests {
         let wind = vec![[3.0, 0.0, 0.0]; SIZE * SIZE * SIZE];
         let flow = Velocity::Vectors(Grid::dense([SIZE; 3], &wind, transform).unwrap(), Placement::Collocated);
         (cloud(0.0), cloud(shift), flow)
+    }
+
+    fn fit(pairs: &[(Grid<1>, Grid<1>, Velocity)], time_s: f64) -> Option<Fit> {
+        let mut fitting = Fitting::new(time_s);
+        pairs.iter().for_each(|(before, after, flow)| fitting.add(before, after, flow));
+        fitting.best()
     }
 
     #[test]

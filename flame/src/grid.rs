@@ -1,6 +1,11 @@
 //! Sampled fields: sparse blocks of voxels, as provided by simulation caches and the solver.
 
+mod around;
 mod join;
+mod region;
+
+pub(crate) use around::neighbour_key;
+pub use region::{Part, Region};
 
 use std::collections::BTreeMap;
 

@@ -29,9 +29,9 @@ pub struct FluxArgs {
     /// Value of the field at the flame front [default: 0.5; 0 for a level set]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub iso: Option<f64>,
-    /// Subdivisions of each voxel edge, 1-16
-    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
-    pub refine: usize,
+    /// Subdivisions of each voxel edge, 1-16 [default: 3; 2 or 1 for a large front]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub refine: Option<usize>,
     /// Frames to measure, ends included: 7, 1-100, -5--1, 1-8x2 (every second), 1,5-9
     #[arg(long, value_name = "LIST", value_parser = FrameList::parse, allow_hyphen_values = true)]
     pub frames: Option<FrameList>,

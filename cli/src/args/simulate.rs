@@ -35,9 +35,9 @@ pub struct SimulateArgs {
     /// Seconds to simulate before the signal starts, 0-60 [default: 0.5; 0 for flame_jet and explosion]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub pre_roll: Option<f64>,
-    /// Subdivisions of each voxel edge for finding the front, 1-16
-    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true)]
-    pub refine: usize,
+    /// Subdivisions of each voxel edge for finding the front, 1-16 [default: 3; 2 or 1 for a large front]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub refine: Option<usize>,
     /// Also write every frame, for `pyrophone flux` and other programs: DIR/SCENE_NUMBER.npz
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,

@@ -5,8 +5,8 @@ mod wanted;
 
 use std::path::PathBuf;
 
-use pyrophone_flame::front::Front;
-use pyrophone_flame::import::{PlacementChoice, Selection, Sequence};
+use pyrophone_flame::front::{Front, Refinement};
+use pyrophone_flame::import::{Error as ImportError, PlacementChoice, Selection, Sequence};
 use pyrophone_flame::upsample::Upsampler;
 use pyrophone_flame::{Error as FlameError, Frame};
 
@@ -131,7 +131,17 @@ impl Plan {
 
     /// Reads a frame; a frame before ignition is empty.
     pub fn read(&self, index: usize) -> Result<Frame, Error> {
-        self.sequence.read(index, &self.selection).or_else(|error| {
+        self.lit(index, self.sequence.read(index, &self.selection))
+    }
+
+    /// Reads what the flux of a frame depends on; a frame before ignition is empty.
+    pub fn read_front(&self, index: usize) -> Result<Frame, Error> {
+        self.lit(index, self.sequence.read_front(index, &self.selection, &self.front))
+    }
+
+    /// What was read of a frame, or an empty frame before ignition.
+    fn lit(&self, index: usize, read: Result<Frame, ImportError>) -> Result<Frame, Error> {
+        read.or_else(|error| {
             if self.sequence.is_unlit(index, &self.selection) {
                 let number = self.sequence.numbers().nth(index).unwrap_or_default();
                 return Ok(Frame::unlit(number));
@@ -192,7 +202,7 @@ fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
                 1.0 => String::new(),
                 scale => format!(" times {scale:?}"),
             };
-            let refine = args.refine;
+            let refine = Refinement::from(args.refine);
             format!("iso {iso:?}, refine {refine}, field {field}, velocity {velocity}{scale}, placement {placement}")
         }
         measure => format!("{} of field {field}", format!("{measure:?}").to_lowercase()),

@@ -132,7 +132,7 @@ fn tracks(plan: &Plan, part: &FluxShard, work: &Work) -> Result<Vec<Track>, Erro
             .par_iter()
             .map(|index| {
                 work.check()?;
-                let frame = plan.read(*index)?;
+                let frame = plan.read_front(*index)?;
                 let clusters = plan.front.clusters(&frame).map_err(|source| plan.of_frame(*index, source))?;
                 Ok((frame.number, clusters))
             })

@@ -24,7 +24,7 @@ pub fn fronts(plan: &Plan, whole: &Whole, work: &Work) -> Result<Fronts, Error> 
         .map(|index| {
             work.check()?;
             // Frames that were skipped have no picture either.
-            let frame = plan.read(*index).ok();
+            let frame = plan.read_front(*index).ok();
             Ok(frame.and_then(|frame| Some((frame.number, plan.front.mesh(&frame.field).ok()?))))
         })
         .collect();

@@ -1,6 +1,6 @@
 //! The unit of a simulation's velocity, and a check of it and the rate against the smoke.
 
-use pyrophone_flame::advection::fit;
+use pyrophone_flame::advection::{Fitting, region};
 use pyrophone_flame::import::{Selection, Sequence};
 
 use super::sight::Sight;
@@ -71,17 +71,18 @@ pub fn check(
     let numbers: Vec<i64> = sequence.numbers().collect();
     let follow = |pair: &&[usize]| numbers[pair[0]].checked_add(1) == Some(numbers[pair[1]]);
     let neighbours: Vec<&[usize]> = indices.windows(2).filter(follow).collect();
-    let mut pairs = vec![];
+    let mut fitting = Fitting::new(1.0 / rate_hz);
     for n in 1..=PAIRS {
         work.check()?;
         let Some(pair) = neighbours.get(n * neighbours.len() / (PAIRS + 1)) else { continue };
         // Read errors are reported when the frame is measured.
-        let carried = |index: usize| sequence.read_carried(index, selection).ok().flatten();
-        if let (Some((before, flow)), Some((after, _))) = (carried(pair[0]), carried(pair[1])) {
-            pairs.push((before, after, flow));
+        let before = sequence.read_carried(pair[0], selection, region).ok().flatten();
+        let after = before.as_ref().and_then(|_| sequence.read_carried_field(pair[1]).ok().flatten());
+        if let (Some((before, flow)), Some(after)) = (before, after) {
+            fitting.add(&before, &after, &flow);
         }
     }
-    let Some(fit) = fit(&pairs, 1.0 / rate_hz) else { return Ok(None) };
+    let Some(fit) = fitting.best() else { return Ok(None) };
     let found_speed = format!("the smoke moves at {:.3} times the velocity, at {rate_hz} steps per second", fit.factor);
     if fit.is_wrong() {
         note(&format!(

@@ -1,8 +1,10 @@
 //! The cells that can contain the surface. Cell (i, j, k) lies between voxels (i, j, k) and (i+1, j+1, k+1).
 
+use std::collections::BTreeMap;
+
 use super::spline::Patch;
 use crate::error::Error;
-use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, slot};
+use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, neighbour_key};
 
 /// Largest number of blocks of cells that the boundaries of a field's tiles may touch; a real flame's touch some
 /// thousands.
@@ -11,8 +13,17 @@ const MAX_TILE_BLOCKS: u128 = 1 << 22;
 /// Voxels beyond this index are rejected: arithmetic on them would overflow.
 const MAX_INDEX: i64 = 1 << 30;
 
-/// Voxels along each axis that the cells of a block depend on: one before, two after.
-const REACH: usize = BLOCK as usize + 3;
+/// Voxels after a block that its cells depend on, along each axis; there is also one before.
+const AFTER: usize = 2;
+
+/// Voxels along each axis that the cells of a block depend on.
+const REACH: usize = BLOCK as usize + 1 + AFTER;
+
+/// Voxels in a plane across a block.
+const PLANE: usize = (BLOCK * BLOCK) as usize;
+
+/// Bits of a plane's voxels that have a neighbour above, along z.
+const ALL_BUT_LAST: u64 = 0x7F7F_7F7F_7F7F_7F7F;
 
 /// Rounding margin for the bounds of a cell, relative to its largest value.
 const ROUNDING: f64 = 1e-12;
@@ -28,11 +39,31 @@ pub(super) fn visit(field: &Grid<1>, keys: &[[i32; 3]], level: f64, mut visit: i
     }
 }
 
-/// Keys of the blocks of cells that depend on more than one value: all that touch a block, or the boundary of a tile.
+/// Keys of the blocks of cells that the surface at `level` can pass through, in ascending order: those that depend on values on both
+/// of its sides.
 ///
 /// # Errors
 /// If the tiles have so much surface, or lie so far away, that they cannot be intended.
-pub(super) fn candidates(field: &Grid<1>) -> Result<Vec<[i32; 3]>, Error> {
+pub(super) fn candidates(field: &Grid<1>, level: f64) -> Result<Vec<[i32; 3]>, Error> {
+    let sides = Sides::new(field, level);
+    let mut keys = touched(field)?;
+    keys.retain(|key| sides.are_both_around(*key));
+    Ok(keys)
+}
+
+/// Those candidates among `keys` with a cell that depends on values on both sides.
+pub(super) fn crossed(field: &Grid<1>, mut keys: Vec<[i32; 3]>, level: f64) -> Vec<[i32; 3]> {
+    let mut seen = Neighbourhood::new();
+    keys.retain(|key| {
+        seen.gather(field, *key);
+        let sides = seen.values.iter().fold(0, |sides, [value]| sides | side(*value, level));
+        sides == INSIDE | OUTSIDE
+    });
+    keys
+}
+
+/// Keys of the blocks of cells that depend on more than one value: all that touch a block, or the boundary of a tile.
+fn touched(field: &Grid<1>) -> Result<Vec<[i32; 3]>, Error> {
     let tile_blocks: u128 = field.tiles().map(|(_, log2, _)| shell_blocks(log2)).sum();
     if tile_blocks > MAX_TILE_BLOCKS {
         return Err(Error::TooLarge { found: tile_blocks, allowed: MAX_TILE_BLOCKS });
@@ -51,6 +82,64 @@ pub(super) fn candidates(field: &Grid<1>) -> Result<Vec<[i32; 3]>, Error> {
     keys.sort_unstable();
     keys.dedup();
     Ok(keys)
+}
+
+/// The sides of the surface on which the values of a field lie, block by block.
+struct Sides<'a> {
+    field: &'a Grid<1>,
+    level: f64,
+    blocks: BTreeMap<[i32; 3], u8>,
+}
+
+/// Bits of the two sides.
+const INSIDE: u8 = 1;
+const OUTSIDE: u8 = 2;
+
+impl<'a> Sides<'a> {
+    fn new(field: &'a Grid<1>, level: f64) -> Self {
+        let of_block =
+            |block: &[[f32; 1]; BLOCK_VOXELS]| block.iter().fold(0, |sides, [value]| sides | side(*value, level));
+        let blocks = field.blocks().map(|(key, block)| (key, of_block(block))).collect();
+        Self { field, level, blocks }
+    }
+
+    /// True if a block and those around it have values on both sides.
+    fn are_both_around(&self, key: [i32; 3]) -> bool {
+        let mut sides = 0;
+        (0..27).map(|n| neighbour_key(key, n)).any(|key| {
+            sides |= match self.blocks.get(&key) {
+                Some(sides) => *sides,
+                // No tile is smaller than a block.
+                None => side(self.field.outside_blocks(key.map(|key| key * BLOCK))[0], self.level),
+            };
+            sides == INSIDE | OUTSIDE
+        })
+    }
+}
+
+fn side(value: f32, level: f64) -> u8 {
+    if f64::from(value) > level { INSIDE } else { OUTSIDE }
+}
+
+/// Number of pairs of neighbouring voxels in one block, along any axis, on different sides of `level`: about 1.3 times the
+/// number of cells that the front crosses.
+pub(super) fn pairs_across(field: &Grid<1>, level: f64) -> u64 {
+    field.blocks().map(|(_, block)| pairs_in_block(block, level)).sum()
+}
+
+fn pairs_in_block(block: &[[f32; 1]; BLOCK_VOXELS], level: f64) -> u64 {
+    // One bit for each voxel of a plane across x.
+    let planes: [u64; BLOCK as usize] = std::array::from_fn(|x| {
+        let plane = &block[x * PLANE..(x + 1) * PLANE];
+        plane.iter().enumerate().map(|(n, [value])| u64::from(f64::from(*value) > level) << n).sum()
+    });
+    let along_x = planes.windows(2).map(|pair| (pair[0] ^ pair[1]).count_ones()).sum::<u32>();
+    let within = |plane: &u64| {
+        let along_y = (plane ^ plane >> BLOCK) & (u64::MAX >> BLOCK);
+        let along_z = (plane ^ plane >> 1) & ALL_BUT_LAST;
+        along_y.count_ones() + along_z.count_ones()
+    };
+    u64::from(along_x + planes.iter().map(within).sum::<u32>())
 }
 
 fn check_index(index: [i64; 3]) -> Result<(), Error> {
@@ -79,47 +168,17 @@ fn shell([first, last]: [[i64; 3]; 2]) -> impl Iterator<Item = [i32; 3]> {
 
 /// The voxels that the cells of one block depend on, x slowest.
 struct Neighbourhood {
-    values: Vec<f32>,
-}
-
-/// A block, or the constant value in its place.
-#[derive(Clone, Copy)]
-enum BlockValues<'a> {
-    Block(&'a [[f32; 1]; BLOCK_VOXELS]),
-    Constant(f32),
+    values: Vec<[f32; 1]>,
 }
 
 impl Neighbourhood {
     fn new() -> Self {
-        Self { values: vec![0.0; REACH.pow(3)] }
+        Self { values: vec![[0.0]; REACH.pow(3)] }
     }
 
     /// Fills the neighbourhood of the block of cells at `key`; returns whether it contains more than one value.
     fn gather(&mut self, field: &Grid<1>, key: [i32; 3]) -> bool {
-        let sources: [BlockValues<'_>; 27] = std::array::from_fn(|n| {
-            let offset = [n / 9, n / 3 % 3, n % 3];
-            let key: [i32; 3] = std::array::from_fn(|axis| key[axis] + offset[axis] as i32 - 1);
-            match field.block(key) {
-                Some(block) => BlockValues::Block(block),
-                // No tile is smaller than a block.
-                None => BlockValues::Constant(field.outside_blocks(key.map(|key| key * BLOCK))[0]),
-            }
-        });
-        if let BlockValues::Constant(first) = sources[0]
-            && sources.iter().all(|source| matches!(source, BlockValues::Constant(value) if *value == first))
-        {
-            return false;
-        }
-        for (n, value) in self.values.iter_mut().enumerate() {
-            // Index in the neighbourhood to index in the 3×3×3 blocks.
-            let index = [n / (REACH * REACH), n / REACH % REACH, n % REACH].map(|i| i + BLOCK as usize - 1);
-            let source = index.iter().fold(0, |source, i| 3 * source + i / BLOCK as usize);
-            *value = match sources[source] {
-                BlockValues::Block(block) => block[slot(index.map(|i| i as i32))][0],
-                BlockValues::Constant(value) => value,
-            };
-        }
-        true
+        field.copy_around(key, AFTER, &mut self.values)
     }
 
     /// Visits the cells, counted from the block's first, whose spline can cross `level`.
@@ -127,7 +186,7 @@ impl Neighbourhood {
         // One bit per voxel of a row along z.
         let mut rows = [[0u16; REACH]; REACH];
         for (n, row) in self.values.chunks_exact(REACH).enumerate() {
-            let inside = row.iter().enumerate().map(|(z, value)| u16::from(f64::from(*value) > level) << z);
+            let inside = row.iter().enumerate().map(|(z, [value])| u16::from(f64::from(*value) > level) << z);
             rows[n / REACH][n % REACH] = inside.sum();
         }
         let edge = BLOCK as usize;
@@ -152,7 +211,7 @@ impl Neighbourhood {
 
     fn patch(&self, [x, y, z]: [usize; 3]) -> Patch {
         let at = |n: usize| ((x + (n >> 4)) * REACH + y + ((n >> 2) & 3)) * REACH + z + (n & 3);
-        Patch { coefficients: std::array::from_fn(|n| f64::from(self.values[at(n)])) }
+        Patch { coefficients: std::array::from_fn(|n| f64::from(self.values[at(n)][0])) }
     }
 }
 

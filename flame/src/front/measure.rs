@@ -3,18 +3,19 @@
 use rayon::prelude::*;
 
 use super::cells;
-use super::spline::{Lattice, MAX_REFINE, Patch};
+use super::refinement::Refinement;
+use super::spline::{Lattice, Patch};
 use super::tetrahedra::{Crossing, march, mark};
 use crate::error::{Error, in_range};
 use crate::frame::Frame;
-use crate::grid::{Grid, cross, dot, length};
+use crate::grid::{Grid, Region, cross, dot, length};
 use crate::velocity::Probe;
 
 /// The surface on which a smoothed field equals `iso`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Front {
     iso: f64,
-    refine: usize,
+    refinement: Refinement,
 }
 
 /// Measurements of a flame front at one step, in world units.
@@ -67,18 +68,22 @@ impl Sums {
             triangles: self.triangles + other.triangles,
         }
     }
+
+    /// A share of the measurements; all triangles count.
+    fn times(self, share: f64) -> Self {
+        Self { flux: share * self.flux, passing: share * self.passing, area: share * self.area, ..self }
+    }
 }
 
 impl Front {
-    /// The surface at `iso` (-1e9 to 1e9), with each cell between voxels divided into `refine` (1-16) along each edge.
-    /// 3 is accurate enough for sound: errors fall with the square of `refine`, and the work grows with it or faster.
+    /// The surface at `iso` (-1e9 to 1e9), with each cell between voxels divided along each edge as the refinement says:
+    /// a number (1-16), or [`Refinement::BySize`], which is accurate enough for sound.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `iso` or `refine` is outside its range.
-    pub fn new(iso: f64, refine: usize) -> Result<Self, Error> {
+    /// [`Error::OutOfRange`] if `iso` or the refinement is outside its range.
+    pub fn new(iso: f64, refinement: impl Into<Refinement>) -> Result<Self, Error> {
         in_range("the iso value", iso, -1e9, 1e9)?;
-        in_range("the refinement", refine as f64, 1.0, MAX_REFINE as f64)?;
-        Ok(Self { iso, refine })
+        Ok(Self { iso, refinement: refinement.into().checked()? })
     }
 
     /// The value at the front.
@@ -93,19 +98,50 @@ impl Front {
     /// If the flame is unbounded (the field's background burns), if a value is not finite, or if the field's tiles are
     /// too large to be intended.
     pub fn measure(&self, frame: &Frame) -> Result<Measure, Error> {
+        self.measure_by(frame, |keys, level, refine| {
+            let parts = keys.par_chunks(BLOCKS_PER_PART);
+            parts.flat_map_iter(|keys| measure_blocks(frame, keys, level, refine)).collect()
+        })
+    }
+
+    /// The same numbers, on the caller's thread alone: for several frames at a time. A thread of a pool that waits for parts
+    /// of its frame would begin another one meanwhile, and hold both in memory.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure).
+    pub fn measure_on_this_thread(&self, frame: &Frame) -> Result<Measure, Error> {
+        self.measure_by(frame, |keys, level, refine| measure_blocks(frame, keys, level, refine))
+    }
+
+    /// Adds up what `blocks` measures in blocks of cells, given their keys, the level and the subdivisions.
+    fn measure_by(
+        &self,
+        frame: &Frame,
+        blocks: impl Fn(&[[i32; 3]], f64, usize) -> Vec<Sums>,
+    ) -> Result<Measure, Error> {
         if !frame.velocity.is_finite() {
             return Err(Error::NotFinite { what: "velocity" });
         }
         let level = self.level(&frame.field)?;
-        let keys = cells::candidates(&frame.field)?;
-        let parts = keys.par_chunks(BLOCKS_PER_PART).flat_map_iter(|keys| self.measure_blocks(frame, keys, level));
-        let blocks: Vec<Sums> = parts.collect();
-        let Sums { mut flux, passing, area, triangles } = blocks.into_iter().fold(Sums::default(), Sums::plus);
+        let keys = cells::candidates(&frame.field, level)?;
+        let sums = |refine: usize| blocks(&keys, level, refine).into_iter().fold(Sums::default(), Sums::plus);
+        let shares = self.refinement.shares(&frame.field, level);
+        let parts = shares.into_iter().map(|(refine, share)| sums(refine).times(share));
+        let Sums { mut flux, passing, area, triangles } = parts.fold(Sums::default(), Sums::plus);
         if flux.abs() <= ROUNDING * passing {
             flux = 0.0;
         }
         let is_finite = flux.is_finite() && area.is_finite();
         if is_finite { Ok(Measure { flux, area, mean_curvature: None, triangles }) } else { Err(NOT_FINITE) }
+    }
+
+    /// The space around the front: the flow anywhere else has no part in the flux.
+    ///
+    /// # Errors
+    /// As [`measure`](Self::measure), as far as the field is concerned.
+    pub fn region(&self, field: &Grid<1>) -> Result<Region, Error> {
+        let level = self.level(field)?;
+        Ok(Region::new(cells::crossed(field, cells::candidates(field, level)?, level), *field.transform()))
     }
 
     /// The same measurements with the front's curvature.
@@ -137,38 +173,6 @@ impl Front {
         }
     }
 
-    /// Measures the surface in some blocks of cells, each separately, in index space except for the length of an area.
-    fn measure_blocks(&self, frame: &Frame, keys: &[[i32; 3]], level: f64) -> Vec<Sums> {
-        let transform = frame.field.transform();
-        let sign = if transform.is_mirrored() { -1.0 } else { 1.0 };
-        let cofactors = transform.cofactors().map(|row| row.map(|part| sign * part));
-        let mut velocity = Probe::new(&frame.velocity, transform);
-        let per_step = 1.0 / self.refine as f64;
-        let mut lattice = Lattice::new(self.refine);
-        let mut rows = Vec::new();
-        let point = |crossing: Crossing| within_cell(&crossing, per_step);
-        let mut measure = |key: &[i32; 3]| {
-            let mut sums = Sums::default();
-            cells::visit(&frame.field, std::slice::from_ref(key), level, |cell, patch| {
-                lattice.sample(patch);
-                mark(&lattice.values, self.refine, level, &mut rows);
-                let cell = cell.map(f64::from);
-                march(&lattice.values, &rows, self.refine, level, point, |corners| {
-                    let surface = apply(area_vector(&corners), &cofactors);
-                    let [a, b, c] = corners;
-                    let centre = std::array::from_fn(|axis| cell[axis] + (a[axis] + b[axis] + c[axis]) / 3.0);
-                    let flux = dot(velocity.velocity_at(centre), surface);
-                    sums.flux += flux;
-                    sums.passing += flux.abs();
-                    sums.area += length(surface);
-                    sums.triangles += 1;
-                });
-            });
-            sums
-        };
-        keys.iter().map(&mut measure).collect()
-    }
-
     /// The level of the surface of `field`.
     fn level(&self, field: &Grid<1>) -> Result<f64, Error> {
         if !field.is_finite() {
@@ -189,23 +193,55 @@ impl Front {
         mut visit: impl FnMut([i32; 3], [Corner; 3], &Patch),
     ) -> Result<(), Error> {
         let level = self.level(field)?;
-        let refine = self.refine as i64;
-        let mut lattice = Lattice::new(self.refine);
+        let refine = self.refinement.steps(field, level);
+        let mut lattice = Lattice::new(refine);
         let mut rows = Vec::new();
-        cells::visit(field, &cells::candidates(field)?, level, |cell, patch| {
+        cells::visit(field, &cells::candidates(field, level)?, level, |cell, patch| {
             lattice.sample(patch);
-            mark(&lattice.values, self.refine, level, &mut rows);
+            mark(&lattice.values, refine, level, &mut rows);
             let corner = |crossing: Crossing| Corner {
                 place: (
-                    std::array::from_fn(|axis| i64::from(cell[axis]) * refine + crossing.low[axis] as i64),
+                    std::array::from_fn(|axis| i64::from(cell[axis]) * refine as i64 + crossing.low[axis] as i64),
                     crossing.direction,
                 ),
                 index: index(cell, &crossing, refine as f64),
             };
-            march(&lattice.values, &rows, self.refine, level, corner, |corners| visit(cell, corners, patch));
+            march(&lattice.values, &rows, refine, level, corner, |corners| visit(cell, corners, patch));
         });
         Ok(())
     }
+}
+
+/// Measures the surface in some blocks of cells, each separately, in index space except for the length of an area.
+fn measure_blocks(frame: &Frame, keys: &[[i32; 3]], level: f64, refine: usize) -> Vec<Sums> {
+    let transform = frame.field.transform();
+    let sign = if transform.is_mirrored() { -1.0 } else { 1.0 };
+    let cofactors = transform.cofactors().map(|row| row.map(|part| sign * part));
+    let mut velocity = Probe::new(&frame.velocity, transform);
+    let per_step = 1.0 / refine as f64;
+    let mut lattice = Lattice::new(refine);
+    let mut rows = Vec::new();
+    let point = |crossing: Crossing| within_cell(&crossing, per_step);
+    let mut measure = |key: &[i32; 3]| {
+        let mut sums = Sums::default();
+        cells::visit(&frame.field, std::slice::from_ref(key), level, |cell, patch| {
+            lattice.sample(patch);
+            mark(&lattice.values, refine, level, &mut rows);
+            let cell = cell.map(f64::from);
+            march(&lattice.values, &rows, refine, level, point, |corners| {
+                let surface = apply(area_vector(&corners), &cofactors);
+                let [a, b, c] = corners;
+                let centre = std::array::from_fn(|axis| cell[axis] + (a[axis] + b[axis] + c[axis]) / 3.0);
+                let flux = dot(velocity.velocity_at(centre), surface);
+                sums.flux += flux;
+                sums.passing += flux.abs();
+                sums.area += length(surface);
+                sums.triangles += 1;
+            });
+        });
+        sums
+    };
+    keys.iter().map(&mut measure).collect()
 }
 
 const NOT_FINITE: Error = Error::NotFinite { what: "flux" };

@@ -4,9 +4,11 @@ mod cells;
 mod clusters;
 mod measure;
 mod mesh;
+mod refinement;
 mod spline;
 mod tetrahedra;
 
 pub use clusters::Cluster;
 pub use measure::{Front, Measure};
 pub use mesh::Mesh;
+pub use refinement::Refinement;

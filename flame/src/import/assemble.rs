@@ -4,13 +4,15 @@ use std::path::Path;
 
 use super::error::{Error, FormatFault, shown};
 use super::model::{GridInfo, GridSource, PlacementChoice, Selected};
-use crate::grid::{Grid, Transform};
+use crate::grid::{Grid, Region, Transform};
 use crate::velocity::{Placement, Velocity};
 
 /// Reader of the grids of one frame. Errors name the grid's own file, otherwise `path`.
 pub(super) struct Assembly<'a> {
     pub source: &'a mut dyn GridSource,
     pub path: &'a Path,
+    /// The part that is read of every grid; all, if not stated.
+    pub region: Option<&'a Region>,
 }
 
 impl Assembly<'_> {
@@ -51,14 +53,16 @@ impl Assembly<'_> {
     ) -> Result<Grid<1>, Error> {
         let in_voxels = self.info(index).in_voxels;
         let join = if self.info(index).is_level_set() { f32::min } else { |a, b| a + b };
-        let grid = self.joined(index, |source, index| source.scalar(index), join);
+        let region = self.region;
+        let grid = self.joined(index, |source, index| source.scalar_within(index, region), join);
         let grid = grid.and_then(|grid| change(grid, in_voxels));
         grid.and_then(|grid| self.finite(index, grid.is_finite()).map(|()| grid)).map_err(self.failure(index))
     }
 
     fn vectors(&mut self, index: usize) -> Result<Grid<3>, Error> {
         let in_voxels = self.info(index).in_voxels;
-        let grid = self.joined(index, |source, index| source.vectors(index), |a, b| a + b);
+        let region = self.region;
+        let grid = self.joined(index, |source, index| source.vectors_within(index, region), |a, b| a + b);
         let grid = grid.map(|grid| if in_voxels { to_world(grid) } else { grid });
         grid.and_then(|grid| self.finite(index, grid.is_finite()).map(|()| grid)).map_err(self.failure(index))
     }

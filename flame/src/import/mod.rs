@@ -6,6 +6,7 @@
 mod assemble;
 mod blender;
 pub mod budget;
+mod buffers;
 pub mod description;
 pub mod error;
 mod format;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::error::{FormatFault, shown};
 use super::vocabulary;
-use crate::grid::Grid;
+use crate::grid::{Grid, Region};
 
 /// Largest number of grids listed in a message.
 const MOST_LISTED: usize = 24;
@@ -107,11 +107,35 @@ pub trait GridSource {
     /// The grids, in the file's order.
     fn grids(&self) -> &[GridInfo];
 
-    /// Reads a grid of single numbers. Values are as stored: not negated, not checked to be finite.
-    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault>;
+    /// Reads a grid of single numbers, or those of its blocks that a region depends on; the others are then missing. Values
+    /// are as stored: not negated, not checked to be finite.
+    ///
+    /// # Errors
+    /// If there is no such grid, or its file is damaged where it is read.
+    fn scalar_within(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<1>, FormatFault>;
 
-    /// Reads a grid of vectors. Values are as stored: not checked to be finite.
-    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault>;
+    /// Reads a grid of vectors, or those of its blocks that a region depends on. Values are as stored: not checked to be
+    /// finite.
+    ///
+    /// # Errors
+    /// As [`scalar_within`](Self::scalar_within).
+    fn vectors_within(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<3>, FormatFault>;
+
+    /// Reads a whole grid of single numbers.
+    ///
+    /// # Errors
+    /// As [`scalar_within`](Self::scalar_within).
+    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault> {
+        self.scalar_within(index, None)
+    }
+
+    /// Reads a whole grid of vectors.
+    ///
+    /// # Errors
+    /// As [`scalar_within`](Self::scalar_within).
+    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault> {
+        self.vectors_within(index, None)
+    }
 
     /// Time of the frame in seconds, if the file states it.
     fn time_s(&self) -> Option<f64> {

@@ -18,7 +18,7 @@ use super::budget::{Budget, check_file_size};
 use super::error::{FormatFault, damaged, shown};
 use super::model::{GridInfo, GridSource, check_components};
 use super::npy::{Header, components, fault_of, grid};
-use crate::grid::{Grid, Transform};
+use crate::grid::{Grid, Region, Transform};
 
 pub use self::write::{DenseFrame, write_frame};
 
@@ -144,13 +144,13 @@ impl<R: Read + Seek> Npz<R> {
         Ok(numbers)
     }
 
-    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {
+    fn read<const N: usize>(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<N>, FormatFault> {
         let name = check_components(&self.infos, index, N)?.name.clone();
         let missing = || FormatFault::Damaged(format!("array {} is missing", shown(&name)));
         let member = self.members.get(index).cloned().ok_or_else(missing)??;
         let (transform, mut budget) = (self.transform, self.budget.clone());
         let (header, mut reader) = self.member(member)?;
-        let read = grid(&header, &mut reader, transform, &mut budget);
+        let read = grid(&header, &mut reader, transform, region, &mut budget);
         drop(reader);
         self.budget = budget;
         read
@@ -162,12 +162,12 @@ impl<R: Read + Seek> GridSource for Npz<R> {
         &self.infos
     }
 
-    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault> {
-        self.read(index)
+    fn scalar_within(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<1>, FormatFault> {
+        self.read(index, region)
     }
 
-    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault> {
-        self.read(index)
+    fn vectors_within(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<3>, FormatFault> {
+        self.read(index, region)
     }
 
     fn time_s(&self) -> Option<f64> {

@@ -1,14 +1,16 @@
 //! A simulation's frames on disk.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::assemble::Assembly;
 use super::blender::DomainBox;
 use super::budget::check_file_size;
+use super::buffers::Buffers;
 use super::description::Description;
-use super::error::{Error, FormatFault, shown_path};
+use super::error::{Error, shown_path};
 use super::format::Format;
 use super::listing::{self, FrameFiles, Listing};
 use super::model::{GridSource, Selection};
@@ -18,7 +20,8 @@ use super::npz::Npz;
 use super::numbering::{Numbering, Pattern};
 use super::vdb::Vdb;
 use crate::frame::Frame;
-use crate::grid::Grid;
+use crate::front::Front;
+use crate::grid::{Grid, Region};
 use crate::velocity::Velocity;
 
 /// Largest number of missing frames between the first and the last.
@@ -34,6 +37,7 @@ pub struct Sequence {
     frames: Vec<FrameFiles>,
     left_out: usize,
     numbering: Numbering,
+    buffers: Arc<Buffers>,
 }
 
 impl Sequence {
@@ -54,7 +58,8 @@ impl Sequence {
             },
         };
         let Listing { frames, left_out, numbering } = listing;
-        let sequence = Self { path: path.to_path_buf(), frames, left_out, numbering };
+        let buffers = Arc::default();
+        let sequence = Self { path: path.to_path_buf(), frames, left_out, numbering, buffers };
         if let Some((first, last, missing)) = sequence.span().filter(|(.., missing)| *missing > MOST_MISSING) {
             return Err(Error::Gap { path: shown_path(path), first, last, missing, allowed: MOST_MISSING });
         }
@@ -151,14 +156,28 @@ impl Sequence {
         let path = self.path_of(index);
         self.with_source(index, |number, source| {
             let selected = names::select(source.grids(), selection).map_err(Error::of_file(path))?;
-            let mut assembly = Assembly { source, path };
+            let mut assembly = Assembly { source, path, region: None };
             let field = assembly.field(selected.field)?;
             let velocity = assembly.velocity(&selected, selection.placement)?;
-            let velocity = match selection.velocity_scale {
-                1.0 => velocity,
-                scale => velocity.scaled(scale),
-            };
-            Ok(Frame { number, field, velocity })
+            Ok(Frame { number, field, velocity: scaled(velocity, selection) })
+        })
+    }
+
+    /// Reads the field of a frame, and the velocity near its front alone: all that [`Front::measure`] needs.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read); of the velocity, only what is read is checked. A field without a front can be read, even
+    /// if it cannot be measured.
+    pub fn read_front(&self, index: usize, selection: &Selection, front: &Front) -> Result<Frame, Error> {
+        let path = self.path_of(index);
+        self.with_source(index, |number, source| {
+            let selected = names::select(source.grids(), selection).map_err(Error::of_file(path))?;
+            let field = Assembly { source, path, region: None }.field(selected.field)?;
+            // What cannot be measured is reported when it is.
+            let region = front.region(&field).ok();
+            let velocity =
+                Assembly { source, path, region: region.as_ref() }.velocity(&selected, selection.placement)?;
+            Ok(Frame { number, field, velocity: scaled(velocity, selection) })
         })
     }
 
@@ -170,22 +189,41 @@ impl Sequence {
         let path = self.path_of(index);
         self.with_source(index, |_, source| {
             let field = names::select_field(source.grids(), selection).map_err(Error::of_file(path))?;
-            Assembly { source, path }.field(field)
+            Assembly { source, path, region: None }.field(field)
         })
     }
 
-    /// Reads the flow of a frame and a quantity carried by the gas (density, smoke, temperature), if there is one.
+    /// Reads a quantity carried by the gas of a frame (density, smoke, temperature), if there is one, and the flow in the region that
+    /// `part` finds in it.
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub fn read_carried(&self, index: usize, selection: &Selection) -> Result<Option<(Grid<1>, Velocity)>, Error> {
+    pub fn read_carried(
+        &self,
+        index: usize,
+        selection: &Selection,
+        part: impl FnOnce(&Grid<1>) -> Region,
+    ) -> Result<Option<(Grid<1>, Velocity)>, Error> {
         let path = self.path_of(index);
         self.with_source(index, |_, source| {
             let Some(carried) = names::carried(source.grids()) else { return Ok(None) };
             let selected = names::select(source.grids(), selection).map_err(Error::of_file(path))?;
-            let mut assembly = Assembly { source, path };
-            let velocity = assembly.velocity(&selected, selection.placement)?.scaled(selection.velocity_scale);
-            Ok(Some((assembly.field(carried)?, velocity)))
+            let field = Assembly { source, path, region: None }.field(carried)?;
+            let region = part(&field);
+            let flow = Assembly { source, path, region: Some(&region) }.velocity(&selected, selection.placement)?;
+            Ok(Some((field, scaled(flow, selection))))
+        })
+    }
+
+    /// Reads only the quantity carried by the gas, if there is one.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_carried_field(&self, index: usize) -> Result<Option<Grid<1>>, Error> {
+        let path = self.path_of(index);
+        self.with_source(index, |_, source| {
+            let carried = names::carried(source.grids());
+            carried.map(|carried| Assembly { source, path, region: None }.field(carried)).transpose()
         })
     }
 
@@ -197,7 +235,7 @@ impl Sequence {
                 return Ok(true);
             }
             let field = names::select_field(source.grids(), selection).map_err(Error::of_file(path))?;
-            let field = Assembly { source, path }.field(field)?;
+            let field = Assembly { source, path, region: None }.field(field)?;
             Ok(field.bounds().is_none() && field.tiles().next().is_none())
         });
         is_unlit.unwrap_or(false)
@@ -215,22 +253,29 @@ impl Sequence {
         let path = self.path_of(index);
         let failure = Error::of_file(path);
         match frame.format {
-            Format::Vdb => {
-                let bytes = read_whole(path)?;
-                let mut vdb = Vdb::open(&bytes).map_err(failure)?;
+            Format::Vdb => self.buffers.with_file(path, |bytes| {
+                let mut vdb = Vdb::open(bytes).map_err(failure)?;
                 if vdb.grids().iter().any(|grid| grid.is_blender)
                     && let Some(domain) = DomainBox::beside(path)
                 {
                     vdb.place(&domain);
                 }
                 use_it(frame.number, &mut vdb)
-            }
+            }),
             Format::Npz => {
                 let (file, _) = open(path)?;
                 use_it(frame.number, &mut Npz::open(BufReader::new(file)).map_err(failure)?)
             }
             Format::Npy => use_it(frame.number, &mut Npy::open(&frame.files).map_err(failure)?),
         }
+    }
+}
+
+/// The velocity in the selection's unit.
+fn scaled(velocity: Velocity, selection: &Selection) -> Velocity {
+    match selection.velocity_scale {
+        1.0 => velocity,
+        scale => velocity.scaled(scale),
     }
 }
 
@@ -256,14 +301,4 @@ pub(super) fn open(path: &Path) -> Result<(File, u64), Error> {
     }
     check_file_size(metadata.len()).map_err(Error::of_file(path))?;
     Ok((file, metadata.len()))
-}
-
-fn read_whole(path: &Path) -> Result<Vec<u8>, Error> {
-    let (file, size) = open(path)?;
-    let too_large = |_| Error::of_file(path)(FormatFault::Unreadable("out of memory".into()));
-    let mut bytes = vec![];
-    bytes.try_reserve_exact(usize::try_from(size).unwrap_or(usize::MAX)).map_err(too_large)?;
-    // Data appended meanwhile is not read.
-    file.take(size).read_to_end(&mut bytes).map_err(Error::of_system(path))?;
-    Ok(bytes)
 }

@@ -19,12 +19,13 @@ pub fn change(number: i64, [before, after]: [&VoxelSources; 2], substeps: usize,
     let seed = mixed(seed ^ mixed(number as u64));
     // Differences from step to step.
     let mut jumps = vec![0.0; substeps + 2];
+    let mut lattice = Lattice::new(seed);
     before.join(after, |place, before, after| {
         let change = after - before;
         if change == 0.0 {
             return;
         }
-        let moment = normal_share(lattice(unpacked(place), seed)) * substeps as f64;
+        let moment = normal_share(lattice.at(unpacked(place))) * substeps as f64;
         // Half a step to either side: two steps share a change between them.
         let step = (moment - 0.5).ceil().clamp(0.0, substeps as f64);
         let share = (step - moment + 0.5).clamp(0.0, 1.0);
@@ -45,26 +46,62 @@ fn mixed(key: u64) -> u64 {
     Random::new(key).bits()
 }
 
-/// Random numbers of deviation 1 that depend on position.
-fn lattice(index: [i64; 3], seed: u64) -> f64 {
-    let at = index.map(|i| i as f64 / SPACING);
-    let base = at.map(f64::floor);
-    let [x, y, z]: [[f64; 4]; 3] = std::array::from_fn(|axis| weights(at[axis] - base[axis]));
-    let [i, j, k] = base.map(|base| base as i64);
-    let hashed = |hash: u64, index: i64, tap: usize| mixed(hash ^ (index + tap as i64) as u64);
-    let (mut sum, mut power) = (0.0, 0.0);
-    for (tap, x) in x.iter().enumerate() {
-        let hash = hashed(seed, i, tap);
-        for (tap, y) in y.iter().enumerate() {
-            let hash = hashed(hash, j, tap);
-            for (tap, z) in z.iter().enumerate() {
-                let weight = x * y * z;
-                sum += weight * normal(hashed(hash, k, tap));
+/// Random numbers of deviation 1 that depend on position. Neighbours along z share most of what they are made of, so it is
+/// kept from one position to the next.
+struct Lattice {
+    seed: u64,
+    /// The lattice's point before the last position.
+    base: Option<[i64; 3]>,
+    /// Numbers at the 4×4×4 points around it, x slowest, and the hashes of their columns along z.
+    columns: [u64; 16],
+    numbers: [[f64; 4]; 16],
+}
+
+impl Lattice {
+    fn new(seed: u64) -> Self {
+        Self { seed, base: None, columns: [0; 16], numbers: [[0.0; 4]; 16] }
+    }
+
+    /// The number at an index.
+    fn at(&mut self, index: [i64; 3]) -> f64 {
+        let at = index.map(|i| i as f64 / SPACING);
+        let base = at.map(f64::floor);
+        let [x, y, z]: [[f64; 4]; 3] = std::array::from_fn(|axis| weights(at[axis] - base[axis]));
+        self.move_to(base.map(|base| base as i64));
+        let (mut sum, mut power) = (0.0, 0.0);
+        for (n, numbers) in self.numbers.iter().enumerate() {
+            let column = x[n / 4] * y[n % 4];
+            for (number, z) in numbers.iter().zip(&z) {
+                let weight = column * z;
+                sum += weight * number;
                 power += weight * weight;
             }
         }
+        sum / power.sqrt()
     }
-    sum / power.sqrt()
+
+    fn move_to(&mut self, base: [i64; 3]) {
+        let [i, j, k] = base;
+        let hashed = |hash: u64, index: i64, tap: usize| mixed(hash ^ (index + tap as i64) as u64);
+        let known = match self.base {
+            Some(last) if last == base => return,
+            // One point on: the other three stay.
+            Some(last) if last == [i, j, k - 1] => 3,
+            Some([x, y, _]) if [x, y] == [i, j] => 0,
+            _ => {
+                let seed = self.seed;
+                self.columns = std::array::from_fn(|n| hashed(hashed(seed, i, n / 4), j, n % 4));
+                0
+            }
+        };
+        for (numbers, hash) in self.numbers.iter_mut().zip(self.columns) {
+            numbers.copy_within(4 - known.., 0);
+            for (tap, number) in numbers.iter_mut().enumerate().skip(known) {
+                *number = normal(hashed(hash, k, tap));
+            }
+        }
+        self.base = Some(base);
+    }
 }
 
 fn weights(t: f64) -> [f64; 4] {
@@ -98,4 +135,30 @@ pub fn deviations(changes: &[Option<&[f64]>], substeps: usize) -> Vec<f64> {
         }
     }
     steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_of_the_lattice_changes_nothing() {
+        let mut kept = Lattice::new(7);
+        let places = [
+            [0, 0, 0],
+            [0, 0, 1],
+            [0, 0, 2],
+            [0, 0, 9],
+            [0, 1, 9],
+            [5, 1, 9],
+            [-5, -1, -9],
+            [-5, -1, -8],
+            [-5, -1, -4],
+            [-5, -1, -5],
+        ];
+        for place in places {
+            assert_eq!(kept.at(place), Lattice::new(7).at(place), "{place:?}");
+        }
+        assert_ne!(Lattice::new(7).at([1, 2, 3]), Lattice::new(8).at([1, 2, 3]));
+    }
 }

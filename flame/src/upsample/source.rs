@@ -7,6 +7,7 @@
 use crate::error::Error;
 use crate::frame::Frame;
 use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Transform, cross, dot};
+use crate::velocity::{Placement, Velocity};
 
 /// Voxels along the edge of a block, including the neighbours that its smoothed values need.
 const REACH: usize = BLOCK as usize + 2;
@@ -52,14 +53,12 @@ impl VoxelSources {
         };
         for (key, block) in field.blocks() {
             for (place, [value]) in block.iter().enumerate() {
-                let within = [place >> 6, (place >> 3) & 7, place & 7];
-                add(std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32), *value);
+                add(index_of(key, place), *value);
             }
         }
         for key in tiled_blocks(field, |value| value != 0.0) {
             for place in 0..BLOCK_VOXELS {
-                let within = [place >> 6, (place >> 3) & 7, place & 7];
-                let index = std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32);
+                let index = index_of(key, place);
                 add(index, field.value(index)[0]);
             }
         }
@@ -89,11 +88,9 @@ impl VoxelSources {
             }
             let divergence = divergence(frame, &transform, key, &fill);
             for (place, (fill, divergence)) in fill.iter().zip(&divergence).enumerate() {
-                let within = [place >> 6, (place >> 3) & 7, place & 7];
-                let index = std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32);
                 let given = fill * divergence * volume;
                 if given != 0.0 {
-                    source.voxels.push((packed(index, shift), given as f32));
+                    source.voxels.push((packed(index_of(key, place), shift), given as f32));
                 }
             }
         }
@@ -194,53 +191,60 @@ fn tiled_blocks(field: &Grid<1>, is_wanted: impl Fn(f32) -> bool) -> Vec<[i32; 3
 /// The share of every voxel of a block that lies inside the front of the smoothed field, taking the front as flat
 /// there.
 fn fill(field: &Grid<1>, key: [i32; 3], iso: f64) -> Vec<f64> {
-    let values = around(key, |index| f64::from(field.value(index)[0]));
-    if values.iter().all(|value| *value <= iso) {
+    let mut values = [[0.0]; REACH.pow(3)];
+    field.copy_around(key, 1, &mut values);
+    if values.iter().all(|[value]| f64::from(*value) <= iso) {
         return vec![0.0; BLOCK_VOXELS];
     }
-    /// Weights of a cubic B-spline at a voxel, and of its slope.
-    const KERNELS: [[f64; 3]; 2] = [[1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0], [-0.5, 0.0, 0.5]];
-    let mut fill = vec![0.0; BLOCK_VOXELS];
-    for (place, fill) in fill.iter_mut().enumerate() {
-        let within = [place >> 6, (place >> 3) & 7, place & 7];
+    let filled = |place: usize| {
+        let first = neighbour_index(within(place));
         let mut sums = [0.0; 4];
-        for n in 0..27usize {
-            let offset = [n / 9, n / 3 % 3, n % 3];
-            let value = values[neighbour_index(std::array::from_fn(|axis| within[axis] + offset[axis]))];
-            for (sum, sloped) in sums.iter_mut().zip([None, Some(0), Some(1), Some(2)]) {
-                let weight: f64 = (0..3).map(|axis| KERNELS[usize::from(sloped == Some(axis))][offset[axis]]).product();
+        for (offset, weights) in &SMOOTHING {
+            let value = f64::from(values[first + offset][0]);
+            for (sum, weight) in sums.iter_mut().zip(weights) {
                 *sum += weight * value;
             }
         }
         let [value, x, y, z] = sums;
         let slope = (x * x + y * y + z * z).sqrt().max(FLAT);
-        *fill = ((value - iso) / slope + 0.5).clamp(0.0, 1.0);
-    }
-    fill
+        ((value - iso) / slope + 0.5).clamp(0.0, 1.0)
+    };
+    (0..BLOCK_VOXELS).map(filled).collect()
 }
+
+/// The 27 voxels around one, as distances from the first among [`around`](Grid::copy_around)'s values, with their weights in a
+/// cubic B-spline and in its slopes along x, y and z.
+const SMOOTHING: [(usize, [f64; 4]); 27] = {
+    /// Weights at a voxel, and of the slope.
+    const KERNELS: [[f64; 3]; 2] = [[1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0], [-0.5, 0.0, 0.5]];
+    let mut table = [(0, [0.0; 4]); 27];
+    let mut n = 0;
+    while n < 27 {
+        let (x, y, z) = (n / 9, n / 3 % 3, n % 3);
+        let [value, slope] = KERNELS;
+        let weights = [
+            value[x] * value[y] * value[z],
+            slope[x] * value[y] * value[z],
+            value[x] * slope[y] * value[z],
+            value[x] * value[y] * slope[z],
+        ];
+        table[n] = (neighbour_index([x, y, z]), weights);
+        n += 1;
+    }
+    table
+};
 
 /// The flow's divergence at every burning voxel of a block: the mean over the voxel of the trilinear flow's divergence,
 /// which is consistent with its flux through any surface. Differences alone, without the neighbours to the sides, would
 /// be some 4 dB too loud above 30 Hz.
 fn divergence(frame: &Frame, transform: &Transform, key: [i32; 3], fill: &[f64]) -> Vec<f64> {
-    /// Weights of the neighbours to the sides.
-    const SIDES: [f64; 3] = [0.125, 0.75, 0.125];
-    let flow = around(key, |index| frame.velocity.velocity_at(transform.to_world(index.map(f64::from))));
+    let flow = flow_around(frame, transform, key);
     let of = |place: usize| {
-        let within = [place >> 6, (place >> 3) & 7, place & 7];
+        let first = neighbour_index(within(place));
         let along: [[f64; 3]; 3] = std::array::from_fn(|axis| {
             let mut slope = [0.0; 3];
-            for (one, other) in (0..9).map(|n| (n / 3, n % 3)) {
-                let (mut low, mut high) = (within, within);
-                for (side, offset) in [((axis + 1) % 3, one), ((axis + 2) % 3, other)] {
-                    low[side] += offset;
-                    high[side] += offset;
-                }
-                high[axis] += 2;
-                let weight = 0.5 * SIDES[one] * SIDES[other];
-                for (slope, (low, high)) in
-                    slope.iter_mut().zip(flow[neighbour_index(low)].iter().zip(flow[neighbour_index(high)]))
-                {
+            for (low, high, weight) in &DIFFERENCES[axis] {
+                for (slope, (low, high)) in slope.iter_mut().zip(flow[first + low].iter().zip(flow[first + high])) {
                     *slope += weight * (high - low);
                 }
             }
@@ -251,17 +255,58 @@ fn divergence(frame: &Frame, transform: &Transform, key: [i32; 3], fill: &[f64])
     fill.iter().enumerate().map(|(place, fill)| if *fill > 0.0 { of(place) } else { 0.0 }).collect()
 }
 
-/// Values of a block and of the voxels around it, x slowest.
-fn around<T>(key: [i32; 3], value: impl Fn([i32; 3]) -> T) -> Vec<T> {
-    (0..REACH.pow(3))
-        .map(|n| {
+/// The pairs of neighbours whose difference makes up a slope along x, y or z, as distances from the first neighbour, with
+/// their weights.
+const DIFFERENCES: [[(usize, usize, f64); 9]; 3] = {
+    /// Weights of the neighbours to the sides.
+    const SIDES: [f64; 3] = [0.125, 0.75, 0.125];
+    let mut table = [[(0, 0, 0.0); 9]; 3];
+    let mut n = 0;
+    while n < 27 {
+        let (axis, one, other) = (n / 9, n / 3 % 3, n % 3);
+        let mut low = [0; 3];
+        low[(axis + 1) % 3] = one;
+        low[(axis + 2) % 3] = other;
+        let mut high = low;
+        high[axis] = 2;
+        table[axis][n % 9] = (neighbour_index(low), neighbour_index(high), 0.5 * SIDES[one] * SIDES[other]);
+        n += 1;
+    }
+    table
+};
+
+/// The flow at the centres of a block's voxels and of those around it.
+fn flow_around(frame: &Frame, transform: &Transform, key: [i32; 3]) -> Vec<[f64; 3]> {
+    let at_centres = |frame: &Frame| {
+        let index = |n: usize| {
             let within = [n / (REACH * REACH), n / REACH % REACH, n % REACH];
-            value(std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32 - 1))
-        })
-        .collect()
+            std::array::from_fn(|axis| f64::from(key[axis] * BLOCK + within[axis] as i32 - 1))
+        };
+        (0..REACH.pow(3)).map(|n| frame.velocity.velocity_at(transform.to_world(index(n)))).collect()
+    };
+    match &frame.velocity {
+        // The usual case: nothing has to be interpolated.
+        Velocity::Vectors(flow, Placement::Collocated) if flow.transform() == transform => {
+            let mut values = [[0.0; 3]; REACH.pow(3)];
+            flow.copy_around(key, 1, &mut values);
+            values.iter().map(|flow| flow.map(f64::from)).collect()
+        }
+        _ => at_centres(frame),
+    }
 }
 
-/// Index of a voxel among [`around`]'s values.
-fn neighbour_index([x, y, z]: [usize; 3]) -> usize {
+/// Index of a voxel of the block at `key`.
+fn index_of(key: [i32; 3], place: usize) -> [i32; 3] {
+    let within = within(place);
+    std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32)
+}
+
+/// Position of a voxel in its block.
+fn within(place: usize) -> [usize; 3] {
+    [place >> 6, (place >> 3) & 7, place & 7]
+}
+
+/// Index of a voxel among those of a block and around it, counted from the first.
+const fn neighbour_index([x, y, z]: [usize; 3]) -> usize {
     (x * REACH + y) * REACH + z
 }

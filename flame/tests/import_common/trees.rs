@@ -60,6 +60,43 @@ pub fn random_tree(form: Form, kind: &'static str, random: &mut Random) -> (Vec<
     (topology, leaves, grower.written)
 }
 
+/// Topology and leaves of a tree with `count` leaves, all within 64 voxels of the origin; zero elsewhere. Values are smooth enough for
+/// a surface.
+pub fn small_tree(form: Form, kind: &'static str, count: usize, random: &mut Random) -> (Vec<u8>, Vec<u8>) {
+    let half = form.half && has_half_form(kind);
+    let branch = |slots: usize, children: &[usize], random: &mut Random| {
+        let mask: Vec<bool> = (0..slots).map(|slot| children.contains(&slot)).collect();
+        let mut zeros = vec![];
+        (0..slots).for_each(|_| encode(kind, half, &[0.0; 3], &mut zeros));
+        let values = packed_array(&zeros, form.compression, random);
+        [mask_bytes(&mask), vec![0; slots / 8], vec![6], values].concat()
+    };
+    let mut slots: Vec<usize> = (0..count)
+        .map(|_| [random.below(8), random.below(8), random.below(8)])
+        .map(|[x, y, z]| (x << 8) | (y << 4) | z)
+        .collect();
+    slots.sort_unstable();
+    slots.dedup();
+    let mut topology = 1i32.to_le_bytes().to_vec();
+    encode(kind, false, &[0.0; 3], &mut topology);
+    topology.extend([0u32.to_le_bytes(), 1u32.to_le_bytes()].concat());
+    topology.extend(origin_bytes([0; 3]));
+    topology.extend(branch(1 << 15, &[0], random));
+    topology.extend(branch(1 << 12, &slots, random));
+    let mut leaves = vec![];
+    for _ in &slots {
+        topology.extend([0xFF; 64]);
+        let (mut numbers, waves) = (vec![], [(); 3].map(|()| random.below(9) as f32 * 0.1));
+        for voxel in 0..512 {
+            let at = [voxel >> 6, voxel >> 3 & 7, voxel & 7].map(|i| i as f32);
+            let value = [0, 1, 2].map(|n| 4.0 * (waves[n] * at[n] + waves[(n + 1) % 3] * at[(n + 1) % 3]).sin() + 2.0);
+            encode(kind, half, &value, &mut numbers);
+        }
+        leaves.extend([[0xFF; 64].to_vec(), vec![6], packed_array(&numbers, form.compression, random)].concat());
+    }
+    (topology, leaves)
+}
+
 fn mask_bytes(mask: &[bool]) -> Vec<u8> {
     mask.chunks(8).map(|bits| bits.iter().enumerate().map(|(i, bit)| u8::from(*bit) << i).sum()).collect()
 }

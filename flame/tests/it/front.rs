@@ -2,7 +2,7 @@
 
 use crate::common::{field, flow, frame, wind};
 use proptest::prelude::*;
-use pyrophone_flame::front::{Front, Measure, Mesh};
+use pyrophone_flame::front::{Front, Measure, Mesh, Refinement};
 use pyrophone_flame::grid::{Grid, Transform};
 use pyrophone_flame::velocity::{Placement, Velocity};
 use pyrophone_flame::{Error, Frame};
@@ -398,6 +398,7 @@ fn any_number_of_threads_measures_the_same() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| Front::new(0.5, 3).unwrap().measure(&frame).unwrap())
     };
+    assert_eq!(on(2), Front::new(0.5, 3).unwrap().measure_on_this_thread(&frame).unwrap());
     assert_eq!(on(1), on(4));
 }
 
@@ -429,4 +430,31 @@ fn meshes_are_written_whole() {
     assert!(text.contains(&format!("element face {}\n", mesh.triangles.len())));
     assert_eq!(&ply[body..body + 4], &(mesh.vertices[0][0] as f32).to_le_bytes());
     assert_eq!(ply[body + 12 * mesh.vertices.len()], 3);
+}
+
+#[test]
+fn large_fronts_are_sampled_less_finely() {
+    let measured = |frame: &Frame, refinement: Refinement| Front::new(0.5, refinement).unwrap().measure(frame).unwrap();
+    // A ball of so many voxels that grows by as much everywhere.
+    let growing = |radius: usize| {
+        let size = 2 * radius + 17;
+        let middle = [0.5 * size as f64; 3];
+        let burning = field(size, unit(), |at| (0.5 + 0.05 * (radius as f64 - distance(at, middle))).max(0.0));
+        let coarse = Transform::uniform(size as f64 / 10.0, [0.0; 3]).unwrap();
+        frame(burning, flow(12, coarse, |at| at.map(|i| i - 5.0)))
+    };
+    let small = growing(16);
+    assert_eq!(measured(&small, Refinement::BySize), measured(&small, Refinement::Fixed(3)));
+    let all = [Refinement::Fixed(3), Refinement::Fixed(2), Refinement::BySize];
+    let [fine, coarse, chosen] = all.map(|refinement| measured(&growing(72), refinement));
+    assert_eq!(chosen, coarse);
+    assert!(
+        (chosen.flux / fine.flux - 1.0).abs() < 1e-4 && chosen.triangles < fine.triangles / 2,
+        "{chosen:?} {fine:?}"
+    );
+    // Between the sizes at which one gives way to the other, both count.
+    let [fine, coarse, chosen] = all.map(|refinement| measured(&growing(62), refinement));
+    assert_eq!(chosen.triangles, fine.triangles + coarse.triangles);
+    let share = (chosen.flux - fine.flux) / (coarse.flux - fine.flux);
+    assert!((0.05..0.95).contains(&share), "{share}");
 }

@@ -11,6 +11,7 @@ mod clusters;
 mod front;
 mod import_arrays;
 mod import_cache;
+mod import_front;
 mod import_hostile;
 mod import_vdb;
 mod pressure;

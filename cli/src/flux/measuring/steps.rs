@@ -19,6 +19,10 @@ use crate::progress::{Work, note};
 /// Frames per thread that are measured before the checkpoint is written.
 const PORTION: usize = 4;
 
+/// The same, if their sources are kept until the changes between them are known: those of a large frame take as much memory as the
+/// frame.
+const PORTION_WITH_SOURCES: usize = 1;
+
 /// Results of one step.
 struct Measured {
     row: Row,
@@ -62,13 +66,17 @@ impl Plan {
         // Sources of the frames that more than one change needs.
         let mut sources: BTreeMap<usize, VoxelSources> = BTreeMap::new();
         // In portions, so that what is done is kept and the first bad frame is always the same one.
-        for portion in left.chunks(PORTION * rayon::current_num_threads()) {
+        let has_changes = self.upsampler.as_ref().is_some_and(Upsampler::needs_changes);
+        let per_thread = if has_changes { PORTION_WITH_SOURCES } else { PORTION };
+        for portion in left.chunks(per_thread * rayon::current_num_threads()) {
             sources = self.sources(portion, sources, work)?;
+            let is_shared = portion.len() < rayon::current_num_threads();
             let results: Vec<Result<Measured, Error>> = portion
                 .par_iter()
                 .map(|index| {
                     work.check()?;
-                    let measured = Measured { row: self.row(*index)?, change: self.change(*index, &sources) };
+                    let measured =
+                        Measured { row: self.row(*index, is_shared)?, change: self.change(*index, &sources) };
                     stage.report((finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1) as f32 / total);
                     Ok(measured)
                 })
@@ -143,12 +151,14 @@ impl Plan {
         }
     }
 
-    fn row(&self, index: usize) -> Result<Row, Error> {
+    /// Results of one frame; if there are fewer frames than threads, these share it.
+    fn row(&self, index: usize, is_shared: bool) -> Result<Row, Error> {
         if self.measure != Measure::Flux {
             return self.integral(index);
         }
-        let frame = self.read(index)?;
-        let measure = self.front.measure(&frame).map_err(|source| self.of_frame(index, source))?;
+        let frame = self.read_front(index)?;
+        let measure = if is_shared { self.front.measure(&frame) } else { self.front.measure_on_this_thread(&frame) };
+        let measure = measure.map_err(|source| self.of_frame(index, source))?;
         if let Some(path) = self.mesh_path(frame.number) {
             let mesh = self.front.mesh(&frame.field).map_err(|source| self.of_frame(index, source))?;
             write_file(&path, |file| {

@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use super::header::Header;
-use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Transform, slot};
+use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Part, Region, Transform, slot};
 use crate::import::budget::Budget;
 use crate::import::error::{FormatFault, damaged};
 
@@ -26,15 +26,17 @@ pub fn components(shape: &[usize]) -> usize {
     }
 }
 
-/// Reads an array as a field whose first voxel is at index (0, 0, 0); zero outside. `reader` is just after the header.
+/// Reads an array, or the blocks that a region depends on, as a field whose first voxel is at index (0, 0, 0); zero
+/// outside. `reader` is just after the header.
 pub(in crate::import) fn grid<const N: usize>(
     header: &Header,
     reader: &mut impl Read,
     transform: Transform,
+    region: Option<&Region>,
     budget: &mut Budget,
 ) -> Result<Grid<N>, FormatFault> {
     let axes = Axes::of_header(header)?;
-    let mut blocks = Blocks::<N>::new(axes.lengths, budget)?;
+    let mut blocks = Blocks::<N>::new(axes.lengths, region.map(|region| region.within(&transform)), budget)?;
     let mut places = axes.places();
     let mut failure = None;
     header.values(reader, |value| {
@@ -98,13 +100,15 @@ impl Places {
 /// The blocks of a box, allocated when the first non-zero value arrives.
 struct Blocks<'b, const N: usize> {
     blocks: Vec<Option<Box<[[f32; N]; BLOCK_VOXELS]>>>,
+    /// Which of them are needed; all, if not stated.
+    needed: Option<Vec<bool>>,
     /// Blocks along x, y, z.
     counts: [usize; 3],
     budget: &'b mut Budget,
 }
 
 impl<'b, const N: usize> Blocks<'b, N> {
-    fn new(lengths: [usize; 3], budget: &'b mut Budget) -> Result<Self, FormatFault> {
+    fn new(lengths: [usize; 3], part: Option<Part<'_>>, budget: &'b mut Budget) -> Result<Self, FormatFault> {
         if let Some(longest) = lengths.iter().find(|length| **length > LONGEST_EDGE) {
             let (found, allowed) = (*longest as u64, LONGEST_EDGE as u64);
             return Err(FormatFault::TooLarge { what: "voxels along an edge", found, allowed });
@@ -117,14 +121,17 @@ impl<'b, const N: usize> Blocks<'b, N> {
         }
         let mut blocks = vec![];
         blocks.resize_with(all as usize, || None);
-        Ok(Self { blocks, counts, budget })
+        let needed = part.map(|part| (0..blocks.len()).map(|number| part.holds(key(number, counts))).collect());
+        Ok(Self { blocks, needed, counts, budget })
     }
 
     fn put(&mut self, index: [usize; 3], component: usize, value: f32) -> Result<(), FormatFault> {
         let [x, y, z] = index.map(|i| i / BLOCK as usize);
-        let Some(block) = self.blocks.get_mut((x * self.counts[1] + y) * self.counts[2] + z) else { return Ok(()) };
+        let number = (x * self.counts[1] + y) * self.counts[2] + z;
+        let Some(block) = self.blocks.get_mut(number) else { return Ok(()) };
+        let is_needed = || self.needed.as_ref().is_none_or(|needed| needed.get(number) == Some(&true));
         // Negative zero is a value like any other.
-        if block.is_none() && value.to_bits() != 0 {
+        if block.is_none() && value.to_bits() != 0 && is_needed() {
             self.budget.keep(size_of::<[[f32; N]; BLOCK_VOXELS]>() + BLOCK_OVERHEAD_BYTES)?;
             *block = Some(Box::new([[0.0; N]; BLOCK_VOXELS]));
         }
@@ -137,12 +144,16 @@ impl<'b, const N: usize> Blocks<'b, N> {
     fn into_grid(self, transform: Transform) -> Grid<N> {
         let mut grid = Grid::new([0.0; N], transform);
         for (number, block) in self.blocks.into_iter().enumerate() {
-            let (row, z) = (number / self.counts[2].max(1), number % self.counts[2].max(1));
-            let key = [row / self.counts[1].max(1), row % self.counts[1].max(1), z].map(|i| i as i32);
             if let Some(block) = block {
-                grid.insert_block(key, block);
+                grid.insert_block(key(number, self.counts), block);
             }
         }
         grid
     }
+}
+
+/// The key of a block of a box of `counts` blocks, z fastest.
+fn key(number: usize, counts: [usize; 3]) -> [i32; 3] {
+    let (row, z) = (number / counts[2].max(1), number % counts[2].max(1));
+    [row / counts[1].max(1), row % counts[1].max(1), z].map(|i| i as i32)
 }

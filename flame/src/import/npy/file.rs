@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::array::{components, grid};
 use super::header::Header;
-use crate::grid::{Grid, Transform};
+use crate::grid::{Grid, Region, Transform};
 use crate::import::budget::{Budget, check_file_size};
 use crate::import::error::FormatFault;
 use crate::import::model::{GridInfo, GridSource, check_components};
@@ -51,7 +51,7 @@ impl Npy {
         Ok(Self { files, infos, headers, transform, budget: Budget::of_file(all_bytes) })
     }
 
-    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {
+    fn read<const N: usize>(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<N>, FormatFault> {
         check_components(&self.infos, index, N)?;
         if let Some(Err(fault)) = self.headers.get(index) {
             return Err(fault.clone());
@@ -61,7 +61,7 @@ impl Npy {
         if components(&header.shape) != N {
             return Err(FormatFault::Damaged("it changed while it was read".into()));
         }
-        grid(&header, &mut reader, self.transform, &mut self.budget)
+        grid(&header, &mut reader, self.transform, region, &mut self.budget)
     }
 }
 
@@ -82,12 +82,12 @@ impl GridSource for Npy {
         &self.infos
     }
 
-    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault> {
-        self.read(index)
+    fn scalar_within(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<1>, FormatFault> {
+        self.read(index, region)
     }
 
-    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault> {
-        self.read(index)
+    fn vectors_within(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<3>, FormatFault> {
+        self.read(index, region)
     }
 
     fn path_of(&self, index: usize) -> Option<&Path> {

@@ -19,13 +19,13 @@ use std::collections::BTreeMap;
 use self::cursor::Cursor;
 use self::header::{Descriptor, Header, Metadata};
 use self::kind::GridKind;
-use self::tree::{Nothing, Tree};
+use self::tree::{Nothing, Tree, Wanted};
 use self::values::{FLAGGED_VERSION, ValueLayout, ZIP};
 use super::blender::DomainBox;
 use super::budget::{Budget, check_file_size};
 use super::error::{FormatFault, damaged, shown};
 use super::model::{GridInfo, GridSource, check_components};
-use crate::grid::Grid;
+use crate::grid::{Grid, Region};
 
 const MAGIC: [u8; 8] = [0x20, 0x42, 0x44, 0x56, 0, 0, 0, 0];
 /// File versions of OpenVDB 3 to 13.
@@ -109,7 +109,7 @@ impl<'a> Vdb<'a> {
         }
     }
 
-    fn read<const N: usize>(&mut self, index: usize) -> Result<Grid<N>, FormatFault> {
+    fn read<const N: usize>(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<N>, FormatFault> {
         let name = check_components(&self.infos, index, N)?.name.clone();
         let missing = || FormatFault::Damaged(format!("grid {} has no tree", shown(&name)));
         let own = self.bodies.get(index).ok_or_else(missing)?;
@@ -124,9 +124,10 @@ impl<'a> Vdb<'a> {
         let cursor = Cursor::within(self.bytes, body.extent.0, body.extent.1)?;
         let tree = Tree::open(cursor, layout, &mut self.budget)?;
         let background = *tree.background().first_chunk().ok_or_else(missing)?;
-        let mut grid = Grid::new(background, transform);
-        tree.read(&mut grid)?;
-        Ok(grid)
+        let mut sink =
+            Wanted { grid: Grid::new(background, transform), part: region.map(|region| region.within(&transform)) };
+        tree.read(&mut sink)?;
+        Ok(sink.grid)
     }
 }
 
@@ -135,12 +136,12 @@ impl GridSource for Vdb<'_> {
         &self.infos
     }
 
-    fn scalar(&mut self, index: usize) -> Result<Grid<1>, FormatFault> {
-        self.read(index)
+    fn scalar_within(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<1>, FormatFault> {
+        self.read(index, region)
     }
 
-    fn vectors(&mut self, index: usize) -> Result<Grid<3>, FormatFault> {
-        self.read(index)
+    fn vectors_within(&mut self, index: usize, region: Option<&Region>) -> Result<Grid<3>, FormatFault> {
+        self.read(index, region)
     }
 }
 

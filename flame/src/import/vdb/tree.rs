@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use super::cursor::Cursor;
 use super::kind::Number;
 use super::values::{FLAGGED_VERSION, ValueLayout, Values, bit, ones};
-use crate::grid::{BLOCK_VOXELS, Grid};
+use crate::grid::{BLOCK_VOXELS, Grid, Part};
 use crate::import::budget::Budget;
 use crate::import::error::{FormatFault, damaged};
 
@@ -61,6 +61,9 @@ pub(super) trait Sink {
 
     fn tile(&mut self, origin: [i32; 3], log2: u32, value: &[f32]);
 
+    /// True if the values of the leaf at `origin` are needed.
+    fn wants(&self, origin: [i32; 3]) -> bool;
+
     /// Receives a leaf's `values`: all voxels, x slowest, z fastest.
     fn leaf(&mut self, origin: [i32; 3], values: &[f32]);
 }
@@ -73,20 +76,34 @@ impl Sink for Nothing {
 
     fn tile(&mut self, _: [i32; 3], _: u32, _: &[f32]) {}
 
+    fn wants(&self, _: [i32; 3]) -> bool {
+        Self::WANTED
+    }
+
     fn leaf(&mut self, _: [i32; 3], _: &[f32]) {}
 }
 
-impl<const N: usize> Sink for Grid<N> {
+/// A grid, and the part of it that is needed; all, if not stated.
+pub(super) struct Wanted<'a, const N: usize> {
+    pub grid: Grid<N>,
+    pub part: Option<Part<'a>>,
+}
+
+impl<const N: usize> Sink for Wanted<'_, N> {
     const WANTED: bool = true;
 
     fn tile(&mut self, origin: [i32; 3], log2: u32, value: &[f32]) {
         if let Some(value) = value.first_chunk() {
-            self.add_tile(origin, log2, *value);
+            self.grid.add_tile(origin, log2, *value);
         }
     }
 
+    fn wants(&self, origin: [i32; 3]) -> bool {
+        self.part.is_none_or(|part| part.holds(origin.map(|i| i >> 3)))
+    }
+
     fn leaf(&mut self, origin: [i32; 3], values: &[f32]) {
-        let block = self.block_mut(origin.map(|i| i >> 3));
+        let block = self.grid.block_mut(origin.map(|i| i >> 3));
         for (voxel, value) in block.iter_mut().zip(values.as_chunks::<N>().0) {
             *voxel = *value;
         }
@@ -236,7 +253,8 @@ impl<'a, 'b> Tree<'a, 'b> {
             if self.cursor.read_bytes(LEAF_MASK_BYTES)? != mask {
                 return damaged(format!("two different masks of the leaf at {origin:?}"));
             }
-            if S::WANTED {
+            let is_wanted = sink.wants(origin);
+            if is_wanted {
                 self.budget.keep(BLOCK_VOXELS * voxel_bytes + LEAF_OVERHEAD_BYTES)?;
             }
             if self.layout.kind.is_bits() {
@@ -250,7 +268,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                     return damaged(format!("a leaf of {buffers} buffers, 1 is expected"));
                 }
             }
-            if S::WANTED {
+            if is_wanted {
                 sink.leaf(origin, self.values.read(&mut self.cursor, BLOCK_VOXELS, mask)?);
             } else {
                 self.values.skip(&mut self.cursor, BLOCK_VOXELS, mask)?;
