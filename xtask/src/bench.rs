@@ -25,13 +25,16 @@ const WINDOW_END: &str = "<!-- end of window -->\n";
 /// Markers of the comparison with the authors' programs in the page.
 const PEERS_BEGIN: &str = "<!-- peers: cargo xtask bench peers -->\n";
 const PEERS_END: &str = "<!-- end of peers -->\n";
+/// Markers of the costs of caches in the page.
+const CACHES_BEGIN: &str = "<!-- caches: cargo xtask bench caches -->\n";
+const CACHES_END: &str = "<!-- end of caches -->\n";
 
 /// Options of `cargo xtask bench`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Benchmark to run [default: each except all, instructions, peers and scenes]; `all`, `peers`, `search` and `window` also write their tables into docs/performance.md
+    /// Benchmark to run [default: each except all, caches, instructions, peers and scenes]; `all`, `caches`, `peers`, `search` and `window` also write their tables into docs/performance.md
     bench: Option<Bench>,
-    /// Options of `scenes`, of `peers`, and of the final sound of `upsample`; see `bench scenes --help` and so on
+    /// Options of `scenes`, of `peers`, of `caches`, and of the final sound of `upsample`; see `bench scenes --help` and so on
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "OPTIONS")]
     arguments: Vec<OsString>,
 }
@@ -54,6 +57,8 @@ enum Bench {
     Reload,
     /// Instructions of one second of each engine, saved for comparison by `cargo xtask soak`
     Instructions,
+    /// Sparse caches of several sizes through the command line, written to docs/performance.md; takes minutes, so it runs only when named; see `bench caches --help`
+    Caches,
     /// Texture synthesis beside the authors' programs, whose folder is named after it; see `bench peers --help`
     Peers,
     /// Sound of the scenes at several resolutions; takes minutes, so it runs only when named
@@ -68,9 +73,12 @@ pub fn run(args: &Args) -> Result<ExitCode> {
     if args.bench == Some(Bench::Peers) {
         return peers(&args.arguments);
     }
+    if args.bench == Some(Bench::Caches) {
+        return caches(&args.arguments);
+    }
     ensure!(
         args.arguments.is_empty() || args.bench == Some(Bench::Upsample),
-        "only the benches `scenes`, `peers` and `upsample` take options"
+        "only the benches `scenes`, `peers`, `caches` and `upsample` take options"
     );
     setup::ensure(&setup::BUILD)?;
     if args.bench == Some(Bench::All) {
@@ -129,11 +137,22 @@ fn costs() -> Result<ExitCode> {
 
 /// Texture synthesis beside the authors' programs.
 fn peers(arguments: &[OsString]) -> Result<ExitCode> {
+    of_command_line("peers", arguments, PEERS_BEGIN, PEERS_END)
+}
+
+/// Cost of sparse caches.
+fn caches(arguments: &[OsString]) -> Result<ExitCode> {
+    setup::ensure(&setup::CACHES)?;
+    of_command_line("caches", arguments, CACHES_BEGIN, CACHES_END)
+}
+
+/// A table that is measured by calling the command line; help is not kept.
+fn of_command_line(name: &str, arguments: &[OsString], begin_mark: &str, end_mark: &str) -> Result<ExitCode> {
     let built = cargo::command().args(["build", "--release", "--quiet", "--package", "pyrophone-cli"]).status()?;
     ensure!(built.success(), "the command line does not build; see above");
-    let table = printed(&mut cargo::sound_command("peers", arguments))?;
+    let table = printed(&mut cargo::sound_command(name, arguments))?;
     if table.starts_with('|') {
-        keep(&format!("{table}\n"), PEERS_BEGIN, PEERS_END)?;
+        keep(&format!("{table}\n"), begin_mark, end_mark)?;
     }
     Ok(ExitCode::SUCCESS)
 }

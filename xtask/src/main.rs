@@ -68,7 +68,7 @@ enum Command {
     Test,
     /// Run the long tests, on other processors and systems too, as far as this machine can
     Soak {
-        /// Only those of another system or processor
+        /// Only those of another system or processor; installs what they need
         #[arg(long, value_enum, value_name = "ELSEWHERE")]
         only: Option<elsewhere::Elsewhere>,
     },

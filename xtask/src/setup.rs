@@ -25,8 +25,12 @@ enum Found {
     Library(&'static str),
     /// A file or a folder of Debian's Rust, which must be new enough for this project.
     Toolchain(&'static str),
+    /// A program that Debian has outside PATH.
+    File(&'static str),
     /// A module that Python imports.
     Module(&'static str),
+    /// A module that Debian's own Python imports, whichever other comes first in PATH.
+    DebianModule(&'static str),
     /// A driver that Mesa opens by its path, in the first of these folders that exists.
     Driver(&'static str),
 }
@@ -63,6 +67,10 @@ const DEBIAN_RUSTC: Need = toolchain(DEBIAN_COMPILER, "rustc-web");
 const DEBIAN_CARGO: Need = toolchain("/usr/bin/cargo", "cargo-web");
 const DEBIAN_SOURCE: Need = toolchain("/usr/lib/rustlib/src/rust/library/std", "rust-web-src");
 
+/// Enough to write caches with OpenVDB's own library.
+pub const CACHES: [Need; 4] =
+    [LINKER, C_LIBRARY, debian_module("numpy", "python3-numpy"), debian_module("pyopenvdb", "python3-openvdb")];
+
 /// Debian separates the part that creates environments from Python itself.
 const PYTHON_ENVIRONMENTS: Need =
     Need { found: Found::Module("ensurepip"), package: "python3-venv", purpose: PACKAGES };
@@ -86,7 +94,23 @@ pub const MACOS_CHECK: [Need; 4] = [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE, P
 pub const ARM_BUILD: [Need; 4] =
     [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE, program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu")];
 
+/// Enough to run programs for other processors.
+pub const EMULATOR: [Need; 1] = [emulation(Found::Program("qemu-aarch64"), "qemu-user")];
+
+/// Enough to run what is built for Windows, and to look at it.
+pub const WINE: [Need; 5] = [
+    emulation(Found::File("/usr/lib/wine/wine64"), "wine64"),
+    emulation(Found::Program("Xvfb"), "xvfb"),
+    emulation(Found::Program("xdotool"), "xdotool"),
+    emulation(Found::Program("import"), "imagemagick"),
+    emulation(Found::Program("xwininfo"), "x11-utils"),
+];
+
 const PACKAGES: &str = "making packages";
+
+const fn emulation(found: Found, package: &'static str) -> Need {
+    Need { found, package, purpose: "trying out programs for other systems" }
+}
 
 const fn toolchain(path: &'static str, package: &'static str) -> Need {
     Need { found: Found::Toolchain(path), package, purpose: PACKAGES }
@@ -94,6 +118,10 @@ const fn toolchain(path: &'static str, package: &'static str) -> Need {
 
 const fn program(name: &'static str, package: &'static str) -> Need {
     Need { found: Found::Program(name), package, purpose: PACKAGES }
+}
+
+const fn debian_module(name: &'static str, package: &'static str) -> Need {
+    Need { found: Found::DebianModule(name), package, purpose: "writing caches" }
 }
 
 const fn library(name: &'static str, package: &'static str) -> Need {
@@ -139,7 +167,9 @@ impl Need {
         match self.found {
             Found::Program(name) => is_program(name),
             Found::Toolchain(path) => Path::new(path).exists() && has_new_rust(),
-            Found::Module(name) => imports(name),
+            Found::File(path) => Path::new(path).is_file(),
+            Found::Module(name) => imports("python3", name),
+            Found::DebianModule(name) => imports("/usr/bin/python3", name),
             Found::Library(name) => library_folders().any(|folder| Path::new(&folder).join(name).exists()),
             Found::Driver(name) => library_folders().any(|folder| {
                 let folder = Path::new(&folder);
@@ -178,9 +208,9 @@ pub fn missing(needs: &[Need]) -> Vec<&'static str> {
     needs.iter().filter(|need| !need.is_met()).map(|need| need.package).collect()
 }
 
-/// True if Python exists and has a module.
-fn imports(name: &str) -> bool {
-    let mut python = Command::new("python3");
+/// True if a Python exists and has a module.
+fn imports(python: &str, name: &str) -> bool {
+    let mut python = Command::new(python);
     python.args(["-c", &format!("import {name}")]).stdout(Stdio::null()).stderr(Stdio::null());
     python.status().is_ok_and(|status| status.success())
 }

@@ -1,6 +1,7 @@
 //! The program that `cargo xtask` calls to play through plug-ins and to draw pictures.
 
 mod bounce;
+mod caches;
 mod demo;
 mod drives;
 mod listen;
@@ -9,6 +10,7 @@ mod project;
 mod scenes;
 mod score;
 mod simulated;
+mod spent;
 mod upsampled;
 mod vortex;
 
@@ -27,6 +29,8 @@ struct Cli {
 enum Command {
     /// Play a file through the built plugin in a headless host
     Bounce(bounce::Args),
+    /// Measure the cost of sparse caches of several sizes
+    Caches(caches::Args),
     /// Make fire with every engine and write a page with players and pictures
     Demo(demo::Args),
     /// Simulate the plugin's built-in flames
@@ -48,6 +52,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Bounce(args) => bounce::run(&args),
+        Command::Caches(args) => caches::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Drives(args) => drives::run(&args),
         Command::Listen(args) => listen::run(&args),

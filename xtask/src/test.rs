@@ -55,9 +55,12 @@ pub fn run() -> Result<ExitCode> {
     Ok(tally.conclude())
 }
 
-/// Runs the long tests, or only those of another system or processor.
+/// Runs the long tests as far as this machine can, or those of another system or processor, for which what is missing is installed.
 pub fn soak(only: Option<Elsewhere>) -> Result<ExitCode> {
     setup::ensure(&setup::TEST)?;
+    if let Some(place) = only {
+        place.prepare()?;
+    }
     let mut tally = Tally::default();
     let places = only.as_ref().map_or(Elsewhere::value_variants(), std::slice::from_ref);
     if only.is_none() {

@@ -9,7 +9,7 @@ use anyhow::{Result, ensure};
 use clap::ValueEnum;
 
 use crate::package::{self, build::program};
-use crate::setup::{self, is_program};
+use crate::setup::{self, Need, is_program};
 use crate::tally::Tally;
 use crate::{cargo, project};
 
@@ -38,6 +38,19 @@ pub enum Elsewhere {
     Macos,
     /// Windows, under Wine
     Windows,
+}
+
+impl Elsewhere {
+    /// Installs what is missing to build for it and to emulate it.
+    pub fn prepare(self) -> Result<()> {
+        let needs: &[&[Need]] = match self {
+            Self::OldProcessor => &[&setup::EMULATOR],
+            Self::Arm => &[&setup::ARM_BUILD, &setup::EMULATOR],
+            Self::Macos => &[&setup::MACOS_CHECK],
+            Self::Windows => &[&setup::WINDOWS_PACKAGE, &setup::WINE],
+        };
+        needs.iter().try_for_each(|needs| setup::ensure(needs))
+    }
 }
 
 /// Compares the digests in one place, as far as this machine can, and builds the necessary programs. Under Wine, the

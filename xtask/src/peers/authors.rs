@@ -8,7 +8,7 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use super::time::cpu_s;
+use crate::spent::spent;
 
 /// Rate of all their signals, in Hz.
 pub const RATE_HZ: u32 = 44_100;
@@ -78,7 +78,7 @@ impl Program {
         write_vector(&place.join("input_data.vector"), &pair.input)?;
         write_vector(&place.join("training_data.vector"), &pair.training)?;
         fs::write(place.join("default.xml"), CONFIGURATION)?;
-        cpu_s(Command::new(&self.cpp).current_dir(place))
+        Ok(spent(Command::new(&self.cpp).current_dir(place))?.cpu_s)
     }
 
     /// CPU seconds of the page's script.
@@ -90,7 +90,7 @@ impl Program {
         }
         let mut node = Command::new("node");
         node.arg("-e").arg(PAGE).arg(&self.page).args(raw.map(|(name, _)| name));
-        cpu_s(node.current_dir(place))
+        Ok(spent(node.current_dir(place))?.cpu_s)
     }
 }
 

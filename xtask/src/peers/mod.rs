@@ -4,7 +4,6 @@
 //! `fire-texture-synthesis` of their repository. It compiles the C++ and runs the page's script in Node.
 
 mod authors;
-mod time;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,8 +13,8 @@ use anyhow::{Context, Result, ensure};
 use pyrophone_recording::write_wav_f32;
 
 use crate::project;
+use crate::spent::spent;
 use authors::{Pair, Program, RATE_HZ};
-use time::cpu_s;
 
 /// Options of `cargo xtask bench peers`.
 #[derive(Debug, clap::Args)]
@@ -63,5 +62,5 @@ fn own_s(pair: &Pair, place: &Path, eps: &str) -> Result<f64> {
     }
     let mut texture = Command::new(program);
     texture.args(["texture", "--quiet", "--input", "input.wav", "--training", "training.wav", "--eps", eps]);
-    cpu_s(texture.args(["--output", "ours.wav"]).current_dir(place))
+    Ok(spent(texture.args(["--output", "ours.wav"]).current_dir(place))?.cpu_s)
 }
