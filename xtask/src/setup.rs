@@ -25,7 +25,7 @@ enum Found {
     Library(&'static str),
     /// A file or a folder of Debian's Rust, which must be new enough for this project.
     Toolchain(&'static str),
-    /// A program that Debian has outside PATH.
+    /// A file, such as a program outside PATH.
     File(&'static str),
     /// A module that Python imports.
     Module(&'static str),
@@ -91,8 +91,14 @@ pub const WINDOWS_PACKAGE: [Need; 8] = [
 pub const MACOS_CHECK: [Need; 4] = [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE, PYTHON_ENVIRONMENTS];
 
 /// Enough to build for Linux on 64-bit ARM.
-pub const ARM_BUILD: [Need; 4] =
-    [DEBIAN_RUSTC, DEBIAN_CARGO, DEBIAN_SOURCE, program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu")];
+pub const ARM_BUILD: [Need; 5] = [
+    DEBIAN_RUSTC,
+    DEBIAN_CARGO,
+    DEBIAN_SOURCE,
+    program("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu"),
+    // The compiler only recommends it.
+    file("/usr/aarch64-linux-gnu/lib/crti.o", "libc6-dev-arm64-cross"),
+];
 
 /// Enough to run programs for other processors.
 pub const EMULATOR: [Need; 1] = [emulation(Found::Program("qemu-aarch64"), "qemu-user")];
@@ -114,6 +120,10 @@ const fn emulation(found: Found, package: &'static str) -> Need {
 
 const fn toolchain(path: &'static str, package: &'static str) -> Need {
     Need { found: Found::Toolchain(path), package, purpose: PACKAGES }
+}
+
+const fn file(path: &'static str, package: &'static str) -> Need {
+    Need { found: Found::File(path), package, purpose: PACKAGES }
 }
 
 const fn program(name: &'static str, package: &'static str) -> Need {
