@@ -52,7 +52,7 @@ impl Fitting {
         Self { time_s, still: 0.0, unexplained: factors.map(|factor| (factor, 0.0)).collect() }
     }
 
-    /// Adds a pair: a field, the field in the next frame, and the flow of the first in its [`region`].
+    /// Adds a pair: a field, the field in the next frame, and the flow of the first in the blocks that are examined.
     pub fn add(&mut self, before: &Grid<1>, after: &Grid<1>, flow: &Velocity) {
         let world = |index: [i32; 3]| before.transform().to_world(index.map(f64::from));
         let samples: Vec<Sample> = smoky(before).into_iter().map(|index| sample(after, flow, world(index))).collect();
@@ -98,7 +98,7 @@ fn mismatch(before: &Grid<1>, samples: &[Sample], time_s: f64) -> f64 {
 }
 
 /// The space in which a pair's flow is needed, given its first field.
-pub fn region(field: &Grid<1>) -> Region {
+pub(crate) fn region(field: &Grid<1>) -> Region {
     Region::new(smoky_blocks(field).map(|(key, _)| key), *field.transform())
 }
 

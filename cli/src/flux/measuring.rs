@@ -21,6 +21,9 @@ use crate::progress::{Work, note};
 /// Relative tolerance between a given rate and the frames' own.
 const SAME_RATE: f64 = 0.01;
 
+/// Subdivision if each cluster is measured.
+const PER_CLUSTER: usize = 3;
+
 /// Frames after a part that the change from its last frame depends on.
 const AHEAD: usize = 2;
 
@@ -78,7 +81,7 @@ impl Plan {
         };
         let seen_by_others = Sight::of_any(&sequence, &others, &selection, args);
         let seen = sight.as_ref().or(seen_by_others.as_ref());
-        let front = Front::new(seen.map_or(args.iso.unwrap_or(0.0), |sight| sight.iso), args.refine)?;
+        let front = Front::new(seen.map_or(args.iso.unwrap_or(0.0), |sight| sight.iso), refinement(args))?;
         let selection = super::units::scaled(selection, &sequence, seen, args)?;
         let settings = sight.as_ref().map_or(String::new(), |sight| settings(args, sight, &selection));
         Ok(Self {
@@ -192,6 +195,14 @@ fn selection(args: &FluxArgs) -> Selection {
     }
 }
 
+/// The front's subdivision. Clusters must add up to the whole, and their sizes differ, so theirs is fixed.
+fn refinement(args: &FluxArgs) -> Refinement {
+    match args.refine {
+        None if args.clusters.folder.is_some() => Refinement::Fixed(PER_CLUSTER),
+        given => given.into(),
+    }
+}
+
 /// Everything that the results depend on, apart from the files.
 fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
     let Sight { iso, field, velocity, .. } = sight;
@@ -202,7 +213,7 @@ fn settings(args: &FluxArgs, sight: &Sight, selection: &Selection) -> String {
                 1.0 => String::new(),
                 scale => format!(" times {scale:?}"),
             };
-            let refine = Refinement::from(args.refine);
+            let refine = refinement(args);
             format!("iso {iso:?}, refine {refine}, field {field}, velocity {velocity}{scale}, placement {placement}")
         }
         measure => format!("{} of field {field}", format!("{measure:?}").to_lowercase()),

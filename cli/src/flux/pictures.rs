@@ -23,7 +23,7 @@ pub fn fronts(plan: &Plan, whole: &Whole, work: &Work) -> Result<Fronts, Error> 
         .par_iter()
         .map(|index| {
             work.check()?;
-            // Frames that were skipped have no picture either.
+            // Read as it was measured: frames that were skipped have no picture either.
             let frame = plan.read_front(*index).ok();
             Ok(frame.and_then(|frame| Some((frame.number, plan.front.mesh(&frame.field).ok()?))))
         })

@@ -1,6 +1,6 @@
 //! The unit of a simulation's velocity, and a check of it and the rate against the smoke.
 
-use pyrophone_flame::advection::{Fitting, region};
+use pyrophone_flame::advection::Fitting;
 use pyrophone_flame::import::{Selection, Sequence};
 
 use super::sight::Sight;
@@ -76,7 +76,7 @@ pub fn check(
         work.check()?;
         let Some(pair) = neighbours.get(n * neighbours.len() / (PAIRS + 1)) else { continue };
         // Read errors are reported when the frame is measured.
-        let before = sequence.read_carried(pair[0], selection, region).ok().flatten();
+        let before = sequence.read_carried(pair[0], selection).ok().flatten();
         let after = before.as_ref().and_then(|_| sequence.read_carried_field(pair[1]).ok().flatten());
         if let (Some((before, flow)), Some(after)) = (before, after) {
             fitting.add(&before, &after, &flow);

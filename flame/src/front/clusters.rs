@@ -50,7 +50,8 @@ struct Sums {
 
 impl Front {
     /// The front's connected parts, largest first. Triangles that share a corner belong together, and hollows belong to
-    /// the flame around them. The sums of fluxes and areas are those of [`measure`](Self::measure).
+    /// the flame around them. The sums of fluxes and areas are those of
+    /// [`measure`](Self::measure), if the subdivision is fixed.
     ///
     /// # Errors
     /// As [`measure`](Self::measure), and beyond 2^32 corners.

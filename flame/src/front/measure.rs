@@ -28,7 +28,7 @@ pub struct Measure {
     /// Mean of the mean curvature over the area, per unit of length; positive for a ball of flame. 0 without a front;
     /// none unless requested, because it costs as much as everything else together.
     pub mean_curvature: Option<f64>,
-    /// Number of triangles in the front.
+    /// Number of triangles that were examined: those of both surfaces where two subdivisions are blended.
     pub triangles: u64,
 }
 
@@ -193,7 +193,7 @@ impl Front {
         mut visit: impl FnMut([i32; 3], [Corner; 3], &Patch),
     ) -> Result<(), Error> {
         let level = self.level(field)?;
-        let refine = self.refinement.steps(field, level);
+        let refine = self.refinement.of_mesh();
         let mut lattice = Lattice::new(refine);
         let mut rows = Vec::new();
         cells::visit(field, &cells::candidates(field, level)?, level, |cell, patch| {

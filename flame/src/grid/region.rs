@@ -8,7 +8,8 @@ use super::{BLOCK, Transform};
 /// values on the voxels' faces.
 const BEFORE: f64 = 1.5;
 
-/// Share of a voxel by which blocks that only touch the region are left out, in spite of rounding.
+/// Share of a voxel that rounding may make. Among the region's own voxels, blocks that only touch it are left out; of others, too many are
+/// better than too few.
 const MARGIN: f64 = 1e-6;
 
 /// The space of some blocks of 8×8×8 cells of a grid; cell (i, j, k) lies between voxels (i, j, k) and (i+1, j+1, k+1).
@@ -26,7 +27,8 @@ impl Region {
 
     /// The same space among the blocks of a grid with another transform.
     pub fn within(&self, transform: &Transform) -> Part<'_> {
-        Part { keys: &self.keys, map: transform.index_map(&self.transform) }
+        let margin = if *transform == self.transform { MARGIN } else { -MARGIN };
+        Part { keys: &self.keys, map: transform.index_map(&self.transform), margin }
     }
 }
 
@@ -36,13 +38,15 @@ pub struct Part<'a> {
     keys: &'a BTreeSet<[i32; 3]>,
     /// Matrix and translation from the grid's indices to the region's.
     map: ([[f64; 3]; 3], [f64; 3]),
+    /// Voxels by which blocks are taken to be smaller.
+    margin: f64,
 }
 
 impl Part<'_> {
     /// True if anything interpolated in the region may depend on the block at `key` (index / 8).
     pub fn holds(&self, key: [i32; 3]) -> bool {
-        let first = key.map(|key| f64::from(key) * f64::from(BLOCK) - BEFORE + MARGIN);
-        let edge = f64::from(BLOCK) + BEFORE - 2.0 * MARGIN;
+        let first = key.map(|key| f64::from(key) * f64::from(BLOCK) - BEFORE + self.margin);
+        let edge = f64::from(BLOCK) + BEFORE - 2.0 * self.margin;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in 0..8 {
             let index: [f64; 3] = std::array::from_fn(|axis| first[axis] + f64::from(corner >> axis & 1) * edge);
@@ -50,6 +54,10 @@ impl Part<'_> {
                 let place = (0..3).map(|of| index[of] * self.map.0[of][axis]).sum::<f64>() + self.map.1[axis];
                 (low[axis], high[axis]) = (low[axis].min(place), high[axis].max(place));
             }
+        }
+        // Overflows of far-fetched transforms: such a block is no farther away than its numbers say.
+        if !(0..3).all(|axis| low[axis] <= high[axis]) {
+            return true;
         }
         // Conversion saturates: no key is beyond the range of its type.
         let key_of = |place: f64| (place / f64::from(BLOCK)).floor() as i32;
@@ -102,5 +110,14 @@ mod tests {
         assert!(region.within(&grid(1.0, [12.0; 3])).holds([0, 0, 0]));
         assert!(!region.within(&grid(1.0, [40.0; 3])).holds([0, 0, 0]));
         assert!(!Region::new([], fine).within(&fine).holds([0, 0, 0]));
+    }
+
+    #[test]
+    fn transforms_that_overflow_leave_nothing_out() {
+        let small = 1e-9 * std::f64::consts::FRAC_1_SQRT_2;
+        let rows = [[small, small, 0.0], [-small, small, 0.0], [0.0, 0.0, 1e-9]];
+        let turned = Transform::new(rows, [0.0; 3]).unwrap();
+        let far = Transform::uniform(1.0, [1e300, 1e300, 0.0]).unwrap();
+        assert!(Region::new([[0, 0, 0]], turned).within(&far).holds([0, 0, 0]));
     }
 }

@@ -28,10 +28,10 @@ struct State {
     reading: usize,
 }
 
-/// A thread's turn to read a large file, until it is dropped.
-struct Turn<'a>(&'a Buffers);
+/// Permission to read a large file, until it is dropped.
+struct Permit<'a>(&'a Buffers);
 
-impl Drop for Turn<'_> {
+impl Drop for Permit<'_> {
     fn drop(&mut self) {
         self.0.state().reading -= 1;
         self.0.finished.notify_one();
@@ -42,23 +42,28 @@ impl Buffers {
     /// The bytes of a file for `use_it`, which must not wait for other threads.
     pub fn with_file<T>(&self, path: &Path, use_it: impl FnOnce(&[u8]) -> Result<T, Error>) -> Result<T, Error> {
         let (file, size) = open(path)?;
-        let _turn = (size > LARGE_BYTES).then(|| self.turn());
+        let _permit = (size > LARGE_BYTES).then(|| self.permit());
         let mut bytes = self.state().spare.pop().unwrap_or_default();
         let used = read(file, size, path, &mut bytes).and_then(|()| use_it(&bytes));
         self.state().spare.push(bytes);
         used
     }
 
-    /// Waits until fewer than half of the pool's threads read large files.
-    fn turn(&self) -> Turn<'_> {
-        let most = (rayon::current_num_threads() / 2).max(1);
+    /// Waits until fewer than half of the pool's threads read large files. A thread of the pool may wait: those that read depend on
+    /// no other thread.
+    fn permit(&self) -> Permit<'_> {
+        self.permit_of((rayon::current_num_threads() / 2).max(1))
+    }
+
+    /// Waits until fewer than `most` threads read large files.
+    fn permit_of(&self, most: usize) -> Permit<'_> {
         let state = self.finished.wait_while(self.state(), |state| state.reading >= most);
         state.unwrap_or_else(PoisonError::into_inner).reading += 1;
-        Turn(self)
+        Permit(self)
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        // A thread that panicked has left a valid state: its turn has ended.
+        // A thread that panicked has left a valid state: its permit has ended.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -81,34 +86,39 @@ mod tests {
     use super::*;
 
     #[test]
-    fn large_files_are_read_by_some_threads_at_a_time() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = |large: bool| folder.path().join(if large { "large" } else { "small" });
-        File::create(path(true)).unwrap().set_len(LARGE_BYTES + 1).unwrap();
-        std::fs::write(path(false), [7; 100]).unwrap();
-        let buffers = Buffers::default();
-        let (now, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let look = |bytes: &[u8]| {
-            most.fetch_max(now.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
-            std::thread::sleep(std::time::Duration::from_millis(2));
-            now.fetch_sub(1, Ordering::SeqCst);
-            Ok(bytes.len())
-        };
+    fn large_files_are_read_by_half_of_the_threads_at_a_time() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
-        pool.broadcast(|_| {
-            for _ in 0..3 {
-                assert_eq!(buffers.with_file(&path(true), look).unwrap(), LARGE_BYTES as usize + 1);
-            }
+        let buffers = Buffers::default();
+        let reading = AtomicUsize::new(0);
+        pool.scope(|scope| {
+            // Two permits are given, and the third thread waits until one is returned.
+            let held = [buffers.permit_of(2), buffers.permit_of(2)];
+            scope.spawn(|_| {
+                let _permit = buffers.permit();
+                reading.store(buffers.state().reading, Ordering::SeqCst);
+            });
+            assert_eq!((buffers.state().reading, reading.load(Ordering::SeqCst)), (2, 0));
+            drop(held);
         });
-        assert!((1..=2).contains(&most.load(Ordering::SeqCst)));
-        assert_eq!(buffers.with_file(&path(false), |bytes| Ok(bytes.to_vec())).unwrap(), [7; 100]);
-        assert!(buffers.with_file(&folder.path().join("none"), look).is_err());
-        let state = buffers.state();
-        assert!(state.reading == 0 && (1..=2).contains(&state.spare.len()));
+        assert!((1..=2).contains(&reading.load(Ordering::SeqCst)));
+        assert_eq!(buffers.state().reading, 0);
     }
 
     #[test]
-    fn a_turn_ends_with_a_failure_and_with_a_panic() {
+    fn memory_of_a_file_is_used_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let buffers = Buffers::default();
+        for size in [100, 7, 0, 50] {
+            std::fs::write(&path, vec![size as u8; size]).unwrap();
+            assert_eq!(buffers.with_file(&path, |bytes| Ok(bytes.to_vec())).unwrap(), vec![size as u8; size]);
+            assert!(buffers.state().spare.len() == 1 && buffers.state().spare[0].capacity() >= 100);
+        }
+        assert!(buffers.with_file(&folder.path().join("none"), |_| Ok(())).is_err());
+    }
+
+    #[test]
+    fn a_permit_ends_with_a_failure_and_with_a_panic() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("large");
         File::create(&path).unwrap().set_len(LARGE_BYTES + 1).unwrap();

@@ -19,9 +19,10 @@ use super::npy::Npy;
 use super::npz::Npz;
 use super::numbering::{Numbering, Pattern};
 use super::vdb::Vdb;
+use crate::advection;
 use crate::frame::Frame;
 use crate::front::Front;
-use crate::grid::{Grid, Region};
+use crate::grid::Grid;
 use crate::velocity::Velocity;
 
 /// Largest number of missing frames between the first and the last.
@@ -193,23 +194,18 @@ impl Sequence {
         })
     }
 
-    /// Reads a quantity carried by the gas of a frame (density, smoke, temperature), if there is one, and the flow in the region that
-    /// `part` finds in it.
+    /// Reads a quantity carried by the gas of a frame (density, smoke, temperature), if there is one, and the flow where
+    /// [`Fitting`](crate::advection::Fitting) examines it.
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    pub fn read_carried(
-        &self,
-        index: usize,
-        selection: &Selection,
-        part: impl FnOnce(&Grid<1>) -> Region,
-    ) -> Result<Option<(Grid<1>, Velocity)>, Error> {
+    pub fn read_carried(&self, index: usize, selection: &Selection) -> Result<Option<(Grid<1>, Velocity)>, Error> {
         let path = self.path_of(index);
         self.with_source(index, |_, source| {
             let Some(carried) = names::carried(source.grids()) else { return Ok(None) };
             let selected = names::select(source.grids(), selection).map_err(Error::of_file(path))?;
             let field = Assembly { source, path, region: None }.field(carried)?;
-            let region = part(&field);
+            let region = advection::region(&field);
             let flow = Assembly { source, path, region: Some(&region) }.velocity(&selected, selection.placement)?;
             Ok(Some((field, scaled(flow, selection))))
         })

@@ -6,7 +6,8 @@
 //! which is subtracted. The remainder has the spectrum of a flame, but not its loudness: parts that change together in a
 //! flame change one by one here.
 
-use super::source::{VoxelSources, unpacked};
+use super::source::VoxelSources;
+use crate::grid::BLOCK;
 use crate::solver::Random;
 
 /// Distance in voxels at which two moments are hardly correlated any more: the spacing of a lattice of random numbers
@@ -20,18 +21,18 @@ pub fn change(number: i64, [before, after]: [&VoxelSources; 2], substeps: usize,
     // Differences from step to step.
     let mut jumps = vec![0.0; substeps + 2];
     let mut lattice = Lattice::new(seed);
-    before.join(after, |place, before, after| {
-        let change = after - before;
-        if change == 0.0 {
-            return;
+    for (key, before, after) in before.pairs(after) {
+        lattice.move_to(key);
+        for (voxel, ([before], [after])) in before.iter().zip(after).enumerate().filter(|(_, (a, b))| a != b) {
+            let change = f64::from(*after) - f64::from(*before);
+            let moment = normal_share(lattice.at(voxel)) * substeps as f64;
+            // Half a step to either side: two steps share a change between them.
+            let step = (moment - 0.5).ceil().clamp(0.0, substeps as f64);
+            let share = (step - moment + 0.5).clamp(0.0, 1.0);
+            jumps[step as usize] += share * change;
+            jumps[step as usize + 1] += (1.0 - share) * change;
         }
-        let moment = normal_share(lattice.at(unpacked(place))) * substeps as f64;
-        // Half a step to either side: two steps share a change between them.
-        let step = (moment - 0.5).ceil().clamp(0.0, substeps as f64);
-        let share = (step - moment + 0.5).clamp(0.0, 1.0);
-        jumps[step as usize] += share * change;
-        jumps[step as usize + 1] += (1.0 - share) * change;
-    });
+    }
     let whole: f64 = jumps.iter().sum();
     let mut sum = jumps[0];
     let between = (1..substeps).map(|step| {
@@ -46,61 +47,67 @@ fn mixed(key: u64) -> u64 {
     Random::new(key).bits()
 }
 
-/// Random numbers of deviation 1 that depend on position. Neighbours along z share most of what they are made of, so it is
-/// kept from one position to the next.
+/// Random numbers of deviation 1 that depend on position, for the voxels of one block at a time.
 struct Lattice {
     seed: u64,
-    /// The lattice's point before the last position.
-    base: Option<[i64; 3]>,
-    /// Numbers at the 4×4×4 points around it, x slowest, and the hashes of their columns along z.
-    columns: [u64; 16],
-    numbers: [[f64; 4]; 16],
+    axes: [[Taps; BLOCK as usize]; 3],
+    /// Numbers at the lattice's points around the block, x slowest.
+    points: Vec<f64>,
+}
+
+/// Points along an axis that the voxels of a block depend on: one before its first voxel, two after its last, and those in
+/// between.
+const POINTS: usize = ((BLOCK - 1) as f64 / SPACING) as usize + 5;
+
+/// The four points along an axis around a voxel.
+#[derive(Debug, Clone, Copy, Default)]
+struct Taps {
+    /// The first of them, among the block's.
+    first: usize,
+    weights: [f64; 4],
+    /// Sum of the weights' squares.
+    power: f64,
 }
 
 impl Lattice {
     fn new(seed: u64) -> Self {
-        Self { seed, base: None, columns: [0; 16], numbers: [[0.0; 4]; 16] }
+        Self { seed, axes: [[Taps::default(); BLOCK as usize]; 3], points: vec![0.0; POINTS.pow(3)] }
     }
 
-    /// The number at an index.
-    fn at(&mut self, index: [i64; 3]) -> f64 {
-        let at = index.map(|i| i as f64 / SPACING);
-        let base = at.map(f64::floor);
-        let [x, y, z]: [[f64; 4]; 3] = std::array::from_fn(|axis| weights(at[axis] - base[axis]));
-        self.move_to(base.map(|base| base as i64));
-        let (mut sum, mut power) = (0.0, 0.0);
-        for (n, numbers) in self.numbers.iter().enumerate() {
-            let column = x[n / 4] * y[n % 4];
-            for (number, z) in numbers.iter().zip(&z) {
-                let weight = column * z;
-                sum += weight * number;
-                power += weight * weight;
+    /// Goes to the block at `key` (index / 8).
+    fn move_to(&mut self, key: [i32; 3]) {
+        let place = |key: i32, voxel: usize| (f64::from(key) * f64::from(BLOCK) + voxel as f64) / SPACING;
+        let firsts = key.map(|key| place(key, 0).floor());
+        for (axis, taps) in self.axes.iter_mut().enumerate() {
+            for (voxel, taps) in taps.iter_mut().enumerate() {
+                let at = place(key[axis], voxel);
+                let weights = weights(at - at.floor());
+                let power = weights.iter().map(|weight| weight * weight).sum();
+                *taps = Taps { first: (at.floor() - firsts[axis]) as usize, weights, power };
             }
         }
-        sum / power.sqrt()
+        let [i, j, k] = firsts.map(|first| first as i64);
+        let hashed = |hash: u64, first: i64, n: usize| mixed(hash ^ (first + n as i64) as u64);
+        for (column, points) in self.points.chunks_exact_mut(POINTS).enumerate() {
+            let hash = hashed(hashed(self.seed, i, column / POINTS), j, column % POINTS);
+            for (n, number) in points.iter_mut().enumerate() {
+                *number = normal(hashed(hash, k, n));
+            }
+        }
     }
 
-    fn move_to(&mut self, base: [i64; 3]) {
-        let [i, j, k] = base;
-        let hashed = |hash: u64, index: i64, tap: usize| mixed(hash ^ (index + tap as i64) as u64);
-        let known = match self.base {
-            Some(last) if last == base => return,
-            // One point on: the other three stay.
-            Some(last) if last == [i, j, k - 1] => 3,
-            Some([x, y, _]) if [x, y] == [i, j] => 0,
-            _ => {
-                let seed = self.seed;
-                self.columns = std::array::from_fn(|n| hashed(hashed(seed, i, n / 4), j, n % 4));
-                0
-            }
-        };
-        for (numbers, hash) in self.numbers.iter_mut().zip(self.columns) {
-            numbers.copy_within(4 - known.., 0);
-            for (tap, number) in numbers.iter_mut().enumerate().skip(known) {
-                *number = normal(hashed(hash, k, tap));
+    /// The number at a voxel of the block.
+    fn at(&self, voxel: usize) -> f64 {
+        let [x, y, z] = [self.axes[0][voxel >> 6], self.axes[1][(voxel >> 3) & 7], self.axes[2][voxel & 7]];
+        let mut sum = 0.0;
+        for (i, of_x) in x.weights.iter().enumerate() {
+            for (j, of_y) in y.weights.iter().enumerate() {
+                let start = ((x.first + i) * POINTS + y.first + j) * POINTS + z.first;
+                let along: f64 = self.points[start..start + 4].iter().zip(&z.weights).map(|(a, b)| a * b).sum();
+                sum += of_x * of_y * along;
             }
         }
-        self.base = Some(base);
+        sum / (x.power * y.power * z.power).sqrt()
     }
 }
 
@@ -141,24 +148,34 @@ pub fn deviations(changes: &[Option<&[f64]>], substeps: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_is_kept_of_the_lattice_changes_nothing() {
-        let mut kept = Lattice::new(7);
-        let places = [
-            [0, 0, 0],
-            [0, 0, 1],
-            [0, 0, 2],
-            [0, 0, 9],
-            [0, 1, 9],
-            [5, 1, 9],
-            [-5, -1, -9],
-            [-5, -1, -8],
-            [-5, -1, -4],
-            [-5, -1, -5],
-        ];
-        for place in places {
-            assert_eq!(kept.at(place), Lattice::new(7).at(place), "{place:?}");
+    /// The number at an index, from its 64 points.
+    fn brute(index: [i32; 3], seed: u64) -> f64 {
+        let at = index.map(|i| f64::from(i) / SPACING);
+        let base = at.map(f64::floor);
+        let weights: [[f64; 4]; 3] = std::array::from_fn(|axis| weights(at[axis] - base[axis]));
+        let (mut sum, mut power) = (0.0, 0.0);
+        for n in 0..64usize {
+            let taps = [n / 16, n / 4 % 4, n % 4];
+            let hash = (0..3).fold(seed, |hash, axis| mixed(hash ^ (base[axis] as i64 + taps[axis] as i64) as u64));
+            let weight: f64 = (0..3).map(|axis| weights[axis][taps[axis]]).product();
+            sum += weight * normal(hash);
+            power += weight * weight;
         }
-        assert_ne!(Lattice::new(7).at([1, 2, 3]), Lattice::new(8).at([1, 2, 3]));
+        sum / power.sqrt()
+    }
+
+    #[test]
+    fn blocks_share_one_lattice() {
+        let mut lattice = Lattice::new(7);
+        for key in [[0, 0, 0], [0, 0, 1], [-1, 3, -2], [1000, -1000, 77], [1 << 24, -(1 << 24), 0]] {
+            lattice.move_to(key);
+            for voxel in 0..512i32 {
+                let within = [voxel >> 6, (voxel >> 3) & 7, voxel & 7];
+                let index = std::array::from_fn(|axis| 8 * key[axis] + within[axis]);
+                let (found, expected) = (lattice.at(voxel as usize), brute(index, 7));
+                assert!((found - expected).abs() < 1e-9, "{index:?}: {found}, not {expected}");
+            }
+        }
+        assert_ne!(brute([1, 2, 3], 7), brute([1, 2, 3], 8));
     }
 }

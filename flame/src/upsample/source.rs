@@ -6,14 +6,11 @@
 
 use crate::error::Error;
 use crate::frame::Frame;
-use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Transform, cross, dot};
+use crate::grid::{BLOCK, BLOCK_VOXELS, Grid, Transform, cross, dot, slot};
 use crate::velocity::{Placement, Velocity};
 
 /// Voxels along the edge of a block, including the neighbours that its smoothed values need.
 const REACH: usize = BLOCK as usize + 2;
-
-/// Bits of an index along one axis in a packed voxel position.
-const BITS: u32 = 21;
 
 /// Binary logarithm of the edge of the largest tile that is unpacked.
 const LARGEST_TILE: u32 = 7;
@@ -21,13 +18,25 @@ const LARGEST_TILE: u32 = 7;
 /// The slope per voxel below which a field is a plateau.
 const FLAT: f64 = 1e-6;
 
+/// The sources of a block's voxels.
+pub(super) type Block = [[f32; 1]; BLOCK_VOXELS];
+
+/// A block in which nothing burns.
+const NOTHING: Block = [[0.0]; BLOCK_VOXELS];
+
 /// The volume that every burning voxel of a frame emits per second.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct VoxelSources {
     /// The voxels' edges in world units.
     edges: [f64; 3],
-    /// Positions in ascending order, with their sources.
-    voxels: Vec<(u64, f32)>,
+    /// The sources; indices count from the voxel nearest the world's origin.
+    given: Grid<1>,
+}
+
+impl Default for VoxelSources {
+    fn default() -> Self {
+        Self { edges: [0.0; 3], given: Grid::new([0.0], Transform::identity()) }
+    }
 }
 
 impl VoxelSources {
@@ -43,26 +52,17 @@ impl VoxelSources {
         if !field.is_finite() {
             return Err(Error::NotFinite { what: "field" });
         }
-        let transform = *field.transform();
-        let (shift, volume) = (lattice_shift(&transform), voxel_volume(&transform));
-        let mut source = Self { edges: transform.voxel_edges(), ..Self::default() };
-        let mut add = |index, value: f32| {
-            if value != 0.0 {
-                source.voxels.push((packed(index, shift), (f64::from(value) * volume) as f32));
-            }
+        let transform = field.transform();
+        let volume = voxel_volume(transform);
+        let mut source = Self::new(transform);
+        let shift = lattice_shift(transform);
+        let mut add = |key, block: &Block| {
+            source.add(key, shift, &block.map(|[value]| [(f64::from(value) * volume) as f32]));
         };
-        for (key, block) in field.blocks() {
-            for (place, [value]) in block.iter().enumerate() {
-                add(index_of(key, place), *value);
-            }
-        }
+        field.blocks().for_each(|(key, block)| add(key, block));
         for key in tiled_blocks(field, |value| value != 0.0) {
-            for place in 0..BLOCK_VOXELS {
-                let index = index_of(key, place);
-                add(index, field.value(index)[0]);
-            }
+            add(key, &[field.outside_blocks(key.map(|key| key * BLOCK)); BLOCK_VOXELS]);
         }
-        source.voxels.sort_unstable_by_key(|(place, _)| *place);
         Ok(source)
     }
 
@@ -77,75 +77,79 @@ impl VoxelSources {
         if !frame.velocity.is_finite() {
             return Err(Error::NotFinite { what: "velocity" });
         }
-        let transform = *frame.field.transform();
-        let shift = lattice_shift(&transform);
-        let volume = voxel_volume(&transform);
-        let mut source = Self { edges: transform.voxel_edges(), ..Self::default() };
+        let transform = frame.field.transform();
+        let volume = voxel_volume(transform);
+        let mut source = Self::new(transform);
+        let shift = lattice_shift(transform);
         for key in burning_blocks(&frame.field, iso) {
             let fill = fill(&frame.field, key, iso);
             if fill.iter().all(|fill| *fill == 0.0) {
                 continue;
             }
-            let divergence = divergence(frame, &transform, key, &fill);
-            for (place, (fill, divergence)) in fill.iter().zip(&divergence).enumerate() {
-                let given = fill * divergence * volume;
-                if given != 0.0 {
-                    source.voxels.push((packed(index_of(key, place), shift), given as f32));
-                }
+            let mut block = NOTHING;
+            for ((given, fill), divergence) in block.iter_mut().zip(&fill).zip(divergence(frame, transform, key, &fill))
+            {
+                *given = [(fill * divergence * volume) as f32];
+            }
+            source.add(key, shift, &block);
+        }
+        Ok(source)
+    }
+
+    fn new(transform: &Transform) -> Self {
+        Self { edges: transform.voxel_edges(), ..Self::default() }
+    }
+
+    /// Adds the block of a field at `key`, whose indices are moved by `shift`.
+    fn add(&mut self, key: [i32; 3], shift: [i32; 3], block: &Block) {
+        let edge = BLOCK as usize;
+        for (row, values) in block.chunks_exact(edge).enumerate().filter(|(_, row)| row.iter().any(|[x]| *x != 0.0)) {
+            let within = index_of(key, row * edge);
+            let index: [i32; 3] = std::array::from_fn(|axis| within[axis].saturating_add(shift[axis]));
+            // Up to the end of one block, and from the beginning of the next.
+            let (first, rest) = values.split_at((BLOCK - (index[2] & (BLOCK - 1))) as usize);
+            let next = [index[0], index[1], index[2].saturating_add(first.len() as i32)];
+            for (index, values) in [(index, first), (next, rest)].into_iter().filter(|(_, values)| !values.is_empty()) {
+                let start = slot(index);
+                self.given.block_mut(index.map(|i| i >> 3))[start..start + values.len()].copy_from_slice(values);
             }
         }
-        source.voxels.sort_unstable_by_key(|(place, _)| *place);
-        Ok(source)
     }
 
     /// Sum of all sources: the flame's flux.
     pub fn total(&self) -> f64 {
-        self.voxels.iter().map(|(_, given)| f64::from(*given)).sum()
+        self.given.blocks().flat_map(|(_, block)| block).map(|[given]| f64::from(*given)).sum()
     }
 
     /// Sum of the absolute differences to another frame.
     pub fn difference(&self, next: &Self) -> f64 {
-        let mut sum = 0.0;
-        self.join(next, |_, before, after| sum += (after - before).abs());
-        sum
+        let of_blocks = |(_, before, after): (_, &Block, &Block)| {
+            let pairs = before.iter().zip(after);
+            pairs.map(|([before], [after])| (f64::from(*after) - f64::from(*before)).abs()).sum::<f64>()
+        };
+        self.pairs(next).map(of_blocks).sum()
     }
 
-    /// Visits every position in either of two frames, in ascending order, with its source in both. Visits nothing if
-    /// their voxels differ in size.
-    pub fn join(&self, next: &Self, mut visit: impl FnMut(u64, f64, f64)) {
+    /// The blocks of two frames in which anything burns in either, in ascending order of their keys. None if their voxels
+    /// differ in size.
+    pub(super) fn pairs<'a>(&'a self, next: &'a Self) -> impl Iterator<Item = ([i32; 3], &'a Block, &'a Block)> {
         let is_same = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-4;
-        if !self.voxels.is_empty() && !next.voxels.is_empty() && !self.edges.iter().zip(&next.edges).all(is_same) {
-            return;
-        }
-        let (mut ours, mut theirs) = (self.voxels.iter().peekable(), next.voxels.iter().peekable());
-        loop {
-            let (a, b) = (ours.peek().map(|(place, _)| *place), theirs.peek().map(|(place, _)| *place));
-            let Some(place) = a.into_iter().chain(b).min() else { return };
-            let here = |voxel: Option<&(u64, f32)>| voxel.map_or(0.0, |(_, given)| f64::from(*given));
-            let before = here(ours.next_if(|(at, _)| *at == place));
-            let after = here(theirs.next_if(|(at, _)| *at == place));
-            visit(place, before, after);
-        }
+        let keys = |source: &'a Self| source.given.blocks().map(|(key, _)| key);
+        let (mut all, others): (Vec<_>, Vec<_>) = (keys(self).collect(), keys(next).collect());
+        let is_comparable = all.is_empty() || others.is_empty() || self.edges.iter().zip(&next.edges).all(is_same);
+        all.extend(others);
+        all.sort_unstable();
+        all.dedup();
+        let block = |source: &'a Self, key| source.given.block(key).unwrap_or(&NOTHING);
+        let all = if is_comparable { all } else { vec![] };
+        all.into_iter().map(move |key| (key, block(self, key), block(next, key)))
     }
-}
-
-/// The index of a voxel from its packed position.
-pub fn unpacked(place: u64) -> [i64; 3] {
-    let mask = (1u64 << BITS) - 1;
-    std::array::from_fn(|axis| ((place >> (BITS * (2 - axis as u32))) & mask) as i64 - (1 << (BITS - 1)))
-}
-
-fn packed(index: [i32; 3], shift: [i64; 3]) -> u64 {
-    index.iter().zip(shift).fold(0, |place, (index, shift)| {
-        let within = (i64::from(*index) + shift + (1 << (BITS - 1))) & ((1 << BITS) - 1);
-        (place << BITS) | within as u64
-    })
 }
 
 /// Offset of index 0 from the voxel nearest the world's origin. With it, boxes that move with the flame by whole voxels
 /// keep the positions of burning voxels.
-fn lattice_shift(transform: &Transform) -> [i64; 3] {
-    transform.to_index([0.0; 3]).map(|index| -(index.clamp(-1e6, 1e6).round() as i64))
+fn lattice_shift(transform: &Transform) -> [i32; 3] {
+    transform.to_index([0.0; 3]).map(|index| -(index.clamp(-1e6, 1e6).round() as i32))
 }
 
 fn voxel_volume(transform: &Transform) -> f64 {
@@ -212,7 +216,7 @@ fn fill(field: &Grid<1>, key: [i32; 3], iso: f64) -> Vec<f64> {
     (0..BLOCK_VOXELS).map(filled).collect()
 }
 
-/// The 27 voxels around one, as distances from the first among [`around`](Grid::copy_around)'s values, with their weights in a
+/// The 27 voxels around one, as distances from the first among the values of [`Grid::copy_around`], with their weights in a
 /// cubic B-spline and in its slopes along x, y and z.
 const SMOOTHING: [(usize, [f64; 4]); 27] = {
     /// Weights at a voxel, and of the slope.

@@ -446,14 +446,14 @@ fn large_fronts_are_sampled_less_finely() {
     let small = growing(16);
     assert_eq!(measured(&small, Refinement::BySize), measured(&small, Refinement::Fixed(3)));
     let all = [Refinement::Fixed(3), Refinement::Fixed(2), Refinement::BySize];
-    let [fine, coarse, chosen] = all.map(|refinement| measured(&growing(72), refinement));
+    let [fine, coarse, chosen] = all.map(|refinement| measured(&growing(78), refinement));
     assert_eq!(chosen, coarse);
     assert!(
         (chosen.flux / fine.flux - 1.0).abs() < 1e-4 && chosen.triangles < fine.triangles / 2,
         "{chosen:?} {fine:?}"
     );
     // Between the sizes at which one gives way to the other, both count.
-    let [fine, coarse, chosen] = all.map(|refinement| measured(&growing(62), refinement));
+    let [fine, coarse, chosen] = all.map(|refinement| measured(&growing(66), refinement));
     assert_eq!(chosen.triangles, fine.triangles + coarse.triangles);
     let share = (chosen.flux - fine.flux) / (coarse.flux - fine.flux);
     assert!((0.05..0.95).contains(&share), "{share}");

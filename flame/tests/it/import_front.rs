@@ -4,11 +4,12 @@ use crate::common::flame_cache;
 use crate::import_common::Random;
 use crate::import_common::trees::small_tree;
 use crate::import_common::vdb::{BLOSC, Form, Plan, VdbFile, ZIP, write};
-use pyrophone_flame::Front;
-use pyrophone_flame::grid::{Grid, Transform};
+use pyrophone_flame::grid::{Region, Transform};
 use pyrophone_flame::import::npz::{DenseFrame, write_frame};
-use pyrophone_flame::import::{PlacementChoice, Selection, Sequence};
+use pyrophone_flame::import::vdb::Vdb;
+use pyrophone_flame::import::{GridSource, PlacementChoice, Selection, Sequence};
 use pyrophone_flame::velocity::Velocity;
+use pyrophone_flame::{Error, Front};
 
 /// Number of blocks in a velocity.
 fn blocks(velocity: &Velocity) -> usize {
@@ -101,6 +102,38 @@ fn reference_cache_measures_the_same() {
 
 #[test]
 fn a_front_without_an_end_is_reported_when_it_is_measured() {
-    let everywhere = Grid::new([1.0], Transform::identity());
-    assert!(Front::new(0.5, 1).unwrap().region(&everywhere).is_err());
+    // A background of 1 with a few leaves in it.
+    let mut random = Random::new(2);
+    let form = Form { version: 224, compression: 0, half: false, offsets: true };
+    let mut grid = |name: &str, kind, background: f32| {
+        let (mut topology, leaves) = small_tree(form, kind, 3, &mut random);
+        topology[4..8].copy_from_slice(&background.to_le_bytes());
+        Plan { tree: Some((topology, leaves)), ..Plan::new(name, kind) }
+    };
+    let plans = [grid("flame", "float", 1.0), grid("vel", "vec3s", 0.0)];
+    let VdbFile { bytes, .. } = write(form, &plans, &mut Random::new(3));
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.1.vdb"), bytes).unwrap();
+    let front = Front::new(0.5, 1).unwrap();
+    let sequence = Sequence::open(folder.path()).unwrap();
+    let frame = sequence.read_front(0, &Selection::default(), &front).unwrap();
+    assert!(matches!(front.measure(&frame), Err(Error::Unbounded { .. })));
+}
+
+#[test]
+fn leaves_outside_a_region_are_left_out_in_every_type() {
+    let nowhere = Region::new([], Transform::identity());
+    let form = Form { version: 224, compression: ZIP, half: false, offsets: true };
+    for seed in 0..10 {
+        let plans = ["bool", "float", "int32", "half"].map(|kind| Plan::new(kind, kind));
+        let VdbFile { bytes, written } = write(form, &plans, &mut Random::new(seed));
+        let mut vdb = Vdb::open(&bytes).unwrap();
+        for (index, written) in written.iter().enumerate() {
+            let whole = vdb.scalar(index).unwrap();
+            let part = vdb.scalar_within(index, Some(&nowhere)).unwrap();
+            assert_eq!(whole.blocks().count(), written.as_ref().unwrap().leaves.len());
+            assert_eq!(part.blocks().count(), 0, "seed {seed}, grid {index}");
+            assert!(part.tiles().eq(whole.tiles()));
+        }
+    }
 }

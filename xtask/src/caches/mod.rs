@@ -1,9 +1,11 @@
 //! `cargo xtask bench caches`: cost of sparse caches of several sizes, through the whole command line.
 //!
-//! A script writes the caches with OpenVDB's own library, as simulators do. Each is measured twice, all frames and the first half
-//! of them, so that what every run costs (the first look, the check of the units) is known apart from each frame.
+//! A script writes the caches with OpenVDB's own library, as simulators do. Each is measured twice, all frames and the
+//! first half of them, so that the costs of every run (the first look, the check of the units) are known apart from those
+//! of each frame.
 
 use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -41,9 +43,9 @@ struct Cache {
 pub fn run(args: &Args) -> Result<()> {
     ensure!(args.frames >= 2, "--frames is {}; at least 2 are needed", args.frames);
     println!(
-        "| voxels | active | CPU s to begin | CPU s per frame | with steps in between | with `--refine 3` | change by it | MB, two frames at a time |"
+        "| voxels | active | CPU s at the start | CPU s per frame | with flips | with `--refine 3` | difference from it | MB | MB with flips |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     for cells in &args.cells {
         let cache = Cache::write(*cells, args.frames)?;
         let plain = cache.cost(&["--upsample", "off"])?;
@@ -52,13 +54,14 @@ pub fn run(args: &Args) -> Result<()> {
         let fine = cache.cost(&["--upsample", "off", "--refine", "3"])?;
         let change = difference(&sized, &cache.flux()?);
         println!(
-            "| {cells}³ | {:.1} million | {:.1} | {:.2} | {:.2} | {:.2} | {change:.0e} | {:.0} |",
+            "| {cells}³ | {:.1} million | {:.1} | {:.2} | {:.2} | {:.2} | {change:.0e} | {:.0} | {:.0} |",
             cache.active as f64 / 1e6,
-            plain.begin_s,
+            plain.start_s,
             plain.frame_s,
             flips.frame_s,
             fine.frame_s,
             plain.peak_mb,
+            flips.peak_mb,
         );
     }
     Ok(())
@@ -66,7 +69,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Cost of measuring a cache.
 struct Cost {
-    begin_s: f64,
+    start_s: f64,
     frame_s: f64,
     peak_mb: f64,
 }
@@ -75,7 +78,10 @@ impl Cache {
     /// Writes a cache, unless it is there already.
     fn write(cells: usize, frames: usize) -> Result<Self> {
         let folder = project::target_dir().join(format!("caches/{cells}"));
-        let log = folder.join(format!("{frames}.log"));
+        let mut hasher = DefaultHasher::new();
+        SCRIPT.hash(&mut hasher);
+        // Another script writes other caches.
+        let log = folder.join(format!("{frames}-{:x}.log", hasher.finish()));
         if !log.is_file() {
             let _ = fs::remove_dir_all(&folder);
             fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
@@ -97,7 +103,7 @@ impl Cache {
         let first = self.measured(half, options)?;
         let all = self.measured(self.frames, options)?;
         let frame_s = (all.cpu_s - first.cpu_s) / (self.frames - half) as f64;
-        Ok(Cost { begin_s: all.cpu_s - self.frames as f64 * frame_s, frame_s, peak_mb: all.peak_mb })
+        Ok(Cost { start_s: all.cpu_s - self.frames as f64 * frame_s, frame_s, peak_mb: all.peak_mb })
     }
 
     fn measured(&self, frames: usize, options: &[&str]) -> Result<Spent> {

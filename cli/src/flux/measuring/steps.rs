@@ -19,9 +19,15 @@ use crate::progress::{Work, note};
 /// Frames per thread that are measured before the checkpoint is written.
 const PORTION: usize = 4;
 
-/// The same, if their sources are kept until the changes between them are known: those of a large frame take as much memory as the
-/// frame.
+/// The same, if their sources are kept until the changes between them are known: those of a large frame take much memory.
 const PORTION_WITH_SOURCES: usize = 1;
+
+/// What the change from a frame to the next needs.
+struct Seen {
+    source: VoxelSources,
+    /// The frame's flux, if it was found on the way.
+    row: Option<Row>,
+}
 
 /// Results of one step.
 struct Measured {
@@ -63,20 +69,21 @@ impl Plan {
         }
         let total = self.indices.len().max(1) as f32;
         let finished = std::sync::atomic::AtomicUsize::new(done.len());
-        // Sources of the frames that more than one change needs.
-        let mut sources: BTreeMap<usize, VoxelSources> = BTreeMap::new();
+        // What is known of the frames that more than one change needs.
+        let mut seen: BTreeMap<usize, Seen> = BTreeMap::new();
         // In portions, so that what is done is kept and the first bad frame is always the same one.
         let has_changes = self.upsampler.as_ref().is_some_and(Upsampler::needs_changes);
         let per_thread = if has_changes { PORTION_WITH_SOURCES } else { PORTION };
         for portion in left.chunks(per_thread * rayon::current_num_threads()) {
-            sources = self.sources(portion, sources, work)?;
+            seen = self.see(portion, seen, work)?;
             let is_shared = portion.len() < rayon::current_num_threads();
             let results: Vec<Result<Measured, Error>> = portion
                 .par_iter()
                 .map(|index| {
                     work.check()?;
-                    let measured =
-                        Measured { row: self.row(*index, is_shared)?, change: self.change(*index, &sources) };
+                    let known = seen.get(index).and_then(|seen| seen.row).map(Ok);
+                    let row = known.unwrap_or_else(|| self.row(*index, is_shared))?;
+                    let measured = Measured { row, change: self.change(*index, &seen) };
                     stage.report((finished.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1) as f32 / total);
                     Ok(measured)
                 })
@@ -100,33 +107,44 @@ impl Plan {
         Ok(())
     }
 
-    /// The sources of a portion's frames and of the frame after each, requested or not: a shard looks beyond its own
+    /// What changes need of a portion's frames and of the frame after each, requested or not: a shard looks beyond its own
     /// frames. Unreadable frames are left out; the error is reported when the frame itself is measured.
-    fn sources(
+    fn see(
         &self,
         portion: &[usize],
-        known: BTreeMap<usize, VoxelSources>,
+        known: BTreeMap<usize, Seen>,
         work: &Work,
-    ) -> Result<BTreeMap<usize, VoxelSources>, Error> {
+    ) -> Result<BTreeMap<usize, Seen>, Error> {
         if !self.upsampler.as_ref().is_some_and(Upsampler::needs_changes) {
             return Ok(BTreeMap::new());
         }
         let ahead = |index: &usize| [Some(*index), self.next(*index)];
         let needed: BTreeSet<usize> = portion.iter().flat_map(ahead).flatten().collect();
-        let mut sources: BTreeMap<usize, VoxelSources> =
-            known.into_iter().filter(|(index, _)| needed.contains(index)).collect();
-        let new: Vec<usize> = needed.into_iter().filter(|index| !sources.contains_key(index)).collect();
-        let read = |index: &usize| work.check().map(|()| self.source(*index).ok().map(|source| (*index, source)));
-        let found: Result<Vec<_>, Error> = new.par_iter().map(read).collect();
-        sources.extend(found?.into_iter().flatten());
-        Ok(sources)
+        let mut seen: BTreeMap<usize, Seen> = known.into_iter().filter(|(index, _)| needed.contains(index)).collect();
+        let new: Vec<usize> = needed.into_iter().filter(|index| !seen.contains_key(index)).collect();
+        let look = |index: &usize| work.check().map(|()| self.seen(*index).ok().map(|seen| (*index, seen)));
+        let found: Result<Vec<_>, Error> = new.par_iter().map(look).collect();
+        seen.extend(found?.into_iter().flatten());
+        Ok(seen)
+    }
+
+    /// What changes need of a frame; its flux too, if that takes no second reading.
+    fn seen(&self, index: usize) -> Result<Seen, Error> {
+        if !self.needs_flow() || self.mesh.is_some() {
+            return Ok(Seen { source: self.source(index)?, row: None });
+        }
+        let frame = self.read(index)?;
+        let of_frame = |source| self.of_frame(index, source);
+        let measure = self.front.measure_on_this_thread(&frame).map_err(of_frame)?;
+        let source = VoxelSources::of_front(&frame, self.front.iso()).map_err(of_frame)?;
+        Ok(Seen { source, row: Some(Row::new(frame.number, &measure)) })
     }
 
     /// Change from a frame to the next, if it is needed and both can be read.
-    fn change(&self, index: usize, sources: &BTreeMap<usize, VoxelSources>) -> Option<Vec<f64>> {
+    fn change(&self, index: usize, seen: &BTreeMap<usize, Seen>) -> Option<Vec<f64>> {
         let next = self.next(index)?;
-        let (before, after) = (sources.get(&index)?, sources.get(&next)?);
-        Some(self.upsampler.as_ref()?.change(self.sequence.numbers().nth(index)?, before, after))
+        let (before, after) = (seen.get(&index)?, seen.get(&next)?);
+        Some(self.upsampler.as_ref()?.change(self.sequence.numbers().nth(index)?, &before.source, &after.source))
     }
 
     /// The frame of the following step, requested or not: a shard looks one frame beyond its own.
@@ -139,13 +157,17 @@ impl Plan {
         self.upsampler.as_ref().is_some_and(Upsampler::needs_changes) && self.next(index).is_some()
     }
 
+    /// True if the changes between frames need the flow inside the front.
+    fn needs_flow(&self) -> bool {
+        let needs = |upsampler: &Upsampler| upsampler.needs_changes() && !upsampler.needs_field_only();
+        self.measure == Measure::Flux && self.upsampler.as_ref().is_some_and(needs)
+    }
+
     /// Volume sources of a frame.
     fn source(&self, index: usize) -> Result<VoxelSources, Error> {
         let of_frame = |source| self.of_frame(index, source);
         match self.measure {
-            Measure::Flux if !self.upsampler.as_ref().is_some_and(Upsampler::needs_field_only) => {
-                VoxelSources::of_front(&self.read(index)?, self.front.iso()).map_err(of_frame)
-            }
+            _ if self.needs_flow() => VoxelSources::of_front(&self.read(index)?, self.front.iso()).map_err(of_frame),
             _ if self.sequence.is_unlit(index, &self.selection) => Ok(VoxelSources::default()),
             _ => VoxelSources::of_field(&self.sequence.read_field(index, &self.selection)?).map_err(of_frame),
         }
@@ -156,7 +178,8 @@ impl Plan {
         if self.measure != Measure::Flux {
             return self.integral(index);
         }
-        let frame = self.read_front(index)?;
+        // Flips need the whole flow: if they cannot have it, the frame is as bad for them.
+        let frame = if self.needs_flow() { self.read(index)? } else { self.read_front(index)? };
         let measure = if is_shared { self.front.measure(&frame) } else { self.front.measure_on_this_thread(&frame) };
         let measure = measure.map_err(|source| self.of_frame(index, source))?;
         if let Some(path) = self.mesh_path(frame.number) {

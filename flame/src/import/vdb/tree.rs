@@ -258,7 +258,7 @@ impl<'a, 'b> Tree<'a, 'b> {
                 self.budget.keep(BLOCK_VOXELS * voxel_bytes + LEAF_OVERHEAD_BYTES)?;
             }
             if self.layout.kind.is_bits() {
-                self.leaf_bits(sink, origin)?;
+                self.leaf_bits(sink, origin, is_wanted)?;
                 continue;
             }
             if self.layout.version < FLAGGED_VERSION {
@@ -277,14 +277,16 @@ impl<'a, 'b> Tree<'a, 'b> {
         Ok(())
     }
 
-    fn leaf_bits<S: Sink>(&mut self, sink: &mut S, origin: [i32; 3]) -> Result<(), FormatFault> {
+    fn leaf_bits<S: Sink>(&mut self, sink: &mut S, origin: [i32; 3], is_wanted: bool) -> Result<(), FormatFault> {
         self.leaf_origin(origin)?;
         if self.layout.kind.number == Number::Mask {
             return Ok(());
         }
         let bits = self.cursor.read_bytes(LEAF_MASK_BYTES)?;
         let values: [f32; BLOCK_VOXELS] = std::array::from_fn(|voxel| f32::from(u8::from(bit(bits, voxel))));
-        sink.leaf(origin, &values);
+        if is_wanted {
+            sink.leaf(origin, &values);
+        }
         Ok(())
     }
 
