@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use super::error::{Error, FormatFault};
-use super::sequence::open;
+use super::file::open;
 
 /// Bytes of a file from which on only some threads read at a time: what is read is smaller than the file, and what is done with it
 /// takes longer.

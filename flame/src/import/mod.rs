@@ -9,6 +9,7 @@ pub mod budget;
 mod buffers;
 pub mod description;
 pub mod error;
+mod file;
 mod format;
 mod listing;
 pub mod model;

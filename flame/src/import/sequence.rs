@@ -1,16 +1,15 @@
 //! A simulation's frames on disk.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::assemble::Assembly;
 use super::blender::DomainBox;
-use super::budget::check_file_size;
 use super::buffers::Buffers;
 use super::description::Description;
 use super::error::{Error, shown_path};
+use super::file;
 use super::format::Format;
 use super::listing::{self, FrameFiles, Listing};
 use super::model::{GridSource, Selection};
@@ -259,7 +258,7 @@ impl Sequence {
                 use_it(frame.number, &mut vdb)
             }),
             Format::Npz => {
-                let (file, _) = open(path)?;
+                let (file, _) = file::open(path)?;
                 use_it(frame.number, &mut Npz::open(BufReader::new(file)).map_err(failure)?)
             }
             Format::Npy => use_it(frame.number, &mut Npy::open(&frame.files).map_err(failure)?),
@@ -285,16 +284,4 @@ pub(super) fn snapped_rate_hz(rate_hz: f64) -> f64 {
     // Nine digits, so that parts of a simulation find the same rate as the whole.
     let rounded = || format!("{rate_hz:.8e}").parse().unwrap_or(rate_hz);
     usual.into_iter().find(is_near).unwrap_or_else(rounded)
-}
-
-/// Opens a regular file, not a device or a pipe, and returns its size.
-pub(super) fn open(path: &Path) -> Result<(File, u64), Error> {
-    let file = File::open(path).map_err(Error::of_system(path))?;
-    let metadata = file.metadata().map_err(Error::of_system(path))?;
-    if !metadata.is_file() {
-        let reason = "it is not a file".into();
-        return Err(Error::Unreadable { path: shown_path(path), reason });
-    }
-    check_file_size(metadata.len()).map_err(Error::of_file(path))?;
-    Ok((file, metadata.len()))
 }

@@ -11,8 +11,8 @@ use std::path::Path;
 use self::table::Table;
 use self::values::MOST_ROWS;
 use super::error::{Error, FormatFault};
+use super::file::open;
 use super::npy::Header;
-use super::sequence::open;
 
 pub use self::values::{Series, Timing};
 
