@@ -39,8 +39,8 @@ pub(super) fn visit(field: &Grid<1>, keys: &[[i32; 3]], level: f64, mut visit: i
     }
 }
 
-/// Keys of the blocks of cells that the surface at `level` can pass through, in ascending order: those that depend on values on both
-/// of its sides.
+/// Keys of the blocks of cells that the surface at `level` can pass through, in ascending order: in and around them there
+/// are values on both of its sides.
 ///
 /// # Errors
 /// If the tiles have so much surface, or lie so far away, that they cannot be intended.
@@ -51,7 +51,7 @@ pub(super) fn candidates(field: &Grid<1>, level: f64) -> Result<Vec<[i32; 3]>, E
     Ok(keys)
 }
 
-/// Those candidates among `keys` with a cell that depends on values on both sides.
+/// Those of the [`candidates`] `keys` whose own cells depend on values on both sides.
 pub(super) fn crossed(field: &Grid<1>, mut keys: Vec<[i32; 3]>, level: f64) -> Vec<[i32; 3]> {
     let mut seen = Neighbourhood::new();
     keys.retain(|key| {

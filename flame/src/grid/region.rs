@@ -52,12 +52,12 @@ impl Part<'_> {
             let index: [f64; 3] = std::array::from_fn(|axis| first[axis] + f64::from(corner >> axis & 1) * edge);
             for axis in 0..3 {
                 let place = (0..3).map(|of| index[of] * self.map.0[of][axis]).sum::<f64>() + self.map.1[axis];
+                // Where numbers overflow the place is unknown, and too many blocks are better than too few.
+                if !place.is_finite() {
+                    return true;
+                }
                 (low[axis], high[axis]) = (low[axis].min(place), high[axis].max(place));
             }
-        }
-        // Overflows of far-fetched transforms: such a block is no farther away than its numbers say.
-        if !(0..3).all(|axis| low[axis] <= high[axis]) {
-            return true;
         }
         // Conversion saturates: no key is beyond the range of its type.
         let key_of = |place: f64| (place / f64::from(BLOCK)).floor() as i32;

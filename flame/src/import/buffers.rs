@@ -81,7 +81,7 @@ fn read(file: File, size: u64, path: &Path, bytes: &mut Vec<u8>) -> Result<(), E
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
     use super::*;
 
@@ -89,17 +89,24 @@ mod tests {
     fn large_files_are_read_by_half_of_the_threads_at_a_time() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
         let buffers = Buffers::default();
-        let reading = AtomicUsize::new(0);
-        pool.scope(|scope| {
-            // Two permits are given, and the third thread waits until one is returned.
-            let held = [buffers.permit_of(2), buffers.permit_of(2)];
-            scope.spawn(|_| {
-                let _permit = buffers.permit();
-                reading.store(buffers.state().reading, Ordering::SeqCst);
+        let (asks, reading) = (AtomicBool::new(false), AtomicUsize::new(0));
+        // More than once: a thread that did not wait might be late by chance.
+        for _ in 0..50 {
+            asks.store(false, Ordering::SeqCst);
+            pool.in_place_scope(|scope| {
+                let held = [buffers.permit_of(2), buffers.permit_of(2)];
+                scope.spawn(|_| {
+                    asks.store(true, Ordering::SeqCst);
+                    let _permit = buffers.permit();
+                    reading.fetch_max(buffers.state().reading, Ordering::SeqCst);
+                });
+                while !asks.load(Ordering::SeqCst) {
+                    std::thread::yield_now();
+                }
+                (0..50).for_each(|_| std::thread::yield_now());
+                drop(held);
             });
-            assert_eq!((buffers.state().reading, reading.load(Ordering::SeqCst)), (2, 0));
-            drop(held);
-        });
+        }
         assert!((1..=2).contains(&reading.load(Ordering::SeqCst)));
         assert_eq!(buffers.state().reading, 0);
     }

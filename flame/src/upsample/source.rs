@@ -105,10 +105,11 @@ impl VoxelSources {
         let edge = BLOCK as usize;
         for (row, values) in block.chunks_exact(edge).enumerate().filter(|(_, row)| row.iter().any(|[x]| *x != 0.0)) {
             let within = index_of(key, row * edge);
-            let index: [i32; 3] = std::array::from_fn(|axis| within[axis].saturating_add(shift[axis]));
+            // Wrapped, not saturated: where numbers end, voxels still are in a block's places.
+            let index: [i32; 3] = std::array::from_fn(|axis| within[axis].wrapping_add(shift[axis]));
             // Up to the end of one block, and from the beginning of the next.
             let (first, rest) = values.split_at((BLOCK - (index[2] & (BLOCK - 1))) as usize);
-            let next = [index[0], index[1], index[2].saturating_add(first.len() as i32)];
+            let next = [index[0], index[1], index[2].wrapping_add(first.len() as i32)];
             for (index, values) in [(index, first), (next, rest)].into_iter().filter(|(_, values)| !values.is_empty()) {
                 let start = slot(index);
                 self.given.block_mut(index.map(|i| i >> 3))[start..start + values.len()].copy_from_slice(values);
@@ -302,7 +303,7 @@ fn flow_around(frame: &Frame, transform: &Transform, key: [i32; 3]) -> Vec<[f64;
 /// Index of a voxel of the block at `key`.
 fn index_of(key: [i32; 3], place: usize) -> [i32; 3] {
     let within = within(place);
-    std::array::from_fn(|axis| key[axis] * BLOCK + within[axis] as i32)
+    std::array::from_fn(|axis| key[axis].wrapping_mul(BLOCK).wrapping_add(within[axis] as i32))
 }
 
 /// Position of a voxel in its block.

@@ -1,7 +1,8 @@
 //! Options that are refused.
 
 use super::folder;
-use crate::common::{refuses, write};
+use crate::common::{pyrophone, refuses, succeeds, write};
+use pyrophone_flame::import::npz::{DenseFrame, write_frame};
 
 #[test]
 fn bad_options_are_refused() {
@@ -44,4 +45,30 @@ fn bad_options_are_refused() {
     }
     refuses(at, "flux --input none --output x.wav", 1, &["none", "no such file"]);
     refuses(at, "flux --input none.wav --output x.wav", 1, &["none.wav", "no such file"]);
+}
+
+#[test]
+fn frames_whose_flips_cannot_be_known_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    std::fs::create_dir(at.join("wide")).unwrap();
+    // A flame at one end of a long box; at the other, in the second frame, a speed that is no number.
+    let shape = [64, 16, 16];
+    let count = shape.iter().product();
+    let flame: Vec<[f32; 1]> = (0..count).map(|n| [if n / 256 < 6 { 1.0 } else { 0.0 }]).collect();
+    for number in 1..=3 {
+        let mut velocity: Vec<[f32; 3]> = (0..count).map(|n| [(n / 256) as f32 * number as f32, 0.0, 0.0]).collect();
+        if number == 2 {
+            velocity[count - 1] = [f32::NAN; 3];
+        }
+        let (origin, time_s) = ([0.0; 3], Some(f64::from(number) / 24.0));
+        let frame = DenseFrame { shape, flame: &flame, velocity: &velocity, voxel_size: 0.1, origin, time_s };
+        let path = at.join(format!("wide/wide_000{number}.npz"));
+        write_frame(std::fs::File::create(path).unwrap(), &frame).unwrap();
+    }
+    // The flux depends on the flow at the front alone; what burns between two frames depends on all of it.
+    succeeds(at, "flux --input wide --upsample off --flux-csv x.csv");
+    let output = pyrophone(at, "flux --input wide --upsample flips --flux-csv y.csv");
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(1) && error.contains("wide_0002.npz"), "{error}");
 }
